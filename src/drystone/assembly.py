@@ -1,0 +1,391 @@
+"""Blocks and assemblies: what the structure is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from drystone.errors import InputError
+from drystone.geometry import polyhedron
+from drystone.geometry.arrays import Bools, Floats, Ints, frozen, frozen_floats
+
+DEFAULT_DENSITY = 2400.0
+"""[kg/m3], chosen: dense limestone and plain concrete. Verdicts under self-weight do not depend
+on a common density."""
+
+FLAT = 1e-12
+"""A block whose volume is less than this share of its bounding box diagonal cubed is refused:
+rounding of its coordinates decides the sign."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """A rigid polyhedron, convex or concave, with polygon faces.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops of vertex indices, counter-clockwise seen from outside; concave loops are fine. A face
+        with a hole is given as several faces.
+    name
+        Unique in an assembly.
+    density : [kg/m3]
+    metadata
+        Anything a file says about the block; kept, not used.
+
+    Attributes
+    ----------
+    repairs
+        What had to be mended: faces turned, unused vertices dropped. Empty for a clean block.
+
+    Raises
+    ------
+    InputError
+        Open, non-manifold, self-touching, flat, or not finite; the offending edges are named.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> block = box((1.0, 2.0, 0.5), name="base", density=2000.0)
+    >>> float(block.volume), float(block.mass)
+    (1.0, 2000.0)
+    """
+
+    vertices: Floats
+    faces: tuple[tuple[int, ...], ...]
+    name: str = "block"
+    density: float = DEFAULT_DENSITY
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+    repairs: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = f"block '{self.name}'"
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError("a block needs a name", remedy="give a non-empty string")
+        try:
+            vertices = frozen_floats(self.vertices, (None, 3), "vertices")
+        except InputError as error:
+            raise InputError(error.what, where=where, remedy=error.remedy) from error
+        density = _density(self.density, where)
+        loops = _loops(self.faces, len(vertices), where)
+        vertices, loops, dropped = _drop_unused(vertices, loops)
+        loops, volume, centroid, turned = _closed_surface(vertices, loops, where)
+        set_ = object.__setattr__
+        set_(self, "vertices", vertices)
+        set_(self, "faces", tuple(loops))
+        set_(self, "density", density)
+        set_(self, "metadata", MappingProxyType(dict(self.metadata)))
+        set_(self, "repairs", (*self.repairs, *dropped, *turned))
+        set_(self, "volume", volume)
+        set_(self, "centroid", centroid)
+
+    volume: float = field(init=False, repr=False)
+    """[m3]"""
+    centroid: Floats = field(init=False, repr=False)
+    """(3,) [m]"""
+
+    @property
+    def mass(self) -> float:
+        """[kg]"""
+        return self.volume * self.density
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """(2, 3) [m], lowest and highest corner of the axis-aligned bounding box."""
+        return frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
+
+    @property
+    def size(self) -> float:
+        """[m], diagonal of the bounding box."""
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+
+    def transformed(self, rotation: Any = None, translation: Any = (0.0, 0.0, 0.0)) -> Block:
+        """The block moved by ``rotation @ x + translation``.
+
+        Parameters
+        ----------
+        rotation : (3, 3), optional
+            Any invertible matrix: a mirror image keeps its faces outwards, a scale scales.
+        translation : (3,) [m]
+        """
+        matrix = np.eye(3) if rotation is None else frozen_floats(rotation, (3, 3), "rotation")
+        moved = self.vertices @ matrix.T + frozen_floats(translation, (3,), "translation")
+        mirrored = np.linalg.det(matrix) < 0.0
+        faces = tuple(f[::-1] for f in self.faces) if mirrored else self.faces
+        return Block(moved, faces, self.name, self.density, self.metadata, self.repairs)
+
+    def renamed(self, name: str) -> Block:
+        """The same block under another name."""
+        return replace_block(self, name=name)
+
+
+def replace_block(block: Block, **changes: Any) -> Block:
+    """A copy of ``block`` with some of its arguments changed."""
+    arguments = {
+        key: getattr(block, key)
+        for key in ("vertices", "faces", "name", "density", "metadata", "repairs")
+    }
+    return Block(**(arguments | changes))
+
+
+def _density(value: Any, where: str) -> float:
+    try:
+        density = float(value)
+    except (TypeError, ValueError) as error:
+        raise InputError("density must be a number in kg/m3", where=where) from error
+    if not (np.isfinite(density) and density > 0.0):
+        raise InputError(f"density is {density}", where=where, remedy="give kg/m3 above zero")
+    return density
+
+
+def _loops(faces: Iterable[Sequence[int]], count: int, where: str) -> list[tuple[int, ...]]:
+    loops: list[tuple[int, ...]] = []
+    for number, face in enumerate(faces):
+        try:
+            loop = tuple(int(i) for i in face)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"face {number} is not a list of integers", where=where) from error
+        if len(loop) < 3 or len(set(loop)) != len(loop):
+            raise InputError(
+                f"face {number} {list(loop)} needs three or more corners, none twice",
+                where=where,
+                remedy="remove repeated corners, split a face with a hole into several",
+            )
+        if min(loop) < 0 or max(loop) >= count:
+            raise InputError(
+                f"face {number} uses vertex {max(loop) if max(loop) >= count else min(loop)}",
+                where=where,
+                remedy=f"vertices are numbered 0 to {count - 1}",
+            )
+        loops.append(loop)
+    if len(loops) < 4:
+        raise InputError(
+            f"has {len(loops)} faces", where=where, remedy="a closed block has four or more"
+        )
+    return loops
+
+
+def _drop_unused(
+    vertices: Floats, loops: list[tuple[int, ...]]
+) -> tuple[Floats, list[tuple[int, ...]], list[str]]:
+    used = sorted({i for loop in loops for i in loop})
+    if len(used) == len(vertices):
+        return vertices, loops, []
+    new = {old: i for i, old in enumerate(used)}
+    kept = frozen(np.ascontiguousarray(vertices[used]))
+    note = f"{len(vertices) - len(used)} unused vertices dropped"
+    return kept, [tuple(new[i] for i in loop) for loop in loops], [note]
+
+
+def _edges_text(edges: list[tuple[int, int]]) -> str:
+    shown = ", ".join(f"{a}-{b}" for a, b in edges[:4])
+    return shown + (f" and {len(edges) - 4} more" if len(edges) > 4 else "")
+
+
+def _closed_surface(
+    vertices: Floats, loops: list[tuple[int, ...]], where: str
+) -> tuple[list[tuple[int, ...]], float, Floats, list[str]]:
+    """Checked and outward faces, volume, centroid, and the notes of what was turned."""
+    open_edges, crowded, consistent = polyhedron.edge_defects(loops)
+    if crowded:
+        raise InputError(
+            f"non-manifold: more than two faces meet at edges {_edges_text(crowded)}",
+            where=where,
+            remedy="split the block there or remove inner faces",
+        )
+    if open_edges:
+        raise InputError(
+            f"open mesh: {len(open_edges)} edges have one face only ({_edges_text(open_edges)})",
+            where=where,
+            remedy="close the holes or merge coincident vertices",
+        )
+    notes: list[str] = []
+    if not consistent:
+        loops, turned = polyhedron.orient(loops)
+        if not polyhedron.edge_defects(loops)[2]:
+            raise InputError(
+                "its surface has no inside", where=where, remedy="it is one-sided: model it anew"
+            )
+        notes.append(f"faces {', '.join(map(str, turned[:8]))} turned to agree with the others")
+    pinched = polyhedron.pinched_vertices(loops)
+    if pinched:
+        raise InputError(
+            f"its surface touches itself at vertex {pinched[0]}",
+            where=where,
+            remedy="separate the parts there, or split it into two blocks",
+        )
+    faces = polyhedron.stack_faces([vertices], [loops])
+    volumes, centroids = polyhedron.mass_properties(faces, 1)
+    volume = float(volumes[0])
+    diagonal = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
+    if abs(volume) <= FLAT * diagonal**3:
+        raise InputError(
+            f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
+        )
+    if volume < 0.0:
+        loops = [loop[::-1] for loop in loops]
+        volume = -volume
+        notes.append("inside out: all faces turned")
+    return loops, volume, frozen(centroids[0]), notes
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Blocks, some of them fixed. A block is known by its position, everywhere.
+
+    Parameters
+    ----------
+    blocks
+        Names are unique.
+    fixed : (n,) bool
+        Supports; all free when left out.
+
+    Raises
+    ------
+    InputError
+        No block, two blocks with one name, or a mask of another length.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> assembly = tower(3)
+    >>> assembly.names
+    ('block-0', 'block-1', 'block-2')
+    >>> assembly.fixed.tolist()
+    [True, False, False]
+    """
+
+    blocks: tuple[Block, ...]
+    fixed: Bools = None  # type: ignore[assignment]  # filled in below
+
+    def __post_init__(self) -> None:
+        blocks = tuple(self.blocks)
+        if not blocks:
+            raise InputError("the assembly has no blocks", remedy="give at least one")
+        seen: dict[str, int] = {}
+        for i, block in enumerate(blocks):
+            if block.name in seen:
+                raise InputError(
+                    f"blocks {seen[block.name]} and {i} have one name, '{block.name}'",
+                    remedy="rename one of them",
+                )
+            seen[block.name] = i
+        mask = np.zeros(len(blocks), dtype=bool) if self.fixed is None else np.array(self.fixed)
+        if mask.shape != (len(blocks),) or mask.dtype != bool:
+            raise InputError(f"fixed must hold {len(blocks)} booleans, got {mask.shape}")
+        object.__setattr__(self, "blocks", blocks)
+        object.__setattr__(self, "fixed", frozen(mask))
+        object.__setattr__(self, "_position", seen)
+
+    def __len__(self) -> int:
+        return len(self.blocks)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Block names, by position."""
+        return tuple(block.name for block in self.blocks)
+
+    @cached_property
+    def free(self) -> Ints:
+        """Positions of the blocks that are not fixed."""
+        return frozen(np.flatnonzero(~self.fixed))
+
+    @cached_property
+    def volume(self) -> Floats:
+        """(n,) [m3]"""
+        return frozen(np.array([block.volume for block in self.blocks]))
+
+    @cached_property
+    def mass(self) -> Floats:
+        """(n,) [kg]"""
+        return frozen(np.array([block.mass for block in self.blocks]))
+
+    @cached_property
+    def centroid(self) -> Floats:
+        """(n, 3) [m]"""
+        return frozen(np.array([block.centroid for block in self.blocks]))
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """(n, 2, 3) [m], axis-aligned bounding box of each block."""
+        return frozen(np.array([block.bounds for block in self.blocks]))
+
+    @cached_property
+    def size(self) -> Floats:
+        """(n,) [m], bounding box diagonal of each block."""
+        return frozen(np.linalg.norm(self.bounds[:, 1] - self.bounds[:, 0], axis=1))
+
+    @cached_property
+    def faces(self) -> polyhedron.Faces:
+        """The faces of all blocks as flat arrays."""
+        return polyhedron.stack_faces(
+            [block.vertices for block in self.blocks], [block.faces for block in self.blocks]
+        )
+
+    def index(self, name: str) -> int:
+        """Position of the block called ``name``.
+
+        Raises
+        ------
+        InputError
+            There is none; close names are suggested.
+        """
+        position: dict[str, int] = self._position  # type: ignore[attr-defined]
+        if name not in position:
+            import difflib  # only needed to word the error
+
+            close = difflib.get_close_matches(name, self.names, n=3)
+            hint = f"did you mean {', '.join(close)}?" if close else "see 'drystone inspect'"
+            raise InputError(f"no block is called '{name}'", remedy=hint)
+        return position[name]
+
+    def indices(self, blocks: Iterable[int | str]) -> Ints:
+        """Positions of blocks given by position or by name."""
+        found = [self.index(b) if isinstance(b, str) else int(b) for b in blocks]
+        for i in found:
+            if not 0 <= i < len(self):
+                raise InputError(f"there is no block {i}", remedy=f"0 to {len(self) - 1} exist")
+        return np.array(found, dtype=np.intp)
+
+    def subset(self, blocks: Iterable[int | str]) -> Assembly:
+        """The assembly of some of the blocks, in the given order."""
+        chosen = self.indices(blocks)
+        return Assembly(tuple(self.blocks[i] for i in chosen), self.fixed[chosen])
+
+    def without(self, blocks: Iterable[int | str]) -> Assembly:
+        """The assembly less some of the blocks."""
+        gone = np.zeros(len(self), dtype=bool)
+        gone[self.indices(blocks)] = True
+        return self.subset(np.flatnonzero(~gone).tolist())
+
+    def with_fixed(self, blocks: Iterable[int | str]) -> Assembly:
+        """The same blocks with exactly the given ones fixed."""
+        mask = np.zeros(len(self), dtype=bool)
+        mask[self.indices(blocks)] = True
+        return Assembly(self.blocks, mask)
+
+    def transformed(self, rotation: Any = None, translation: Any = (0.0, 0.0, 0.0)) -> Assembly:
+        """Every block moved by ``rotation @ x + translation``; see :meth:`Block.transformed`."""
+        return Assembly(
+            tuple(block.transformed(rotation, translation) for block in self.blocks), self.fixed
+        )
+
+    def with_density(self, density: float | Sequence[float]) -> Assembly:
+        """The same blocks with another density [kg/m3], one for all or one each."""
+        each = np.broadcast_to(np.asarray(density, dtype=np.float64), (len(self),))
+        return Assembly(
+            tuple(
+                replace_block(block, density=float(rho))
+                for block, rho in zip(self.blocks, each, strict=True)
+            ),
+            self.fixed,
+        )
+
+
+__all__ = ["DEFAULT_DENSITY", "Assembly", "Block", "replace_block"]

@@ -1,0 +1,181 @@
+"""Contacts: the planar interfaces between blocks, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drystone.errors import InputError, MissingDependency
+from drystone.geometry import polygon
+from drystone.geometry.arrays import Bools, Floats, Ints, frozen, frozen_floats, frozen_ints
+
+if TYPE_CHECKING:
+    import networkx
+
+DEFAULT_FRICTION = 0.6
+"""Friction coefficient, chosen: the cautious end of dry stone on stone (0.6 to 0.75)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Planar interfaces between pairs of blocks; several per pair are normal.
+
+    Parameters
+    ----------
+    block_a, block_b : (m,)
+        Positions of the two blocks of each interface.
+    frame : (m, 3, 3)
+        Rows n, u, v: right-handed, unit, n from block a to block b.
+    area : (m,) [m2]
+    friction : (m,)
+        Coulomb coefficient of each interface.
+    point : (k, 3) [m]
+        Interface corners, interface after interface, counter-clockwise about n: each interface is a
+        simple polygon (three or more corners), a line (two) or a point (one). An overlap
+        with a hole is stored as several interfaces.
+    interface : (k,)
+        Interface of each corner, ascending.
+    """
+
+    block_a: Ints
+    block_b: Ints
+    frame: Floats
+    area: Floats
+    friction: Floats
+    point: Floats
+    interface: Ints
+
+    def __post_init__(self) -> None:
+        m = len(self.block_a)
+        checked: dict[str, Any] = {
+            "block_a": frozen_ints(self.block_a, (m,), "block_a"),
+            "block_b": frozen_ints(self.block_b, (m,), "block_b"),
+            "frame": frozen_floats(np.reshape(self.frame, (-1, 3, 3)), (m, 3, 3), "frame"),
+            "area": frozen_floats(self.area, (m,), "area"),
+            "friction": check_friction(self.friction, m),
+            "point": frozen_floats(np.reshape(self.point, (-1, 3)), (None, 3), "point"),
+            "interface": frozen_ints(self.interface, (None,), "interface"),
+        }
+        interface = checked["interface"]
+        if len(interface) != len(checked["point"]):
+            raise InputError("point and interface differ in length")
+        if len(interface) and (
+            (np.diff(interface) < 0).any() or interface[0] < 0 or interface[-1] >= m
+        ):
+            raise InputError("interface must be ascending and name existing interfaces")
+        if len(np.unique(interface)) != m:
+            raise InputError("every interface needs a corner")
+        if (checked["block_a"] == checked["block_b"]).any():
+            raise InputError("an interface joins two different blocks")
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def empty(cls) -> Contacts:
+        """No interface at all."""
+        none = np.zeros(0, dtype=np.intp)
+        return cls(
+            none, none, np.zeros((0, 3, 3)), np.zeros(0), np.zeros(0), np.zeros((0, 3)), none
+        )
+
+    @property
+    def count(self) -> int:
+        """Number of interfaces, m."""
+        return len(self.block_a)
+
+    @property
+    def corner_count(self) -> int:
+        """Number of interface corners, k."""
+        return len(self.interface)
+
+    @cached_property
+    def start(self) -> Ints:
+        """(m + 1,) interface i has the corners start[i] to start[i + 1]."""
+        return frozen(np.searchsorted(self.interface, np.arange(self.count + 1)).astype(np.intp))
+
+    @cached_property
+    def tributary(self) -> Floats:
+        """(k,) [m2], the share of the interface's area that belongs to each corner."""
+        return frozen(polygon.tributary_areas(self.point, self.start))
+
+    @cached_property
+    def centroid(self) -> Floats:
+        """(m, 3) [m], mean of each interface's corners, weighted with their tributary area."""
+        if self.count == 0:
+            return frozen(np.zeros((0, 3)))
+        weight = np.where(self.area[self.interface] > 0.0, self.tributary, 1.0)
+        total = np.add.reduceat(weight, self.start[:-1])
+        summed = np.add.reduceat(weight[:, None] * self.point, self.start[:-1], axis=0)
+        return frozen(summed / total[:, None])
+
+    def polygon(self, interface: int) -> Floats:
+        """Corners (c, 3) [m] of one interface."""
+        return self.point[self.start[interface] : self.start[interface + 1]]
+
+    def with_friction(self, friction: float | Sequence[float] | Floats) -> Contacts:
+        """The same interfaces with another friction coefficient, one for all or one each."""
+        return replace(self, friction=check_friction(friction, self.count))
+
+    def select(self, interfaces: Bools | Ints) -> Contacts:
+        """Only the given interfaces (mask or positions), in ascending order."""
+        mask = np.zeros(self.count, dtype=bool)
+        mask[interfaces] = True
+        keep = mask[self.interface]
+        renumber = np.cumsum(mask) - 1
+        return Contacts(
+            self.block_a[mask],
+            self.block_b[mask],
+            self.frame[mask],
+            self.area[mask],
+            self.friction[mask],
+            self.point[keep],
+            renumber[self.interface[keep]].astype(np.intp),
+        )
+
+    def of_blocks(self, blocks: Sequence[int] | Ints, count: int) -> Contacts:
+        """Interfaces among some of ``count`` blocks, renumbered as ``Assembly.subset`` does."""
+        new = np.full(count, -1, dtype=np.intp)
+        new[np.asarray(blocks, dtype=np.intp)] = np.arange(len(blocks))
+        inside = (new[self.block_a] >= 0) & (new[self.block_b] >= 0)
+        part = self.select(inside)
+        return replace(part, block_a=new[part.block_a], block_b=new[part.block_b])
+
+    def graph(self) -> networkx.MultiDiGraph:
+        """The directed contact graph, an edge per interface from a to b, as networkx.
+
+        Raises
+        ------
+        MissingDependency
+            networkx is not installed.
+        """
+        try:
+            import networkx  # optional: only for those who ask for the graph
+        except ImportError as error:
+            raise MissingDependency("networkx", extra="test", purpose="the graph") from error
+        graph = networkx.MultiDiGraph()
+        for i, (a, b) in enumerate(zip(self.block_a.tolist(), self.block_b.tolist(), strict=True)):
+            graph.add_edge(a, b, interface=i, area=float(self.area[i]), normal=self.frame[i, 0])
+        return graph
+
+
+def check_friction(friction: Any, count: int) -> Floats:
+    """Friction coefficients (count,), zero or more.
+
+    Raises
+    ------
+    InputError
+        Negative, NaN or infinite.
+    """
+    try:
+        values = np.broadcast_to(np.asarray(friction, dtype=np.float64), (count,))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"friction must be one number or {count}") from error
+    single = np.asarray(friction, dtype=np.float64)
+    if not np.isfinite(single).all() or (single < 0.0).any():
+        bad = single[~(np.isfinite(single) & (single >= 0.0))].ravel()[0]
+        raise InputError(f"friction is {bad}", remedy="give a coefficient of zero or more")
+    return frozen(values.copy())

@@ -1,0 +1,73 @@
+"""Every error that drystone raises.
+
+::
+
+    DrystoneError
+    ├── InputError (ValueError)            the model or an argument is wrong
+    │   └── FormatError                    a file cannot be read or written: path, field
+    ├── MissingDependency (ImportError)    an optional package is needed
+    └── SolverError (RuntimeError)         a back end was called in a way that it cannot serve
+
+A verdict is never an error: a structure that falls is an answer.
+"""
+
+from __future__ import annotations
+
+
+class DrystoneError(Exception):
+    """Base of all errors raised on purpose by drystone."""
+
+
+class InputError(DrystoneError, ValueError):
+    """A model or an argument that cannot be used.
+
+    Parameters
+    ----------
+    what
+        What is wrong, in one sentence without a final stop.
+    where
+        The block, face, interface or argument that is wrong.
+    remedy
+        What the user can do about it.
+    """
+
+    def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:
+        self.what = what
+        self.where = where
+        self.remedy = remedy
+        super().__init__(what, where, remedy)
+
+    def __str__(self) -> str:
+        head = f"{self.where}: {self.what}" if self.where else self.what
+        return f"{head}; {self.remedy}" if self.remedy else head
+
+
+class FormatError(InputError):
+    """A file that cannot be read or written as what it claims to be."""
+
+
+class MissingDependency(DrystoneError, ImportError):
+    """An optional package is needed for what was asked.
+
+    Parameters
+    ----------
+    package
+        The package that cannot be imported.
+    extra
+        The extra of drystone that brings it.
+    purpose
+        What it is needed for.
+    """
+
+    def __init__(self, package: str, *, extra: str, purpose: str) -> None:
+        self.package = package
+        self.extra = extra
+        self.purpose = purpose
+        super().__init__(package, extra, purpose)
+
+    def __str__(self) -> str:
+        return f"{self.purpose} needs {self.package}; pip install 'drystone[{self.extra}]'"
+
+
+class SolverError(DrystoneError, RuntimeError):
+    """A numerical back end was given something that it cannot work on."""

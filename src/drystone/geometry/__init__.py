@@ -1,0 +1,1 @@
+"""Polygons, polyhedra and frames: pure functions on arrays, numpy (and shapely) only."""

@@ -1,0 +1,75 @@
+"""Conversion and checking of arrays at the public edge."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.errors import InputError
+
+Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.intp]
+Bools: TypeAlias = NDArray[np.bool_]
+
+
+def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats:
+    """A finite, read-only, C-ordered float64 copy of ``values`` of the given shape.
+
+    Parameters
+    ----------
+    values
+        Anything numpy turns into numbers.
+    shape
+        Expected shape; ``None`` stands for any length.
+    what
+        Name used in the error.
+
+    Raises
+    ------
+    InputError
+        Not numbers, another shape, NaN or infinite (the first offending position is named).
+    """
+    try:
+        array = np.array(values, dtype=np.float64, order="C", copy=True)
+    except (TypeError, ValueError) as error:
+        got = f"got {type(values).__name__}"
+        raise InputError(f"{what} must be numbers", remedy=got) from error
+    expected = tuple(shape)
+    if array.ndim == 2 and array.size == 0 and expected[0] in (None, 0):
+        array = array.reshape(0, expected[1] if expected[1] is not None else 0)
+    if array.ndim != len(expected) or any(
+        want is not None and want != have for want, have in zip(expected, array.shape, strict=True)
+    ):
+        wanted = "(" + ", ".join("any" if s is None else str(s) for s in expected) + ")"
+        raise InputError(f"{what} must have shape {wanted}, got {array.shape}")
+    finite = np.isfinite(array)
+    if not finite.all():
+        position = tuple(int(i) for i in np.argwhere(~finite)[0])
+        raise InputError(
+            f"{what}{list(position)} is {array[position]}", remedy="give finite numbers only"
+        )
+    array.setflags(write=False)
+    return array
+
+
+def frozen_ints(values: Any, shape: Sequence[int | None], what: str) -> Ints:
+    """A read-only index array of the given shape; see :func:`frozen_floats`."""
+    array = np.asarray(values)
+    if array.size and array.dtype.kind not in "iu":
+        raise InputError(f"{what} must be integers")
+    result = np.array(array, dtype=np.intp, order="C", copy=True)
+    if result.ndim != len(shape) or any(
+        want is not None and want != have for want, have in zip(shape, result.shape, strict=True)
+    ):
+        raise InputError(f"{what} has shape {result.shape}")
+    result.setflags(write=False)
+    return result
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """The same array, marked read-only (for arrays made inside)."""
+    array.setflags(write=False)
+    return array

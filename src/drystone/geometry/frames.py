@@ -1,0 +1,58 @@
+"""Directions and local frames."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.errors import InputError
+from drystone.geometry.arrays import Floats, frozen_floats
+
+
+def unit(vector: Floats, what: str = "direction") -> Floats:
+    """The unit vector along ``vector`` (3,).
+
+    Raises
+    ------
+    InputError
+        Zero or not finite.
+    """
+    array = frozen_floats(vector, (3,), what)
+    length = float(np.linalg.norm(array))
+    if length == 0.0:
+        raise InputError(f"{what} is zero", remedy="give a vector with a length")
+    return array / length
+
+
+def frames_from_normals(normal: Floats) -> Floats:
+    """Right-handed frames (m, 3, 3), rows n, u, v, for unit normals (m, 3).
+
+    u is horizontal where the normal allows it; nothing in the mechanics depends on the choice.
+    """
+    n = np.asarray(normal, dtype=np.float64).reshape(-1, 3)
+    steep = np.abs(n[:, 2]) > 0.9
+    helper = np.where(steep[:, None], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+    u = np.cross(helper, n)
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    return np.stack([n, u, np.cross(n, u)], axis=1)
+
+
+def rotation_about(axis: Floats, angle_deg: float) -> Floats:
+    """Rotation matrix (3, 3), counter-clockwise about ``axis`` by ``angle_deg`` degrees.
+
+    Source: Rodrigues 1840.
+    """
+    x, y, z = unit(axis, "axis")
+    angle = np.deg2rad(angle_deg)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    rotation: Floats = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    return rotation
+
+
+def skew(vectors: Floats) -> Floats:
+    """Matrices (k, 3, 3) with ``skew(a) @ b == cross(a, b)`` for vectors (k, 3)."""
+    a = np.asarray(vectors, dtype=np.float64).reshape(-1, 3)
+    out = np.zeros((len(a), 3, 3))
+    out[:, 0, 1], out[:, 0, 2] = -a[:, 2], a[:, 1]
+    out[:, 1, 0], out[:, 1, 2] = a[:, 2], -a[:, 0]
+    out[:, 2, 0], out[:, 2, 1] = -a[:, 1], a[:, 0]
+    return out
