@@ -192,6 +192,6 @@ class Result:
 
 
 def _per_interface(values: Floats, interface: Ints, count: int) -> Floats:
-    out = np.zeros((count, *values.shape[1:]))
+    out: Floats = np.zeros((count, *values.shape[1:]))
     np.add.at(out, interface, values)
     return out

@@ -50,6 +50,6 @@ def tributary_areas(corners: Floats, start: Ints) -> Floats:
     local = corners - loop_means(corners, start)[loop]
     after = following(start)
     half = 0.25 * np.linalg.norm(np.cross(local, local[after]), axis=1)
-    share = half.copy()
+    share: Floats = half.copy()
     np.add.at(share, after, half)
     return share
