@@ -1,5 +1,49 @@
-"""Parametric model families, used by docs, tests and benchmarks."""
+"""Parametric model families, used by docs, tests and benchmarks.
 
-from drystone.models.simple import box, tower
+Every family is a function that returns an :class:`~drystone.assembly.Assembly` of closed blocks
+with planar faces that touch exactly; lengths are in metres, gravity is along -z.
+"""
 
-__all__ = ["box", "tower"]
+from drystone.models.arches import arch, buttressed_arch
+from drystone.models.curved import cube_curve, curve_three_blocks
+from drystone.models.domes import dome
+from drystone.models.published import a_model, concave, h_model, shelf, wedge
+from drystone.models.simple import (
+    box,
+    harmonic_offsets,
+    incline,
+    overhang,
+    stool,
+    tower,
+    two_blocks_on_incline,
+)
+from drystone.models.solids import prism, welded
+from drystone.models.vaults import barrel_vault, vault
+from drystone.models.walls import corbelled_wall, ferris_wall, wall
+
+__all__ = [
+    "a_model",
+    "arch",
+    "barrel_vault",
+    "box",
+    "buttressed_arch",
+    "concave",
+    "corbelled_wall",
+    "cube_curve",
+    "curve_three_blocks",
+    "dome",
+    "ferris_wall",
+    "h_model",
+    "harmonic_offsets",
+    "incline",
+    "overhang",
+    "prism",
+    "shelf",
+    "stool",
+    "tower",
+    "two_blocks_on_incline",
+    "vault",
+    "wall",
+    "wedge",
+    "welded",
+]

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
+from drystone.geometry.frames import rotation_about
+from drystone.models.solids import prism, rectangle, require, welded
 
 BOX_FACES = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 """Faces of a hexahedron whose vertices are the bottom loop 0 to 3, counter-clockwise from above,
@@ -29,8 +31,152 @@ def box(
 
 
 def tower(count: int, edge: float = 1.0) -> Assembly:
-    """``count`` cubes of ``edge`` [m] on top of each other, the lowest fixed."""
+    """``count`` cubes of ``edge`` [m] on top of each other, the lowest fixed.
+
+    Its ``count - 1`` free cubes topple over an edge when tilted by ``atan(1 / (count - 1))``.
+    """
     blocks = [
         box((edge, edge, edge), (0.0, 0.0, i * edge), name=f"block-{i}") for i in range(count)
     ]
     return Assembly(tuple(blocks), np.arange(count) == 0)
+
+
+def incline(angle_deg: float, size: Sequence[float] = (1.0, 0.8, 0.5)) -> Assembly:
+    """A block on a fixed plane inclined by ``angle_deg``, sloping down towards +x.
+
+    It slides when ``tan(angle) > friction`` and topples when ``tan(angle) > length / height``.
+
+    Parameters
+    ----------
+    angle_deg : [degrees]
+    size : (3,) [m]
+        Of the block: along the slope, across it, and normal to it.
+
+    Examples
+    --------
+    >>> incline(20.0).names
+    ('plane', 'block')
+    """
+    length, width, height = (float(s) for s in size)
+    plane = box((3.0 * length, 2.0 * width, 0.2 * length), name="plane")
+    block = box((length, width, height), (length, 0.5 * width, 0.2 * length), "block")
+    flat = Assembly((plane, block), np.array([True, False]))
+    return flat.transformed(rotation_about(np.array([0.0, 1.0, 0.0]), angle_deg))
+
+
+def two_blocks_on_incline(angle: float = 23.6, height: float = 1.0) -> Assembly:
+    """Two stacked blocks, the lower one fixed, with a joint inclined by ``angle`` [degrees].
+
+    The upper block stays if and only if the friction coefficient is at least ``tan(angle)``:
+    0.4369 for 23.6 degrees.
+
+    Parameters
+    ----------
+    angle : [degrees]
+        The joint goes down towards +x through the middle of the stack, 1 m by 1 m in plan.
+    height : [m]
+        Of each block on its middle axis.
+    """
+    drop = 0.5 * float(np.tan(np.deg2rad(angle)))
+    require(abs(drop) < height, f"a joint at {angle} deg cuts the stack's ends", "raise the height")
+    joint = [(0.5, height - drop), (-0.5, height + drop)]
+    lower = prism([(-0.5, 0.0), (0.5, 0.0), *joint], (0.0, 1.0), "lower")
+    upper = prism([*joint, (-0.5, 2.0 * height), (0.5, 2.0 * height)], (0.0, 1.0), "upper")
+    return Assembly((lower, upper), np.array([True, False]))
+
+
+def harmonic_offsets(count: int, length: float = 1.0, share: float = 1.0) -> list[float]:
+    """Offsets [m] of the longest overhang of ``count`` equal bricks, one on each, bottom up.
+
+    The k-th brick from the top may overhang the one below by ``length / (2 k)``; ``share`` of that
+    is given back. Source: Hall 2005, the harmonic stack.
+
+    Examples
+    --------
+    >>> round(sum(harmonic_offsets(4)), 4)
+    1.0417
+    """
+    require(count > 0, f"an overhang of {count} bricks", "give one or more")
+    return [share * length / (2.0 * (count - i)) for i in range(count)]
+
+
+def overhang(offsets: Sequence[float], size: Sequence[float] = (1.0, 0.5, 0.25)) -> Assembly:
+    """Bricks on top of each other, each shifted along +x over the one below.
+
+    Parameters
+    ----------
+    offsets : [m]
+        Shift of each free brick relative to the brick below, bottom up.
+    size : (3,) [m]
+        Length along x, depth and height of every brick.
+
+    Returns
+    -------
+    Assembly
+        ``brick-00``, fixed, and a brick for each offset.
+    """
+    length, depth, height = (float(s) for s in size)
+    require(all(abs(o) < length for o in offsets), "a brick misses the one below", "shift it less")
+    place = np.concatenate([[0.0], np.cumsum(np.asarray(offsets, dtype=np.float64))])
+    bricks = [
+        box((length, depth, height), (x, 0.0, i * height), f"brick-{i:02d}")
+        for i, x in enumerate(place.tolist())
+    ]
+    return Assembly(tuple(bricks), np.arange(len(bricks)) == 0)
+
+
+def stool(
+    side: float = 0.4, leg: float = 0.08, seat: float = 0.06, height: float = 0.45
+) -> Assembly:
+    """A square stool with four legs, one concave block, on a fixed floor.
+
+    The forces in its legs are statically indeterminate: any share with equal diagonals balances.
+
+    Parameters
+    ----------
+    side : [m]
+        Of the seat.
+    leg : [m]
+        Side of the square legs, at the corners of the seat.
+    seat : [m]
+        Thickness.
+    height : [m]
+        Seat included.
+    """
+    require(2.0 * leg < side and seat < height, "the legs do not fit", "make them thinner")
+    under = height - seat
+    inner = side - leg
+    near, far = (0.0, leg), (inner, side)
+    cross = [
+        (leg, 0), (inner, 0), (inner, leg), (side, leg), (side, inner), (inner, inner),
+        (inner, side), (leg, side), (leg, inner), (0, inner), (0, leg), (leg, leg),
+    ]  # fmt: skip
+    portal = [
+        (0, 0), (leg, 0), (leg, under), (inner, under),
+        (inner, 0), (side, 0), (side, height), (0, height),
+    ]  # fmt: skip
+    loops = [
+        rectangle(2, height, (0.0, side), (0.0, side)),
+        np.array([(x, y, under) for x, y in cross]),
+        *(np.array([(x, y, z) for x, z in portal]) for y in (0.0, side)),
+        *(np.array([(x, y, z) for y, z in portal]) for x in (0.0, side)),
+    ]
+    for xs in (near, far):
+        for ys in (near, far):
+            loops.append(rectangle(2, 0.0, xs, ys))
+            loops.append(rectangle(0, leg if xs is near else inner, ys, (0.0, under)))
+            loops.append(rectangle(1, leg if ys is near else inner, xs, (0.0, under)))
+    floor = box((2.0 * side, 2.0 * side, leg), (-0.5 * side, -0.5 * side, -leg), "floor")
+    return Assembly((floor, welded(loops, "stool")), np.array([True, False]))
+
+
+__all__ = [
+    "BOX_FACES",
+    "box",
+    "harmonic_offsets",
+    "incline",
+    "overhang",
+    "stool",
+    "tower",
+    "two_blocks_on_incline",
+]

@@ -1,0 +1,160 @@
+"""Models with curved joints, given as strips; both blocks of a joint have the same strips.
+
+Dimensions: Kao 2023, doctoral dissertation, ETH Zurich.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from drystone.assembly import Assembly, Block
+from drystone.geometry.arrays import Floats
+from drystone.models.solids import prism, rectangle, require, welded
+
+# fmt: off
+LOWER = [
+    (0.0, 1.298927), (0.060567, 1.295832), (0.1204, 1.285981), (0.178544, 1.268791),
+    (0.233985, 1.244243), (0.285954, 1.212999), (0.334189, 1.176234), (0.378959, 1.135306),
+    (0.420924, 1.091496), (0.460952, 1.045903), (0.5, 0.999464), (0.539048, 0.953025),
+    (0.579076, 0.907432), (0.621041, 0.863621), (0.665811, 0.822693), (0.714046, 0.785928),
+    (0.766015, 0.754685), (0.821456, 0.730137), (0.8796, 0.712946), (0.939433, 0.703095),
+    (1.0, 0.7),
+]
+UPPER = [
+    (0.444256, 2.0), (0.472621, 1.944479), (0.505675, 1.891616), (0.543172, 1.841805),
+    (0.584832, 1.795419), (0.630342, 1.752806), (0.679363, 1.714283), (0.731529, 1.680138),
+    (0.786449, 1.650627), (0.843713, 1.62597), (0.902893, 1.606351), (0.963546, 1.591918),
+    (1.025219, 1.582778), (1.087451, 1.578999), (1.149778, 1.58061), (1.211731, 1.587598),
+    (1.27285, 1.599912), (1.332677, 1.61746), (1.390764, 1.640109), (1.446678, 1.667691),
+    (1.5, 1.7),
+]
+RIM = [
+    (-0.0, 0.9), (0.1, 0.889765), (0.164432, 0.870539), (0.225034, 0.841406),
+    (0.280724, 0.803696), (0.331345, 0.759384), (0.377511, 0.710429), (0.420244, 0.658435),
+    (0.460689, 0.604636), (0.5, 0.55), (0.539311, 0.495364), (0.579756, 0.441565),
+    (0.622489, 0.389571), (0.668655, 0.340616), (0.719276, 0.296304), (0.774966, 0.258594),
+    (0.835568, 0.229461), (0.9, 0.210235), (1.0, 0.2),
+]
+# fmt: on
+ROLLER_CENTRE = (1.1, 2.3)
+ROLLER_RADIUS = 0.7211
+
+
+def resampled(curve: ArrayLike, strips: int) -> Floats:
+    """A curve (c, 2) cut into equal steps of its parameter: the given points for c - 1 strips.
+
+    A cubic spline through the points, whose parameter is their number. Source: de Boor 1978.
+    """
+    points = np.asarray(curve, dtype=np.float64)
+    if strips == len(points) - 1:
+        return points
+    parameter = np.arange(len(points))
+    finer: Floats = CubicSpline(parameter, points)(np.linspace(0.0, len(points) - 1.0, strips + 1))
+    finer[[0, -1]] = points[[0, -1]]
+    return finer
+
+
+def curve_three_blocks(strips: int = 20) -> Assembly:
+    """A roller in the hollow of a block that rests with an S-shaped bed on a fixed one.
+
+    Published tilt limits for a friction of 0.84: 8 degrees about y, 53 about -y, 24 about x,
+    12 about x+y, 47 about x-y.
+
+    Parameters
+    ----------
+    strips
+        Plane pieces of each of the two joints.
+
+    Returns
+    -------
+    Assembly
+        ``base``, fixed, ``cradle`` and ``roller``.
+    """
+    require(strips > 1, f"a curve of {strips} strips", "give two or more")
+    bed = resampled(LOWER, strips)
+    hollow = resampled(UPPER, strips)
+    corners = {
+        "base": [(0.0, 0.0), (1.0, 0.0), *bed[::-1]],
+        "cradle": [(-0.5, bed[0, 1]), *bed, (1.5, 0.7), *hollow[::-1], (-0.5, 2.0)],
+        "roller": [*hollow, *_rest_of_roller(hollow)],
+    }
+    blocks = tuple(prism(np.array(c), (0.0, 1.0), name) for name, c in corners.items())
+    return Assembly(blocks, np.array([True, False, False]))
+
+
+def _rest_of_roller(hollow: Floats) -> Floats:
+    """The circle from the end of the hollow round to its start, in steps like the hollow's own."""
+    centre = np.array(ROLLER_CENTRE)
+    end, start = (np.arctan2(*(p - centre)[::-1]) for p in (hollow[-1], hollow[0]))
+    inside = (end - start) % (2.0 * np.pi)
+    outside = 2.0 * np.pi - inside
+    pieces = max(round((len(hollow) - 1) * outside / inside), 3)
+    angle = end + outside * np.arange(1, pieces) / pieces
+    return centre + ROLLER_RADIUS * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def cube_curve(height: Literal["short", "tall"] = "short", strips: int = 18) -> Assembly:
+    """Two hollow blocks, open towards each other, that touch along an S-shaped rim 0.1 m wide.
+
+    The rim is high at two opposite corners, (0, 0) and (1, 1), and low at the two others; across
+    the wall its height is constant, with mitred corners.
+    Published tilt limits for a friction of 0.84: 70 to 80 degrees (short), 40 to 59 (tall).
+
+    Parameters
+    ----------
+    height
+        ``short``: 1.1 m, corners of the rim at 0.9 and 0.2 m. ``tall``: 2.6 m, at 1.7 and 1.0 m.
+    strips
+        Plane pieces of the rim along each wall, the two mitred corners included.
+
+    Returns
+    -------
+    Assembly
+        ``lower``, fixed, and ``upper``.
+    """
+    require(height in ("short", "tall"), f"no model is '{height}'", "short or tall")
+    require(strips > 3, f"a rim of {strips} strips", "give four or more")
+    inner = resampled(RIM[1:-1], strips - 2)
+    rim = np.vstack([RIM[0], inner, RIM[-1]])
+    lift, top = (0.0, 1.1) if height == "short" else (0.8, 2.6)
+    rim[:, 1] += lift
+    lower = _hollow_block(rim, outside=0.0, floor=0.1, name="lower")
+    upper = _hollow_block(rim, outside=top, floor=top - 0.1, name="upper")
+    return Assembly((lower, upper), np.array([True, False]))
+
+
+def _hollow_block(rim: Floats, outside: float, floor: float, name: str) -> Block:
+    """The block between the rim and a slab with faces z = ``outside`` and z = ``floor``."""
+    wall = 0.1
+    edge, inside = (0.0, 1.0), (wall, 1.0 - wall)
+    loops = [rectangle(2, outside, edge, edge), rectangle(2, floor, inside, inside)]
+    for along in (0, 1):
+        for far in (False, True):
+            strips = rim if not far else np.column_stack([1.0 - rim[::-1, 0], rim[::-1, 1]])
+            outer, hollow = (1.0, 1.0 - wall) if far else (0.0, wall)
+            within = np.clip(strips[:, 0], wall, 1.0 - wall)
+            at_outer = _along(along, strips[:, 0], outer, strips[:, 1])
+            at_inner = _along(along, within, hollow, strips[[1, *range(1, len(rim) - 1), -2], 1])
+            loops += [
+                np.array([at_outer[i], at_outer[i + 1], at_inner[i + 1], at_inner[i]])
+                for i in range(len(rim) - 1)
+            ]
+            ends = np.array([1.0, 0.0])
+            loops.append(np.vstack([at_outer, _along(along, ends, outer, outside)]))
+            corners = np.array([1.0 - wall, wall])
+            loops.append(np.vstack([at_inner[1:-1], _along(along, corners, hollow, floor)]))
+    return welded(loops, name)
+
+
+def _along(axis: int, place: Floats, side: float, z: ArrayLike) -> Floats:
+    """Points (p, 3) at ``place`` along x (axis 0) or y (1), at ``side`` along the other."""
+    other = np.full(len(place), side)
+    level = np.broadcast_to(np.asarray(z, dtype=np.float64), (len(place),))
+    return np.column_stack([place, other, level] if axis == 0 else [other, place, level])
+
+
+__all__ = ["cube_curve", "curve_three_blocks"]

@@ -1,0 +1,119 @@
+"""Ways to make a block: from a section, from its faces, and checks of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from drystone.assembly import DEFAULT_DENSITY, Block
+from drystone.errors import InputError
+from drystone.geometry import polyhedron
+from drystone.geometry.arrays import Floats, frozen_floats
+
+WELD = 1e-9
+"""Corners closer than this share of the block's extent are one: far above the rounding of
+coordinates, far below any edge of a model family."""
+
+
+def require(holds: bool, what: str, remedy: str) -> None:
+    """Refuse a parameter.
+
+    Raises
+    ------
+    InputError
+        ``holds`` is false.
+    """
+    if not holds:
+        raise InputError(what, remedy=remedy)
+
+
+def prism(
+    section: ArrayLike,
+    depth: Sequence[float],
+    name: str = "block",
+    density: float = DEFAULT_DENSITY,
+) -> Block:
+    """A section in a vertical plane, extruded along y.
+
+    Parameters
+    ----------
+    section : (p, 2) [m]
+        Corners (x, z) of a simple polygon, concave or not, in either sense of rotation.
+    depth : (2,) [m]
+        From y to y.
+    name
+    density : [kg/m3]
+
+    Examples
+    --------
+    >>> prism([(0, 0), (2, 0), (0, 1)], (0.0, 0.5)).volume
+    0.5
+    """
+    corners = frozen_floats(section, (None, 2), "section")
+    start, end = sorted(float(y) for y in depth)
+    require(start < end, "the depth is zero", "give two different values of y")
+    x, z = corners[:, 0], corners[:, 1]
+    if (x * np.roll(z, -1) - z * np.roll(x, -1)).sum() < 0.0:
+        corners = corners[::-1]
+    count = len(corners)
+    front = np.column_stack([corners[:, 0], np.full(count, start), corners[:, 1]])
+    back = front + np.array([0.0, end - start, 0.0])
+    here = range(count)
+    sides = [((i + 1) % count, i, i + count, (i + 1) % count + count) for i in here]
+    faces = (tuple(here), tuple(i + count for i in reversed(here)), *sides)
+    return Block(np.concatenate([front, back]), faces, name, density)
+
+
+def welded(
+    loops: Sequence[ArrayLike], name: str = "block", density: float = DEFAULT_DENSITY
+) -> Block:
+    """A block from the corners of its faces, in any order and sense; common corners are joined.
+
+    Parameters
+    ----------
+    loops
+        Per face its corners (c, 3) [m]. Corners that coincide within a loop are dropped, and so is
+        a face that is left with fewer than three.
+    name
+    density : [kg/m3]
+
+    Examples
+    --------
+    >>> a, b, c, d = np.vstack([np.zeros(3), np.eye(3)])
+    >>> block = welded([(a, b, c), (a, b, d), (b, c, d), (a, c, d)])
+    >>> len(block.vertices), round(block.volume, 4)
+    (4, 0.1667)
+    """
+    faces = [np.asarray(loop, dtype=np.float64).reshape(-1, 3) for loop in loops]
+    points = np.concatenate(faces)
+    extent = float(np.ptp(points, axis=0).max())
+    key = np.round(points / (WELD * extent)) + 0.0
+    _, first, member = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    ends = np.cumsum([len(face) for face in faces])[:-1]
+    distinct = (tuple(dict.fromkeys(part.tolist())) for part in np.split(member.ravel(), ends))
+    indices, _ = polyhedron.orient([loop for loop in distinct if len(loop) > 2])
+    vertices: Floats = points[first]
+    volume, _ = polyhedron.mass_properties(polyhedron.stack_faces([vertices], [indices]), 1)
+    outward = indices if volume[0] > 0.0 else [loop[::-1] for loop in indices]
+    return Block(vertices, tuple(outward), name, density)
+
+
+def rectangle(axis: int, at: float, first: Sequence[float], second: Sequence[float]) -> Floats:
+    """A rectangle (4, 3) [m] in the plane where coordinate ``axis`` is ``at``.
+
+    Parameters
+    ----------
+    axis
+        0, 1 or 2.
+    at : [m]
+    first, second : (2,) [m]
+        Extent along the two other axes, in the order x, y, z.
+    """
+    (a0, a1), (b0, b1) = first, second
+    plane = np.array([(a0, b0), (a1, b0), (a1, b1), (a0, b1)], dtype=np.float64)
+    return np.insert(plane, axis, at, axis=1)
+
+
+__all__ = ["prism", "rectangle", "require", "welded"]
