@@ -1,1 +1,17 @@
-"""TODO"""
+"""Results to pictures: one self-contained page, static figures."""
+
+from drystone.view.page import page_text, save_page
+from drystone.view.palette import State
+from drystone.view.scene import Layer, LayerKind, Scene, Stage, scene_of, stage_of
+
+__all__ = [
+    "Layer",
+    "LayerKind",
+    "Scene",
+    "Stage",
+    "State",
+    "page_text",
+    "save_page",
+    "scene_of",
+    "stage_of",
+]

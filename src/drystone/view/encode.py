@@ -1,0 +1,173 @@
+"""A scene as the data of a page: plain JSON, arrays as base64 of little-endian numbers.
+
+The format (``format`` "drystone-page", ``version`` 1):
+
+``blobs``
+    Base64 texts. An array is ``{"blob": i, "type": "f4", "shape": [...]}``; equal arrays share one.
+``origin``
+    [m]; every position is relative to it, so that 32 bits are exact far from the world's origin.
+``blocks``
+    names, mass, volume, centroid, and the flat surface: ``point`` with ``points`` per block;
+    ``faces`` per block, ``corners`` per face, ``loop`` (counted within its block), ``triangle``
+    (counted within its face), ``edge`` (counted within its block) with ``edges`` per block.
+``contacts``
+    Blocks a and b, area, friction.
+``states``, ``colours``
+    What the numbers in a stage's ``state`` and the roles of its layers look like, light and dark.
+``stages``
+    Each with label, headline, message, verdict, ``state`` per block, the optional arrays of
+    :class:`drystone.view.scene.Stage`, and ``layers``.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.polyhedron import Faces
+from drystone.geometry.triangulate import triangulate
+from drystone.view.mesh import face_normals, sharp_edges
+from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL
+from drystone.view.scene import Layer, LayerKind, Scene, Stage
+
+FORMAT = "drystone-page"
+VERSION = 1
+
+
+class Blobs:
+    """Arrays on their way into the page, equal ones once."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self._known: dict[bytes, int] = {}
+
+    def floats(self, values: Any) -> dict[str, Any]:
+        """32-bit numbers."""
+        return self._add(np.asarray(values, dtype="<f4"), "f4")
+
+    def counts(self, values: Any) -> dict[str, Any]:
+        """Whole numbers from zero, in as few bytes as hold them."""
+        array = np.asarray(values)
+        largest = int(array.max(initial=0))
+        size = 1 if largest < 2**8 else 2 if largest < 2**16 else 4
+        return self._add(array.astype(f"<u{size}"), f"u{size}")
+
+    def _add(self, array: NDArray[Any], kind: str) -> dict[str, Any]:
+        raw = array.tobytes()
+        if raw not in self._known:
+            self._known[raw] = len(self.texts)
+            self.texts.append(base64.b64encode(raw).decode("ascii"))
+        return {"blob": self._known[raw], "type": kind, "shape": list(array.shape)}
+
+
+def encode(scene: Scene) -> dict[str, Any]:
+    """The data of a page that shows ``scene``."""
+    blobs = Blobs()
+    origin = scene.centre
+    contacts = scene.contacts
+    data: dict[str, Any] = {
+        "format": FORMAT,
+        "version": VERSION,
+        "title": scene.title,
+        "origin": origin.tolist(),
+        "radius": 0.5 * float(np.linalg.norm(scene.bounds[1] - scene.bounds[0])),
+        "blockSize": scene.block_size,
+        "forceScale": scene.force_scale,
+        "states": {
+            str(int(state)): {
+                "label": label,
+                "light": STATE_COLOUR["light"][state],
+                "dark": STATE_COLOUR["dark"][state],
+            }
+            for state, label in STATE_LABEL.items()
+        },
+        "colours": ROLE_COLOUR,
+        "blocks": _blocks(scene, origin, blobs),
+        "contacts": {
+            "a": blobs.counts(contacts.block_a),
+            "b": blobs.counts(contacts.block_b),
+            "area": blobs.floats(contacts.area),
+            "friction": blobs.floats(contacts.friction),
+        },
+        "stages": [_stage(stage, origin, blobs) for stage in scene.stages],
+    }
+    return data | {"blobs": blobs.texts}
+
+
+def to_text(data: dict[str, Any]) -> str:
+    """JSON that is harmless inside a ``<script>`` element, whatever the names are."""
+    text = json.dumps(data, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
+    assembly = scene.assembly
+    faces = assembly.faces
+    n = len(assembly)
+    points = np.array([len(block.vertices) for block in assembly.blocks])
+    first_point = np.concatenate([[0], np.cumsum(points)])
+    corner_owner = np.repeat(faces.owner, np.diff(faces.start))
+    edge, edge_owner, _ = sharp_edges(faces, face_normals(faces))
+    by_block = np.argsort(edge_owner, kind="stable")
+    edge, edge_owner = edge[by_block], edge_owner[by_block]
+    return {
+        "names": list(assembly.names),
+        "mass": blobs.floats(assembly.mass),
+        "volume": blobs.floats(assembly.volume),
+        "centroid": blobs.floats(assembly.centroid - origin),
+        "point": blobs.floats(faces.point - origin),
+        "points": blobs.counts(points),
+        "faces": blobs.counts(np.bincount(faces.owner, minlength=n)),
+        "corners": blobs.counts(np.diff(faces.start)),
+        "loop": blobs.counts(faces.loop - first_point[corner_owner]),
+        "triangle": blobs.counts(_local_triangles(faces)),
+        "edge": blobs.counts(edge - first_point[edge_owner][:, None]),
+        "edges": blobs.counts(np.bincount(edge_owner, minlength=n)),
+    }
+
+
+def _local_triangles(faces: Faces) -> Ints:
+    triangle, face = triangulate(faces.point[faces.loop], faces.start)
+    local: Ints = triangle - faces.start[face][:, None]
+    return local
+
+
+def _stage(stage: Stage, origin: Floats, blobs: Blobs) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "label": stage.label,
+        "headline": stage.headline,
+        "message": stage.message,
+        "verdict": stage.verdict.name if stage.verdict is not None else None,
+        "state": blobs.counts(stage.state),
+        "layers": [_layer(layer, origin, blobs) for layer in stage.layers],
+    }
+    for name in ("motion", "prop", "normal", "tangential", "utilisation"):
+        value = getattr(stage, name)
+        data[name] = blobs.floats(value) if value is not None else None
+    return data
+
+
+def _layer(layer: Layer, origin: Floats, blobs: Blobs) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "key": layer.key,
+        "label": layer.label,
+        "kind": layer.kind.value,
+        "colour": layer.colour,
+        "visible": layer.visible,
+        "inward": layer.inward,
+        "width": layer.width,
+        "largest": layer.largest,
+        "position": blobs.floats(layer.position - origin),
+    }
+    if layer.vector is not None:
+        data["vector"] = blobs.floats(layer.vector)
+    if layer.kind is LayerKind.POLYGONS and layer.start is not None:
+        triangle, polygon = triangulate(layer.position, layer.start)
+        data["corners"] = blobs.counts(np.diff(layer.start))
+        data["triangle"] = blobs.counts(triangle - layer.start[polygon][:, None])
+    return data

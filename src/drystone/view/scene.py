@@ -1,0 +1,297 @@
+"""What a picture shows, before anything is drawn: one model, one or more stages, layers on top."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.errors import InputError
+from drystone.geometry.arrays import Floats, Ints
+from drystone.results import Result, Verdict
+from drystone.view.palette import ROLE_COLOUR, State
+
+MANY_CORNERS = 3000
+"""Above this number corner forces are hidden at first: they hide each other. Chosen by eye."""
+
+
+class LayerKind(enum.Enum):
+    """How the entries of a layer are drawn."""
+
+    ARROWS = "arrows"
+    """A pair of opposite arrows about ``position``, ``vector`` long in all: action and reaction."""
+    LINES = "lines"
+    """From ``position`` to ``position + vector``."""
+    POLYGONS = "polygons"
+    """Loops of ``position``, filled."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Something drawn over the blocks that can be switched on and off.
+
+    Attributes
+    ----------
+    key
+        Names the layer; the same layer of another stage has the same key.
+    label
+        For the legend.
+    kind
+    colour
+        A role of :mod:`drystone.view.palette`.
+    position : (p, 3) [m]
+    vector : (p, 3), arrows [N] or lines [m]
+    start : (f + 1,) loops of polygons
+    visible
+        At first.
+    inward
+        Arrows point to ``position`` instead of away from it: a pull.
+    width
+        Of lines and arrows, relative to the usual one.
+    """
+
+    key: str
+    label: str
+    kind: LayerKind
+    colour: str
+    position: Floats
+    vector: Floats | None = None
+    start: Ints | None = None
+    visible: bool = True
+    inward: bool = False
+    width: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.colour not in ROLE_COLOUR["light"]:
+            raise InputError(
+                f"layer '{self.key}' has the colour '{self.colour}'",
+                remedy=f"choose one of {', '.join(ROLE_COLOUR['light'])}",
+            )
+        if (self.start is None) == (self.kind is LayerKind.POLYGONS):
+            raise InputError(f"layer '{self.key}': polygons have a start, nothing else has one")
+        if (self.vector is None) != (self.kind is LayerKind.POLYGONS):
+            raise InputError(f"layer '{self.key}': arrows and lines have a vector, polygons none")
+        if self.vector is not None and self.vector.shape != self.position.shape:
+            raise InputError(f"layer '{self.key}': position and vector differ in shape")
+
+    @property
+    def largest(self) -> float:
+        """Length of the longest vector, 0 where there is none."""
+        if self.vector is None:
+            return 0.0
+        return float(np.linalg.norm(self.vector, axis=1).max(initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One state of the model: a result, a step of an assembly sequence, a case to compare.
+
+    Attributes
+    ----------
+    label
+        Names the stage on its slider.
+    headline, message
+        The verdict in a word or two; a sentence.
+    verdict
+        None where nothing was computed.
+    state : (n,) values of :class:`State`
+    motion : (n, 6) [m, rad], translation of the centroid and rotation vector about it
+    prop : (n, 6) [N, N m]
+    normal, tangential, utilisation : (m,) [N, N, 1] of each interface
+    layers
+    """
+
+    label: str
+    headline: str
+    message: str
+    state: Ints
+    verdict: Verdict | None = None
+    motion: Floats | None = None
+    prop: Floats | None = None
+    normal: Floats | None = None
+    tangential: Floats | None = None
+    utilisation: Floats | None = None
+    layers: tuple[Layer, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A model and what is to be shown of it.
+
+    Attributes
+    ----------
+    assembly
+    contacts
+    stages
+        One or more; several are played one after the other.
+    title
+    """
+
+    assembly: Assembly
+    contacts: Contacts
+    stages: tuple[Stage, ...] = field(default_factory=tuple)
+    title: str = "drystone"
+
+    def __post_init__(self) -> None:
+        n, m = len(self.assembly), self.contacts.count
+        if not self.stages:
+            raise InputError("a scene needs a stage")
+        if m and max(self.contacts.block_a.max(), self.contacts.block_b.max()) >= n:
+            raise InputError(
+                "the contacts name blocks that the assembly does not have",
+                remedy="pass the contacts that were found on this assembly",
+            )
+        for stage in self.stages:
+            for name, length in (
+                ("state", n), ("motion", n), ("prop", n),
+                ("normal", m), ("tangential", m), ("utilisation", m),
+            ):  # fmt: skip
+                value = getattr(stage, name)
+                if value is not None and len(value) != length:
+                    raise InputError(f"stage '{stage.label}': {name} has not {length} rows")
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """(2, 3) [m], box around all blocks."""
+        each = self.assembly.bounds
+        return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+
+    @property
+    def centre(self) -> Floats:
+        """(3,) [m], middle of the box."""
+        middle: Floats = self.bounds.mean(axis=0)
+        return middle
+
+    @cached_property
+    def block_size(self) -> float:
+        """[m], median bounding box diagonal of the blocks."""
+        return float(np.median(self.assembly.size))
+
+    @cached_property
+    def force_scale(self) -> float:
+        """[m/N] at which the longest arrow of any stage is as long as a block."""
+        largest = max(
+            (
+                layer.largest
+                for stage in self.stages
+                for layer in stage.layers
+                if layer.kind is LayerKind.ARROWS
+            ),
+            default=0.0,
+        )
+        return self.block_size / largest if largest > 0.0 else 0.0
+
+
+Subject: TypeAlias = Result | Assembly | Scene
+
+
+def scene_of(subject: Subject, contacts: Contacts | None = None) -> Scene:
+    """The scene of a result, of an assembly with or without contacts, or the scene itself.
+
+    Raises
+    ------
+    InputError
+        Contacts were given that are not those of the result, or that name other blocks.
+    """
+    if isinstance(subject, Assembly):
+        found = contacts if contacts is not None else Contacts.empty()
+        state = np.where(subject.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+        layers = interface_layers(found, visible=True)
+        count = f"{len(subject)} blocks, {found.count} interfaces"
+        stage = Stage("model", "", count, state, layers=layers)
+        return Scene(subject, found, (stage,), f"drystone: {count}")
+    if contacts is not None and contacts is not subject.contacts:
+        raise InputError(
+            "contacts other than those of the result", remedy="leave them out: a result has its own"
+        )
+    if isinstance(subject, Scene):
+        return subject
+    stage = stage_of(subject)
+    title = f"drystone: {stage.headline.lower()}"
+    return Scene(subject.assembly, subject.contacts, (stage,), title)
+
+
+def stage_of(result: Result, label: str = "result") -> Stage:
+    """A stage that shows one result."""
+    assembly, contacts = result.assembly, result.contacts
+    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    falling = list(result.falling)
+    state[falling] = State.FALLING
+    headline = result.verdict.value.capitalize()
+    if falling:
+        verb = "falls" if len(falling) == 1 else "fall"
+        headline += f": {len(falling)} of {len(assembly)} blocks {verb}"
+    layers = interface_layers(contacts, visible=False)
+    if result.force is None:
+        return Stage(
+            label, headline, result.message, state, result.verdict, result.mechanism, result.prop,
+            layers=layers,
+        )  # fmt: skip
+    resultants = result.resultants()
+    return Stage(
+        label,
+        headline,
+        result.message,
+        state,
+        verdict=result.verdict,
+        motion=result.mechanism,
+        prop=result.prop,
+        normal=resultants.normal,
+        tangential=resultants.tangential,
+        utilisation=result.utilisation(),
+        layers=(*layers, *force_layers(result)),
+    )
+
+
+def interface_layers(contacts: Contacts, *, visible: bool) -> tuple[Layer, ...]:
+    """The areas where blocks touch; lines and points have no area and are left out."""
+    flat = np.diff(contacts.start) >= 3
+    if not flat.any():
+        return ()
+    part = contacts if flat.all() else contacts.select(flat)
+    return (
+        Layer(
+            "interfaces", "interfaces", LayerKind.POLYGONS, "interface", part.point,
+            start=part.start, visible=visible,
+        ),
+    )  # fmt: skip
+
+
+def force_layers(result: Result) -> tuple[Layer, ...]:
+    """Corner forces, pulls and resultants of a result that has forces."""
+    contacts = result.contacts
+    if result.force is None or contacts.count == 0:
+        return ()
+    world = result.world_force()
+    pull = np.maximum(-result.force[:, 0], 0.0)
+    if result.tension is not None:
+        pull = np.maximum(pull, result.tension)
+    pulled = pull > 1e-9 * float(np.abs(result.force).max(initial=0.0))
+    visible = contacts.corner_count <= MANY_CORNERS
+    layers = [
+        Layer(
+            "pressure", "corner forces", LayerKind.ARROWS, "pressure", contacts.point,
+            np.where((result.force[:, 0] >= 0.0)[:, None], world, 0.0), visible=visible,
+        )
+    ]  # fmt: skip
+    if pulled.any():
+        normal = contacts.frame[contacts.interface[pulled], 0]
+        layers.append(
+            Layer(
+                "tension", "tension", LayerKind.ARROWS, "tension", contacts.point[pulled],
+                pull[pulled, None] * normal, visible=True, inward=True, width=1.4,
+            )
+        )  # fmt: skip
+    resultants = result.resultants()
+    layers.append(
+        Layer(
+            "resultants", "resultants", LayerKind.ARROWS, "resultant", resultants.position,
+            resultants.force, visible=True, width=1.8,
+        )
+    )  # fmt: skip
+    return tuple(layers)

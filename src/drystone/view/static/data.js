@@ -1,0 +1,140 @@
+// The page's data: base64 into typed arrays, local numbers into global ones, flat meshes.
+
+const ARRAY_TYPES = { f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array };
+
+function readData() {
+  const data = JSON.parse(document.getElementById("drystone-data").textContent);
+  if (data.format !== "drystone-page" || data.version !== 1) {
+    throw new Error("this page does not understand its own data");
+  }
+  const bytes = data.blobs.map(decodeBase64);
+  const array = (spec) => spec && new ARRAY_TYPES[spec.type](bytes[spec.blob].buffer);
+  for (const part of [data.blocks, data.contacts, ...data.stages]) decodeArrays(part, array);
+  for (const stage of data.stages) stage.layers.forEach((layer) => decodeArrays(layer, array));
+  data.blobs = null;
+  data.count = data.blocks.names.length;
+  data.interfacesOf = interfacesOf(data);
+  return data;
+}
+
+function decodeBase64(text) {
+  const raw = atob(text);
+  const bytes = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
+  return bytes;
+}
+
+function decodeArrays(holder, array) {
+  for (const [name, value] of Object.entries(holder)) {
+    if (value && typeof value === "object" && "blob" in value) holder[name] = array(value);
+  }
+}
+
+function starts(counts) {
+  const out = new Uint32Array(counts.length + 1);
+  for (let i = 0; i < counts.length; i++) out[i + 1] = out[i] + counts[i];
+  return out;
+}
+
+// For each block the numbers of its interfaces.
+function interfacesOf(data) {
+  const found = Array.from({ length: data.count }, () => []);
+  const { a, b } = data.contacts;
+  for (let i = 0; i < a.length; i++) {
+    found[a[i]].push(i);
+    found[b[i]].push(i);
+  }
+  return found;
+}
+
+// Faces with corners of their own (flat shading), and the range of indices of each block.
+function blockMesh(blocks) {
+  const { point, loop, triangle } = blocks;
+  const firstPoint = starts(blocks.points);
+  const firstFace = starts(blocks.faces);
+  const firstCorner = starts(blocks.corners);
+  const corners = loop.length;
+  const position = new Float32Array(3 * corners);
+  const normal = new Int8Array(4 * corners);
+  const owner = new Uint32Array(corners);
+  const index = new Uint32Array(triangle.length);
+  const indexStart = new Uint32Array(blocks.points.length + 1);
+  let used = 0;
+  for (let block = 0; block < blocks.points.length; block++) {
+    for (let face = firstFace[block]; face < firstFace[block + 1]; face++) {
+      const first = firstCorner[face];
+      const last = firstCorner[face + 1];
+      for (let c = first; c < last; c++) {
+        const p = 3 * (firstPoint[block] + loop[c]);
+        position.set(point.subarray(p, p + 3), 3 * c);
+        owner[c] = block;
+      }
+      const n = loopNormal(position, first, last);
+      for (let c = first; c < last; c++) {
+        for (let i = 0; i < 3; i++) normal[4 * c + i] = Math.round(127 * n[i]);
+      }
+      const end = used + 3 * (last - first - 2);
+      for (; used < end; used++) index[used] = first + triangle[used];
+    }
+    indexStart[block + 1] = used;
+  }
+  return { position, normal, owner, index, indexStart };
+}
+
+function loopNormal(position, first, last) {
+  const at = (c) => [0, 1, 2].map((i) => position[3 * c + i] - position[3 * first + i]);
+  let sum = [0, 0, 0];
+  for (let c = first + 1; c + 1 < last; c++) sum = vec.add(sum, vec.cross(at(c), at(c + 1)));
+  const length = vec.length(sum);
+  return length > 0 ? vec.scale(sum, 1 / length) : [0, 0, 0];
+}
+
+function edgeMesh(blocks) {
+  const { point, edge } = blocks;
+  const firstPoint = starts(blocks.points);
+  const ends = new Float32Array(3 * edge.length);
+  const owner = new Uint32Array(edge.length / 2);
+  let e = 0;
+  for (let block = 0; block < blocks.points.length; block++) {
+    for (let k = 0; k < blocks.edges[block]; k++, e++) {
+      owner[e] = block;
+      for (let side = 0; side < 2; side++) {
+        const p = 3 * (firstPoint[block] + edge[2 * e + side]);
+        ends.set(point.subarray(p, p + 3), 6 * e + 3 * side);
+      }
+    }
+  }
+  return { ends, owner };
+}
+
+function polygonIndex(layer) {
+  const first = starts(layer.corners);
+  const index = new Uint32Array(layer.triangle.length);
+  let used = 0;
+  for (let face = 0; face < layer.corners.length; face++) {
+    const end = used + 3 * (layer.corners[face] - 2);
+    for (; used < end; used++) index[used] = first[face] + layer.triangle[used];
+  }
+  return index;
+}
+
+function colourOf(hex) {
+  return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
+}
+
+const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "\u00b5"]];
+
+function quantity(value, unit) {
+  if (!Number.isFinite(value)) return value > 0 ? "\u221e" : "\u2013";
+  const size = Math.abs(value);
+  if (size === 0) return `0 ${unit}`;
+  const [factor, prefix] = PREFIXES.find(([f]) => size >= 0.9995 * f) ?? [1, ""];
+  return `${Number((value / factor).toPrecision(3))} ${prefix}${unit}`;
+}
+
+// Masses above a tonne stay in kilograms, areas and volumes have no prefixes.
+function plain(value, unit) {
+  const size = Math.abs(value);
+  const far = size !== 0 && (size < 1e-3 || size >= 1e7);
+  return `${far ? value.toExponential(2) : Number(value.toPrecision(4))} ${unit}`;
+}
