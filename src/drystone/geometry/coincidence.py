@@ -1,0 +1,133 @@
+"""Points that coincide, and solids that are there twice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.polyhedron import Loop
+
+
+def first_coincident(points: Floats, distance: float) -> Ints:
+    """For each point the first of the group of points that it coincides with.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    distance : [m]
+        Points up to this far apart coincide, and so do chains of them; points further apart than
+        four times as much do not, unless a chain joins them.
+
+    Notes
+    -----
+    Cells of twice the distance, on eight grids shifted by half a cell: near points share a cell of
+    one grid at least. The work is linear even when all points are one.
+    """
+    count = len(points)
+    if count == 0:
+        return np.zeros(0, dtype=np.intp)
+    if not distance > 0.0:
+        _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
+        return np.asarray(first[inverse.ravel()], dtype=np.intp)
+    from scipy.sparse import coo_array  # slow to import, and few models need it
+    from scipy.sparse.csgraph import connected_components
+
+    scaled = (points - points.min(axis=0)) / (2.0 * distance)
+    links = []
+    for shift in product((0.0, 0.5), repeat=3):
+        cell = np.floor(scaled + np.array(shift))
+        _, first, inverse = np.unique(cell, axis=0, return_index=True, return_inverse=True)
+        links.append(first[inverse.ravel()])
+    target = np.concatenate(links)
+    source = np.tile(np.arange(count), len(links))
+    graph = coo_array((np.ones(len(source)), (source, target)), shape=(count, count))
+    parts, label = connected_components(graph, directed=False)
+    first_of = np.full(parts, count, dtype=np.intp)
+    np.minimum.at(first_of, label, np.arange(count, dtype=np.intp))
+    return first_of[label]
+
+
+def weld(
+    vertices: Floats, faces: Sequence[Sequence[int]], tolerance: float
+) -> tuple[tuple[Loop, ...], int]:
+    """Faces that use one vertex where several coincide.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops of vertex indices.
+    tolerance
+        Distance that counts as coincident, relative to the bounding box diagonal.
+
+    Returns
+    -------
+    faces
+        The same loops over the first of each group of coincident vertices. A corner that falls
+        together with the one before it is left out, a face left with fewer than three is dropped.
+    merged
+        Number of vertices that are no longer used.
+
+    Examples
+    --------
+    >>> twin = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]])
+    >>> weld(twin, [(0, 1, 2), (3, 2, 1)], 1e-9)
+    (((0, 1, 2), (0, 2, 1)), 1)
+    """
+    if len(vertices) == 0:
+        return tuple(tuple(face) for face in faces), 0
+    diagonal = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
+    first = first_coincident(vertices, tolerance * diagonal).tolist()
+    used = {i for face in faces for i in face}
+    welded = []
+    for face in faces:
+        corners = [first[i] for i in face]
+        loop = [v for i, v in enumerate(corners) if v != corners[i - 1]]
+        if len(loop) >= 3:
+            welded.append(tuple(loop))
+    kept = {i for loop in welded for i in loop}
+    return tuple(welded), len(used) - len(kept)
+
+
+def duplicates(vertices: Sequence[Floats], tolerance: float) -> list[tuple[int, int]]:
+    """Pairs of bodies with the same vertices, in any order; each with the first of its kind.
+
+    Parameters
+    ----------
+    vertices
+        Per body (v, 3) [m].
+    tolerance
+        Distance between like vertices, relative to the median size of the bodies.
+    """
+    if len(vertices) < 2:
+        return []
+    low = np.array([v.min(axis=0) for v in vertices])
+    high = np.array([v.max(axis=0) for v in vertices])
+    distance = tolerance * float(np.median(np.linalg.norm(high - low, axis=1)))
+    middle = first_coincident(0.5 * (low + high), distance)
+    extent = first_coincident(high - low, distance)
+    kinds: dict[tuple[int, int, int], list[int]] = {}
+    found = []
+    for body, points in enumerate(vertices):
+        kind = (int(middle[body]), int(extent[body]), len(points))
+        like = kinds.setdefault(kind, [])
+        for other in like:
+            if _same_points(vertices[other], points, distance):
+                found.append((other, body))
+                break
+        else:
+            like.append(body)
+    return found
+
+
+def _same_points(one: Floats, other: Floats, distance: float) -> bool:
+    """Whether every point of one has a partner of its own in the other."""
+    count = len(one)
+    first = first_coincident(np.concatenate([one, other]), distance)
+    groups = np.zeros((2, 2 * count), dtype=np.intp)
+    np.add.at(groups[0], first[:count], 1)
+    np.add.at(groups[1], first[count:], 1)
+    return bool((groups[0] == groups[1]).all())

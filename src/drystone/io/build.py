@@ -1,0 +1,194 @@
+"""From what a file says to blocks: scaled, closed, mended where that is safe, and checked."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from drystone.assembly import Assembly, Block
+from drystone.errors import FormatError, InputError
+from drystone.geometry import coincidence, selfcontact
+from drystone.geometry.arrays import frozen_floats
+from drystone.io.draft import Draft, Model, Shape
+from drystone.io.units import scale_of
+
+LARGEST_COORDINATE = 1e9
+"""[m], chosen: far above any structure, far below where products of coordinates overflow."""
+LIKELY_EXTENT = (0.01, 1000.0)
+"""[m], chosen: a model smaller or larger than this is answered, with a remark on its unit."""
+SAME_PLACE = 1e-9
+"""Vertices nearer than this share of their block's size are the same point."""
+MANY = 5
+"""Names listed in one note."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """Blocks made from a draft, and what kept the others from being made.
+
+    Attributes
+    ----------
+    blocks
+        One per shape; ``None`` where it cannot be used.
+    fixed
+    defects
+        One error per fault, in order.
+    notes
+    """
+
+    blocks: tuple[Block | None, ...]
+    fixed: tuple[bool, ...]
+    defects: tuple[InputError, ...]
+    notes: tuple[str, ...]
+
+
+def build(draft: Draft, path: Path, units: str | None = None) -> Model:
+    """The model of a draft.
+
+    Raises
+    ------
+    InputError
+        The first defect; the number of further ones is told.
+    """
+    built = try_blocks(draft, path, units)
+    if built.defects:
+        first = built.defects[0]
+        more = len(built.defects) - 1
+        tail = f" ({more} more; 'drystone inspect' lists all)" if more else ""
+        raise type(first)(first.what, where=first.where, remedy=first.remedy + tail) from first
+    blocks = tuple(block for block in built.blocks if block is not None)
+    try:
+        assembly = Assembly(blocks, np.array(built.fixed, dtype=bool))
+    except InputError as error:
+        raise FormatError(error.what, where=str(path), remedy=error.remedy) from error
+    contacts, loads, results = draft.finish(assembly) if draft.finish else (None, (), ())
+    return Model(assembly, contacts, loads, results, built.notes)
+
+
+def try_blocks(draft: Draft, path: Path, units: str | None = None) -> Built:
+    """Every block that can be made of a draft, and all that is wrong with the others."""
+    if units is not None and draft.units is not None and units != draft.units:
+        if draft.finish is not None:
+            raise FormatError(
+                f"its lengths are in {draft.units}, not in {units}",
+                where=str(path),
+                remedy="leave --units out",
+            )
+        said: tuple[str, ...] = (f"the file says {draft.units}; read in {units} as asked",)
+    else:
+        said = ()
+    scale = scale_of(units or draft.units or "m")
+    blocks: list[Block | None] = []
+    defects: list[InputError] = []
+    for shape in draft.shapes:
+        try:
+            blocks.append(_block(shape, scale))
+        except InputError as error:
+            defects.append(_located(error, path, shape))
+            blocks.append(None)
+    good = [block for block in blocks if block is not None]
+    defects += _name_defects(draft.shapes, path)
+    defects += _self_contact_defects(good, path)
+    defects += _duplicate_defects(good, path)
+    notes = (*draft.notes, *said, *_repair_notes(good), *_size_notes(good, units or draft.units))
+    return Built(tuple(blocks), tuple(s.fixed for s in draft.shapes), tuple(defects), notes)
+
+
+def _block(shape: Shape, scale: float) -> Block:
+    vertices = frozen_floats(shape.vertices, (None, 3), "vertices")
+    if scale != 1.0:
+        vertices = frozen_floats(vertices * scale, (None, 3), "vertices")
+    far = np.abs(vertices).max(initial=0.0)
+    if far > LARGEST_COORDINATE:
+        raise InputError(
+            f"a coordinate is {far:.3g} m", remedy=f"stay within {LARGEST_COORDINATE:g} m"
+        )
+    faces = tuple(tuple(face) for face in shape.faces)
+
+    def block(faces: tuple[tuple[int, ...], ...], *notes: str) -> Block:
+        repairs = (*shape.repairs, *notes)
+        return Block(vertices, faces, shape.name, shape.density, shape.metadata, repairs)
+
+    try:
+        return block(faces)
+    except InputError as error:
+        welded, merged = coincidence.weld(vertices, faces, SAME_PLACE)
+        if "open mesh" not in error.what or not merged:
+            raise
+    return block(welded, f"{merged} coincident vertices merged")
+
+
+def _located(error: InputError, path: Path, shape: Shape) -> InputError:
+    place = f"{shape.where} " if shape.where else ""
+    return FormatError(
+        error.what, where=f"{path}, {place}block '{shape.name}'", remedy=error.remedy
+    )
+
+
+def _name_defects(shapes: tuple[Shape, ...], path: Path) -> list[InputError]:
+    places: dict[str, list[str]] = defaultdict(list)
+    for i, shape in enumerate(shapes):
+        places[shape.name].append(shape.where or f"block {i}")
+    return [
+        FormatError(
+            f"{len(at)} blocks have one name, '{name}' ({' and '.join(at[:3])})",
+            where=str(path),
+            remedy="rename all but one of them",
+        )
+        for name, at in places.items()
+        if len(at) > 1
+    ]
+
+
+def _self_contact_defects(blocks: list[Block], path: Path) -> list[InputError]:
+    found = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
+    return [
+        FormatError(
+            f"its surface {fault.what}",
+            where=f"{path}, block '{blocks[fault.body].name}'",
+            remedy="separate the parts there, or split it into two blocks",
+        )
+        for fault in found
+    ]
+
+
+def _duplicate_defects(blocks: list[Block], path: Path) -> list[InputError]:
+    pairs = coincidence.duplicates([block.vertices for block in blocks], SAME_PLACE)
+    return [
+        FormatError(
+            f"blocks '{blocks[a].name}' and '{blocks[b].name}' are one block twice,"
+            " at the same place",
+            where=str(path),
+            remedy="remove one of them",
+        )
+        for a, b in pairs
+    ]
+
+
+def _repair_notes(blocks: list[Block]) -> list[str]:
+    """One note per kind of repair, naming the first blocks that it befell."""
+    names: dict[str, list[str]] = defaultdict(list)
+    for block in blocks:
+        for repair in block.repairs:
+            names[repair].append(f"'{block.name}'")
+    notes = []
+    for repair, befell in names.items():
+        shown = ", ".join(befell[:MANY])
+        more = f" and {len(befell) - MANY} more" if len(befell) > MANY else ""
+        notes.append(f"{'block' if len(befell) == 1 else 'blocks'} {shown}{more}: {repair}")
+    return notes
+
+
+def _size_notes(blocks: list[Block], units: str | None) -> list[str]:
+    if not blocks:
+        return []
+    low = np.min([block.bounds[0] for block in blocks], axis=0)
+    high = np.max([block.bounds[1] for block in blocks], axis=0)
+    extent = float((high - low).max())
+    if LIKELY_EXTENT[0] <= extent <= LIKELY_EXTENT[1]:
+        return []
+    read_in = f"read in {units}" if units else "no unit was given, metres assumed"
+    return [f"the model is {extent:.3g} m across; {read_in}: is the unit right (--units)?"]

@@ -1,0 +1,170 @@
+"""COMPAS JSON without COMPAS: assemblies of compas_assembly, block models of compas_dem.
+
+What the files hold was learned from files written with compas_assembly (COMPAS 2.0), compas_model
+0.9.3 and compas_dem 0.6.0. Objects are ``{"dtype": "package.module/Class", "data": {...}}``;
+COMPAS 1 wrote ``value`` for ``data``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.assembly import DEFAULT_DENSITY
+from drystone.geometry.arrays import Floats
+from drystone.io.draft import Draft, Shape
+from drystone.io.jsontext import Field
+
+MESHES = ("Mesh", "Block", "Polyhedron")
+
+
+def read(top: Field) -> Draft:
+    """The draft of a COMPAS file."""
+    kind = _class(top)
+    if kind == "Assembly":
+        return _assembly(_data(top))
+    if kind.endswith("Model"):
+        return _model(_data(top))
+    if kind in MESHES:
+        return Draft((_mesh(top, top.get("name", "block").text()),))
+    raise top.error(
+        f"is a COMPAS '{kind[:40]}'",
+        "save an Assembly of compas_assembly or a BlockModel of compas_dem",
+    )
+
+
+def _class(field: Field) -> str:
+    return field["dtype"].text().rpartition("/")[2]
+
+
+def _data(field: Field) -> Field:
+    return field["data"] if "data" in field.object().value else field["value"]
+
+
+def _plain(field: Field) -> Field:
+    """What an object holds, whether it is wrapped with its type or not."""
+    return _data(field) if "dtype" in field.object().value else field
+
+
+def _assembly(data: Field) -> Draft:
+    """A compas_assembly: a graph whose nodes are blocks. A node's key is its block's name."""
+    graph = _plain(data["graph"])
+    default = graph.get("default_node_attributes", {}).get("is_support", False).boolean()
+    shapes = []
+    for key, node in graph["node"].items():
+        if not node.has("block"):
+            raise node.error("has no block", "remove the node")
+        shape = _mesh(node["block"], key)
+        fixed = shape.fixed or node.get("is_support", default).boolean()
+        shapes.append(replace(shape, fixed=fixed))
+    return Draft(tuple(shapes), notes=_ignored(graph, "interfaces"))
+
+
+def _model(data: Field) -> Draft:
+    """A block model: elements, placed by a tree of transformations, in the order of the graph."""
+    graph = _plain(data["graph"])
+    elements = data["elements"].object()
+    densities = _densities(data)
+    place = _placements(data, elements)
+    shapes: list[Shape] = []
+    used: set[str] = set()
+    for key, node in sorted(graph["node"].items(), key=lambda item: (len(item[0]), item[0])):
+        guid = node["element"].text()
+        inside = _data(elements[guid])
+        if not inside.has("geometry"):
+            if _class(elements[guid]) != "Group":
+                raise elements[guid].error("has no mesh", "only elements with a mesh can be read")
+            continue
+        name = inside.get("name", "").text()
+        if not name or name == _class(elements[guid]) or name in used:
+            name = f"{name or 'block'}-{key}"
+        used.add(name)
+        shape = _mesh(inside["geometry"], name)
+        matrix = place.get(guid, np.eye(4))
+        mirrored = float(np.linalg.det(matrix[:3, :3])) < 0.0
+        shapes.append(
+            replace(
+                shape,
+                vertices=np.asarray(shape.vertices) @ matrix[:3, :3].T + matrix[:3, 3],
+                faces=[loop[::-1] for loop in shape.faces] if mirrored else shape.faces,
+                fixed=inside.get("is_support", False).boolean(),
+                density=densities.get(inside.get("material", "").text(), DEFAULT_DENSITY),
+                metadata={**shape.metadata, "node": key, "guid": guid},
+            )
+        )
+    return Draft(tuple(shapes), notes=_ignored(graph, "contacts"))
+
+
+def _densities(data: Field) -> dict[str, float]:
+    found = {}
+    for guid, material in data.get("materials", {}).items():
+        inside = _data(material)
+        if inside.has("density"):
+            found[guid] = inside["density"].number()
+    return found
+
+
+def _placements(data: Field, elements: Field) -> dict[str, Floats]:
+    """Matrix (4, 4) of each element: the model's, then its ancestors', then its own."""
+    own = {guid: _matrix(_data(element)) for guid, element in elements.items()}
+    placed: dict[str, Floats] = {}
+    stack = [(_plain(data["tree"])["root"], _matrix(data))]
+    while stack:
+        node, above = stack.pop()
+        for child in node.get("children", []).elements():
+            guid = child["element"].text()
+            if guid not in own:
+                raise child["element"].error("names no element")
+            placed[guid] = above @ own[guid]
+            stack.append((child, placed[guid]))
+    return placed
+
+
+def _matrix(field: Field) -> Floats:
+    if not field.has("transformation"):
+        return np.eye(4)
+    return _data(field["transformation"])["matrix"].floats(4, 4)
+
+
+def _mesh(field: Field, name: str) -> Shape:
+    """A mesh with vertices by key, as COMPAS 1 and 2 write them, or by position (polyhedron)."""
+    data = _data(field)
+    attributes: Mapping[str, object] = data.get("attributes", {}).object().value
+    if "vertices" in data.value:
+        points = data["vertices"].floats(None, 3)
+        loops = [[corner.integer() for corner in f.elements()] for f in data["faces"].elements()]
+        for loop in loops:
+            if loop and not (min(loop) >= 0 and max(loop) < len(points)):
+                raise data["faces"].error("names a vertex that does not exist")
+        return Shape(name, points, loops, where=field.path)
+    position = {key: i for i, key in enumerate(data["vertex"].object().value)}
+    points = np.array(
+        [[vertex.get(axis, 0.0).number() for axis in "xyz"] for _, vertex in data["vertex"].items()]
+    ).reshape(-1, 3)
+    loops = []
+    for _, face in data["face"].items():
+        corners = [str(corner.value) for corner in face.elements()]
+        if not all(corner in position for corner in corners):
+            raise face.error("names a vertex that does not exist")
+        loops.append([position[corner] for corner in corners])
+    label = attributes.get("name")
+    return Shape(
+        name,
+        points,
+        loops,
+        where=field.path,
+        fixed=attributes.get("is_support") is True,
+        metadata={"label": label} if isinstance(label, str) else {},
+    )
+
+
+def _ignored(graph: Field, what: str) -> tuple[str, ...]:
+    """A remark on the stored contacts, which are not used."""
+    count = 0
+    for _, neighbours in graph.get("edge", {}).items():
+        for _, edge in neighbours.items():
+            stored = edge.value.get(what) if isinstance(edge.value, dict) else None
+            count += len(stored) if isinstance(stored, list) else 0
+    return (f"{count} stored {what} left aside; contacts are found anew",) if count else ()

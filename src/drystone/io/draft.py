@@ -1,0 +1,89 @@
+"""What a file says, before anything is believed: shapes that may be open, flat or doubled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
+
+from drystone.assembly import DEFAULT_DENSITY, Assembly
+from drystone.contacts import Contacts
+from drystone.loads import LoadCase
+from drystone.results import Result
+
+Extras: TypeAlias = tuple[Contacts | None, tuple[LoadCase, ...], tuple[Result, ...]]
+"""Contacts, loads and results of one assembly."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One block as a file gives it.
+
+    Attributes
+    ----------
+    name
+    vertices : (v, 3), any nested sequence or array, in units of the file
+    faces
+        Loops of vertex indices.
+    where
+        Its place in the file, for errors: a line, or a field path.
+    density : [kg/m3]
+    fixed
+    metadata
+    repairs
+        Mended already when the file was written.
+    """
+
+    name: str
+    vertices: Any
+    faces: Sequence[Sequence[int]]
+    where: str = ""
+    density: float = DEFAULT_DENSITY
+    fixed: bool = False
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+    repairs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Draft:
+    """Everything that a reader took from one file.
+
+    Attributes
+    ----------
+    shapes
+    units
+        Unit of length of the shapes, where the file says it.
+    finish
+        Makes contacts, loads and results (SI units) for the finished assembly, since they refer to
+        its blocks; ``None`` where the file has none.
+    notes
+        What the reader had to assume.
+    """
+
+    shapes: tuple[Shape, ...]
+    units: str | None = None
+    finish: Callable[[Assembly], Extras] | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Model:
+    """An assembly, and what else a file holds about it.
+
+    Attributes
+    ----------
+    assembly
+    contacts
+        ``None`` when they have not been found yet.
+    loads
+    results
+        Each refers to the assembly and the contacts of this model.
+    notes
+        What the reader assumed or mended, one sentence each.
+    """
+
+    assembly: Assembly
+    contacts: Contacts | None = None
+    loads: tuple[LoadCase, ...] = ()
+    results: tuple[Result, ...] = ()
+    notes: tuple[str, ...] = ()

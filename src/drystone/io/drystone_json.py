@@ -1,0 +1,289 @@
+"""Our own JSON schema: assembly, contacts, loads and results, exact to the last bit.
+
+Documented in ``docs/formats.md``. Numbers are written as the shortest decimals that read back as
+the same float64.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import DEFAULT_DENSITY, Assembly
+from drystone.contacts import Contacts
+from drystone.errors import FormatError, InputError
+from drystone.geometry.arrays import Floats
+from drystone.io.draft import Draft, Extras, Model, Shape
+from drystone.io.files import write_bytes
+from drystone.io.jsontext import Field
+from drystone.loads import LoadCase
+from drystone.results import Residuals, Result, Samples, Verdict
+
+SCHEMA = "drystone"
+VERSION = 1
+TOP = ("schema", "version", "units", "blocks", "contacts", "loads", "results")
+BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
+CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
+LOAD = ("name", "wrench")
+ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop": 6}
+"""Columns of the arrays of a result; ``None`` for a plain vector."""
+RESULT = (
+    *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals"),
+    *("options", "solver", "iterations", "time_s"),
+)
+HEAVIEST = 1e9
+"""[kg/m3], chosen: more than any matter; keeps products of masses finite."""
+
+
+def read(top: Field) -> Draft:
+    """The draft of a file in our schema, or in its minimal form, blocks alone."""
+    if "schema" in top.value and top["schema"].text() != SCHEMA:
+        raise top["schema"].error(f"must be '{SCHEMA}'")
+    if "blocks" not in top.value:
+        raise top.error(
+            "has no 'blocks'",
+            'the minimal form is {"blocks": [{"name", "vertices", "faces", "fixed"}]}',
+        )
+    version = top.get("version", VERSION)
+    if version.integer() > VERSION:
+        raise version.error(f"is {version.value}", "a newer drystone wrote this file; update")
+    top.only(TOP)
+    shapes = tuple(_shape(field) for field in top["blocks"].elements())
+    if not shapes:
+        raise top["blocks"].error("holds no block", "give at least one")
+    units = top["units"].text() if top.has("units") else None
+    more = any(top.has(key) for key in ("contacts", "loads", "results"))
+    if more and units not in (None, "m"):
+        raise top["units"].error("must be 'm' in a file with contacts, loads or results")
+
+    def finish(assembly: Assembly) -> Extras:
+        return _extras(top, assembly)
+
+    return Draft(shapes, "m" if more else units, finish if more else None)
+
+
+def _shape(field: Field) -> Shape:
+    field.only(BLOCK)
+    density = field.get("density", DEFAULT_DENSITY)
+    if not 0.0 < density.number() <= HEAVIEST:
+        raise density.error(f"is {density.value}", f"give kg/m3 above zero, at most {HEAVIEST:g}")
+    vertices = field["vertices"].floats(None, 3)
+    name = field["name"].text()
+    if not name:
+        raise field["name"].error("is empty", "give the block a name")
+    return Shape(
+        name,
+        vertices,
+        [_loop(face, len(vertices)) for face in field["faces"].elements()],
+        where=field.path,
+        density=density.number(),
+        fixed=field.get("fixed", False).boolean(),
+        metadata=field.get("metadata", {}).object().value,
+        repairs=tuple(repair.text() for repair in field.get("repairs", []).elements()),
+    )
+
+
+def _loop(face: Field, count: int) -> list[int]:
+    loop = [corner.integer() for corner in face.elements()]
+    for i, corner in enumerate(loop):
+        if not 0 <= corner < count:
+            raise face.error(
+                f"names no vertex: {corner}", f"they go from 0 to {count - 1}", at=f"[{i}]"
+            )
+    return loop
+
+
+def _extras(top: Field, assembly: Assembly) -> Extras:
+    contacts = _contacts(top["contacts"], assembly) if top.has("contacts") else None
+    loads = tuple(_load(field, assembly) for field in top.get("loads", []).elements())
+    results = []
+    for field in top.get("results", []).elements():
+        if contacts is None:
+            raise field.error("has no contacts to refer to", "give 'contacts' as well")
+        results.append(_result(field, assembly, contacts, loads))
+    return contacts, loads, tuple(results)
+
+
+def _contacts(field: Field, assembly: Assembly) -> Contacts:
+    field.only(CONTACTS)
+    block_a, block_b = field["block_a"].integers(None), field["block_b"].integers(None)
+    m = len(block_a)
+    for side, values in (("block_a", block_a), ("block_b", block_b)):
+        bad = np.flatnonzero((values < 0) | (values >= len(assembly)))
+        if len(bad):
+            raise field[side].error(f"names no block: {values[bad[0]]}", at=f"[{bad[0]}]")
+    try:
+        return Contacts(
+            block_a,
+            block_b,
+            field["frame"].floats(m, 3, 3),
+            field["area"].floats(m),
+            field["friction"].floats(m),
+            field["point"].floats(None, 3),
+            field["interface"].integers(None),
+        )
+    except FormatError:
+        raise
+    except InputError as error:
+        raise field.error(error.what, error.remedy) from error
+
+
+def _load(field: Field, assembly: Assembly) -> LoadCase:
+    field.only(LOAD)
+    return LoadCase(field["wrench"].floats(len(assembly), 6), field.get("name", "load").text())
+
+
+def _result(
+    field: Field, assembly: Assembly, contacts: Contacts, loads: Sequence[LoadCase]
+) -> Result:
+    field.only(RESULT)
+    position = field["load"].integer()
+    if not 0 <= position < len(loads):
+        raise field["load"].error(f"names no load: {position}", f"there are {len(loads)}")
+    verdict = field["verdict"]
+    if verdict.text() not in {v.value for v in Verdict}:
+        raise verdict.error("is no verdict", f"use one of {', '.join(v.value for v in Verdict)}")
+    samples = field.get("samples", {})
+    samples.only(("tried", "standing"))
+    falling = tuple(one.integer() for one in field.get("falling", []).elements())
+    if any(not 0 <= i < len(assembly) for i in falling):
+        raise field["falling"].error("names a block that does not exist")
+    rows = {"force": contacts.corner_count, "tension": contacts.corner_count}
+    arrays = {
+        name: _optional(field, name, (rows.get(name, len(assembly)), columns))
+        for name, columns in ARRAYS.items()
+    }
+    return Result(
+        method=field["method"].text(),
+        verdict=Verdict(verdict.value),
+        assembly=assembly,
+        contacts=contacts,
+        load=loads[position],
+        message=field.get("message", "").text(),
+        falling=falling,
+        samples=Samples(samples.get("tried", 0).integer(), samples.get("standing", 0).integer()),
+        residuals=_residuals(field["residuals"]) if field.has("residuals") else None,
+        options=field.value.get("options"),
+        solver=field.get("solver", "").text(),
+        iterations=field.get("iterations", 0).integer(),
+        time_s={key: value.number() for key, value in field.get("time_s", {}).items()},
+        **arrays,
+    )
+
+
+def _optional(field: Field, name: str, shape: tuple[int, int | None]) -> Floats | None:
+    if not field.has(name):
+        return None
+    return field[name].floats(*(size for size in shape if size is not None))
+
+
+def _residuals(field: Field) -> Residuals:
+    names = tuple(f.name for f in dataclasses.fields(Residuals))
+    field.only(names)
+    return Residuals(**{name: field.get(name, 0.0).number() for name in names})
+
+
+def write(model: Model, path: Path) -> None:
+    """Everything of a model, in our schema.
+
+    Raises
+    ------
+    FormatError
+        A result belongs to other contacts, or metadata is not made of JSON values.
+    """
+    top = content(model, path)
+    blocks = ",\n  ".join(_dumps(block, path) for block in top.pop("blocks"))
+    rest = {key: value for key, value in top.items() if value is not None}
+    parts = [f'"{key}": {_dumps(value, path)}' for key, value in rest.items()]
+    parts.insert(3, f'"blocks": [\n  {blocks}\n ]')
+    write_bytes(path, ("{\n " + ",\n ".join(parts) + "\n}\n").encode())
+
+
+def content(model: Model, path: Path) -> dict[str, Any]:
+    """A model as plain values, arrays as nested lists."""
+    assembly, contacts = model.assembly, model.contacts
+    loads = list(model.loads)
+    results = []
+    for result in model.results:
+        if result.assembly is not assembly or result.contacts is not contacts:
+            raise FormatError(
+                "a result belongs to another assembly or to other contacts",
+                where=str(path),
+                remedy="write it to a file of its own",
+            )
+        if not any(load is result.load for load in loads):
+            loads.append(result.load)
+        position = next(i for i, load in enumerate(loads) if load is result.load)
+        results.append(_result_content(result, position))
+    return {
+        "schema": SCHEMA,
+        "version": VERSION,
+        "units": "m",
+        "blocks": [
+            {
+                "name": block.name,
+                "fixed": bool(fixed),
+                "density": block.density,
+                "vertices": block.vertices.tolist(),
+                "faces": block.faces,
+                **({"metadata": dict(block.metadata)} if block.metadata else {}),
+                **({"repairs": block.repairs} if block.repairs else {}),
+            }
+            for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
+        ],
+        "contacts": None
+        if contacts is None
+        else {name: getattr(contacts, name).tolist() for name in CONTACTS},
+        "loads": [{"name": load.name, "wrench": load.wrench.tolist()} for load in loads] or None,
+        "results": results or None,
+    }
+
+
+def _result_content(result: Result, load: int) -> dict[str, Any]:
+    arrays = {name: getattr(result, name) for name in ARRAYS}
+    return {
+        "method": result.method,
+        "verdict": result.verdict.value,
+        "message": result.message,
+        "load": load,
+        **{name: value.tolist() for name, value in arrays.items() if value is not None},
+        "falling": list(result.falling),
+        "samples": dataclasses.asdict(result.samples),
+        "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
+        "options": _plain(result.options),
+        "solver": result.solver,
+        "iterations": result.iterations,
+        "time_s": dict(result.time_s),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Options as JSON values: a frozen dataclass becomes an object, an enum its value."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
+    if isinstance(value, enum.Enum):
+        return _plain(value.value)
+    if isinstance(value, dict):
+        return {str(key): _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    if value is None or isinstance(value, str | bool | int | float):
+        return value
+    return repr(value)
+
+
+def _dumps(value: Any, path: Path) -> str:
+    try:
+        return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise FormatError(
+            f"something in the model is no JSON value: {error}",
+            where=str(path),
+            remedy="keep metadata to text, finite numbers, lists and objects",
+        ) from error

@@ -1,0 +1,35 @@
+"""What a file format is to the rest: a name, suffixes, a reader and a writer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from drystone.io.draft import Draft, Model
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format.
+
+    Attributes
+    ----------
+    name
+        By which it is asked for.
+    title
+        For people.
+    suffixes
+        Lower case, with the dot.
+    read
+        ``read(data, path)``, the draft of a file's bytes; the path is for errors and for files
+        beside it. ``None`` when the format is only written.
+    write
+        ``write(model, path)``; ``None`` when it is only read.
+    """
+
+    name: str
+    title: str
+    suffixes: tuple[str, ...]
+    read: Callable[[bytes, Path], Draft] | None = None
+    write: Callable[[Model, Path], None] | None = None

@@ -1,0 +1,145 @@
+"""Reading and writing by suffix: which format serves which file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drystone.assembly import Assembly
+from drystone.errors import FormatError, InputError
+from drystone.io import compas_json, drystone_json, jsontext, obj
+from drystone.io.build import Built, build, try_blocks
+from drystone.io.draft import Draft, Model
+from drystone.io.files import PathLike, read_bytes
+from drystone.io.formats import Format
+from drystone.io.units import scale_of
+from drystone.results import Result
+
+
+def _read_json(data: bytes, path: Path) -> Draft:
+    """Any of the JSON formats, told apart by what the file says."""
+    top = jsontext.parse(data, path)
+    if "dtype" in top.value:
+        return compas_json.read(top)
+    return drystone_json.read(top)
+
+
+FORMATS: tuple[Format, ...] = (
+    Format("drystone", "drystone JSON", (".json",), _read_json, drystone_json.write),
+    Format("compas", "COMPAS JSON", (".json",), _read_json, None),
+    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write),
+)
+"""In order of preference where several share a suffix."""
+
+
+def format_of(path: PathLike, name: str | None = None) -> Format:
+    """The format called ``name``, else the first that has the suffix of ``path``.
+
+    Raises
+    ------
+    FormatError
+        There is none.
+    """
+    if name is not None:
+        for known in FORMATS:
+            if known.name == name:
+                return known
+        names = ", ".join(f.name for f in FORMATS)
+        raise FormatError(f"format '{name}' is not known", remedy=f"use one of {names}")
+    suffix = Path(path).suffix.lower()
+    for known in FORMATS:
+        if suffix in known.suffixes:
+            return known
+    suffixes = ", ".join(sorted({s for f in FORMATS for s in f.suffixes}))
+    has = f"suffix '{suffix}' is not known" if suffix else "the name has no suffix"
+    raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
+
+
+def read(path: PathLike, *, units: str | None = None) -> Model:
+    """Read a model.
+
+    Parameters
+    ----------
+    path
+        Its suffix tells the format.
+    units
+        Unit of length of the file: mm, cm, m, in or ft. Left out, what the file says, else metres.
+
+    Raises
+    ------
+    FormatError
+        The file cannot be read, or something in it is wrong: file, place and remedy are named.
+    InputError
+        The unit is not known.
+    MissingDependency
+        The format needs an extra.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from drystone.models import tower
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write(tower(3), f"{folder}/tower.json")
+    ...     model = read(f"{folder}/tower.json")
+    >>> model.assembly.names
+    ('block-0', 'block-1', 'block-2')
+    """
+    return build(_draft(path, units), Path(path), units)
+
+
+def inspect(path: PathLike, *, units: str | None = None) -> Built:
+    """Read as many blocks as can be used, with every defect of the others; see :func:`read`."""
+    return try_blocks(_draft(path, units), Path(path), units)
+
+
+def _draft(path: PathLike, units: str | None) -> Draft:
+    if units is not None:
+        scale_of(units)
+    chosen = format_of(path)
+    if chosen.read is None:
+        raise FormatError(f"{chosen.title} is written, not read", where=str(path))
+    data = read_bytes(path)
+    try:
+        draft = chosen.read(data, Path(path))
+    except (RecursionError, MemoryError) as error:
+        raise FormatError(
+            "the file asks for more memory or depth than it can need", where=str(path)
+        ) from error
+    if not draft.shapes:
+        raise FormatError("holds no block", where=str(path), remedy="export the blocks as meshes")
+    return draft
+
+
+def write(model: Model | Assembly | Result, path: PathLike, *, format: str | None = None) -> None:
+    """Write a model, an assembly alone, or a result with its model; lengths are in metres.
+
+    Parameters
+    ----------
+    model
+    path
+        Its suffix tells the format, unless ``format`` does. An existing file is replaced once the
+        new one is complete.
+    format
+        Name of the format, for suffixes that several share.
+
+    Raises
+    ------
+    FormatError
+        No format has the suffix, it cannot hold the model, or the folder cannot be written.
+    """
+    chosen = format_of(path, format)
+    if chosen.write is None:
+        raise FormatError(f"{chosen.title} is read, not written", where=str(path))
+    chosen.write(as_model(model), Path(path))
+
+
+def as_model(model: Model | Assembly | Result) -> Model:
+    """What there is to write about an assembly or a result."""
+    if isinstance(model, Model):
+        return model
+    if isinstance(model, Result):
+        return Model(model.assembly, model.contacts, (model.load,), (model,))
+    if isinstance(model, Assembly):
+        return Model(model)
+    raise InputError(
+        f"a {type(model).__name__} cannot be written", remedy="give a Model, Assembly or Result"
+    )
