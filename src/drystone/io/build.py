@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,14 @@ class Built:
     defects: tuple[InputError, ...]
     notes: tuple[str, ...]
 
+    @cached_property
+    def assembly(self) -> Assembly | None:
+        """Of all blocks; ``None`` when there are defects."""
+        if self.defects:
+            return None
+        blocks = tuple(block for block in self.blocks if block is not None)
+        return Assembly(blocks, np.array(self.fixed, dtype=bool))
+
 
 def build(draft: Draft, path: Path, units: str | None = None) -> Model:
     """The model of a draft.
@@ -54,16 +63,12 @@ def build(draft: Draft, path: Path, units: str | None = None) -> Model:
         The first defect; the number of further ones is told.
     """
     built = try_blocks(draft, path, units)
-    if built.defects:
+    assembly = built.assembly
+    if assembly is None:
         first = built.defects[0]
         more = len(built.defects) - 1
         tail = f" ({more} more; 'drystone inspect' lists all)" if more else ""
         raise type(first)(first.what, where=first.where, remedy=first.remedy + tail) from first
-    blocks = tuple(block for block in built.blocks if block is not None)
-    try:
-        assembly = Assembly(blocks, np.array(built.fixed, dtype=bool))
-    except InputError as error:
-        raise FormatError(error.what, where=str(path), remedy=error.remedy) from error
     contacts, loads, results = draft.finish(assembly) if draft.finish else (None, (), ())
     return Model(assembly, contacts, loads, results, built.notes)
 

@@ -1,0 +1,55 @@
+"""``drystone check``: does it stand, what falls, and what would it need?"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from drystone.cli import options, output, verdict
+from drystone.cli.session import prepare
+from drystone.cli.waiting import Waiting
+
+
+def check(
+    model: options.ModelArgument,
+    supports: options.Supports = None,
+    friction: options.Friction = None,
+    density: options.Density = None,
+    units: options.Units = None,
+    gravity: options.Gravity = None,
+    html: options.Html = None,
+    png: options.Png = None,
+    strict: Annotated[
+        bool,
+        typer.Option(
+            "--strict", help="Only stable if it stands whatever the stiffness of the contacts."
+        ),
+    ] = False,
+    time_limit: options.TimeLimit = None,
+    as_json: options.Json = False,
+) -> int:
+    """Tell whether a model stands, with its proof.
+
+    Exit code 0: it stands. 1: it does not, or that could not be decided. 2: bad input.
+    """
+    files = verdict.Files.checked(html, png)
+    options.positive(time_limit, "--time-limit")
+    with Waiting() as waiting:
+        prepared = prepare(
+            model,
+            waiting,
+            supports=supports,
+            friction=friction,
+            density=density,
+            units=units,
+            gravity=gravity,
+        )
+        result = verdict.solve(prepared, waiting, time_limit)
+        files.write(result, waiting)
+    data = verdict.content(result, prepared, waiting.time_s, model, files)
+    if as_json:
+        output.emit(data)
+    else:
+        verdict.show(data)
+    return verdict.exit_code(result, strict)

@@ -1,0 +1,101 @@
+"""``drystone inspect``: what is in a file, what is wrong with it, what touches what."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import typer
+
+from drystone.cli import options, output
+from drystone.cli.session import found
+from drystone.cli.waiting import Waiting
+
+LISTED = 20
+"""Blocks shown without --all."""
+
+
+def inspect(
+    model: options.ModelArgument,
+    supports: options.Supports = None,
+    units: options.Units = None,
+    everything: Annotated[bool, typer.Option("--all", help="List every block.")] = False,
+    as_json: options.Json = False,
+) -> int:
+    """List the blocks of a model, the defects of their meshes and the contacts between them.
+
+    Exit code 0: every block can be used. 2: some cannot.
+    """
+    from drystone import io  # the program starts fast: work is imported when there is some
+
+    with Waiting() as waiting:
+        waiting.stage("read", f"reading {model}")
+        built = io.inspect(model, units=units)
+        assembly = built.assembly
+        if assembly is not None and supports is not None:
+            assembly = io.supports.select(assembly, supports)
+        report = None if assembly is None else found(assembly, 0.6, waiting)[1]
+    blocks = [block for block in built.blocks if block is not None]
+    fixed = built.fixed if assembly is None else assembly.fixed.tolist()
+    data: dict[str, Any] = {
+        "model": model,
+        "blocks": [
+            {
+                "name": block.name,
+                "fixed": bool(is_fixed),
+                "volume": float(block.volume),
+                "mass": float(block.mass),
+                "centroid": block.centroid.tolist(),
+                "bounds": block.bounds.tolist(),
+                "vertices": len(block.vertices),
+                "faces": len(block.faces),
+                "repairs": list(block.repairs),
+            }
+            for block, is_fixed in zip(built.blocks, fixed, strict=True)
+            if block is not None
+        ],
+        "volume": float(sum(block.volume for block in blocks)),
+        "defects": [
+            {"what": error.what, "where": error.where, "remedy": error.remedy}
+            for error in built.defects
+        ],
+        "contacts": None if report is None else report.to_dict(),
+        "notes": list(built.notes),
+        "time_s": dict(waiting.time_s),
+    }
+    if as_json:
+        output.emit(data)
+    else:
+        _show(data, built.defects, None if report is None else report.summary(), everything)
+    return 2 if built.defects else 0
+
+
+def _show(
+    data: Mapping[str, Any], defects: tuple[Any, ...], contacts: str | None, everything: bool
+) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
+    console = output.console()
+    blocks = data["blocks"]
+    supports = sum(block["fixed"] for block in blocks)
+    console.print(
+        f"[bold]{escape(data['model'])}[/]  {len(blocks)} blocks, {supports} of them fixed, "
+        f"{data['volume']:,.4g} m3"
+    )
+    table = Table("block", "", "volume [m3]", "mass [kg]", "size [m]", "faces", box=None)
+    for block in blocks if everything else blocks[:LISTED]:
+        low, high = block["bounds"]
+        size = " x ".join(f"{b - a:.3g}" for a, b in zip(low, high, strict=True))
+        state = "fixed" if block["fixed"] else ""
+        volume, mass = f"{block['volume']:.4g}", f"{block['mass']:,.1f}"
+        table.add_row(escape(block["name"]), state, volume, mass, size, str(block["faces"]))
+    console.print(table)
+    if len(blocks) > LISTED and not everything:
+        console.print(f"[dim]and {len(blocks) - LISTED} more (--all lists every block)[/]")
+    for error in defects:
+        console.print(f"[red]defect:[/] {escape(str(error))}")
+    for note in data["notes"]:
+        console.print(f"[yellow]note:[/] {escape(note)}")
+    if contacts:
+        console.print(escape(contacts))

@@ -1,0 +1,123 @@
+"""Options that several commands share, and how their text becomes values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+from drystone.errors import InputError
+
+ModelArgument: TypeAlias = Annotated[
+    str, typer.Argument(metavar="MODEL", help="Model file; its suffix tells the format.")
+]
+Supports: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        help="Fixed blocks: 'lowest', 'below:Z' or names and patterns, separated by commas. Left "
+        "out, those that the file marks."
+    ),
+]
+Friction: TypeAlias = Annotated[
+    float | None,
+    typer.Option(help="Friction coefficient of all joints (0.6, or what the file says)."),
+]
+Density: TypeAlias = Annotated[
+    float | None, typer.Option(help="Density of all blocks in kg/m3 (2400, or what the file says).")
+]
+Units: TypeAlias = Annotated[
+    str | None, typer.Option(help="Unit of length of the file: mm, cm, m, in or ft.")
+]
+Json: TypeAlias = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object and nothing else.")
+]
+Gravity: TypeAlias = Annotated[
+    str | None,
+    typer.Option(help="Gravity in m/s2: its size, or a vector X,Y,Z (9.81 along -z)."),
+]
+Html: TypeAlias = Annotated[
+    str | None, typer.Option("--html", help="Write a page to look at the answer in a browser.")
+]
+Png: TypeAlias = Annotated[str | None, typer.Option("--png", help="Write a figure, .png or .svg.")]
+TimeLimit: TypeAlias = Annotated[
+    float | None, typer.Option(help="Seconds after which the search stops with what it knows.")
+]
+
+
+def output_path(text: str, option: str, suffixes: tuple[str, ...]) -> Path:
+    """Where to write, checked before any work is done.
+
+    Raises
+    ------
+    InputError
+        Another suffix, or a folder that does not exist.
+    """
+    path = Path(text)
+    if path.suffix.lower() not in suffixes:
+        raise InputError(
+            f"'{text}' does not end in {' or '.join(suffixes)}",
+            where=option,
+            remedy=f"write {path.stem or 'model'}{suffixes[0]}",
+        )
+    if not path.parent.is_dir():
+        raise InputError(
+            f"there is no folder '{path.parent}'", where=option, remedy="make it first"
+        )
+    return path
+
+
+def positive(value: float | None, option: str) -> float | None:
+    """The value, refused when it is not a finite number above zero.
+
+    Raises
+    ------
+    InputError
+    """
+    if value is not None and not 0.0 < value < float("inf"):
+        raise InputError(f"is {value}", where=option, remedy="give a number above zero")
+    return value
+
+
+def vector(text: str, what: str) -> tuple[float, float, float]:
+    """Three finite numbers separated by commas.
+
+    Raises
+    ------
+    InputError
+        Not three, or not finite.
+    """
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise InputError(f"'{text}' is not X,Y,Z", where=what, remedy="write 0,0,-9.81") from error
+    if len(values) != 3 or not all(abs(value) < float("inf") for value in values):
+        raise InputError(
+            f"'{text}' is not three finite numbers", where=what, remedy="write 0,0,-9.81"
+        )
+    return values[0], values[1], values[2]
+
+
+def gravity_vector(text: str | None) -> tuple[float, float, float] | None:
+    """Acceleration (3,) [m/s2] from ``--gravity``; ``None`` when it was not given.
+
+    Raises
+    ------
+    InputError
+        Neither one number above zero nor three that are not all zero.
+    """
+    if text is None:
+        return None
+    if "," in text:
+        given = vector(text, "--gravity")
+        if given == (0.0, 0.0, 0.0):
+            raise InputError("is zero", where="--gravity", remedy="give a direction")
+        return given
+    try:
+        size = float(text)
+    except ValueError as error:
+        raise InputError(
+            f"'{text}' is neither a number nor X,Y,Z", where="--gravity", remedy="write 9.81"
+        ) from error
+    positive(size, "--gravity")
+    return (0.0, 0.0, -size)

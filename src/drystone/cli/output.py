@@ -1,0 +1,59 @@
+"""What the commands print: people read stdout, programs read one JSON object, errors are a line."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from typing import TYPE_CHECKING, Any
+
+from drystone.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+class UsageFault(InputError):
+    """An option or argument that the command does not take."""
+
+
+def say(text: str) -> None:
+    """Print plain text."""
+    print(text)
+
+
+def emit(data: dict[str, Any]) -> None:
+    """Print one JSON object on stdout; what is not finite becomes null."""
+    print(json.dumps(_finite(data), ensure_ascii=True, allow_nan=False))
+
+
+def fail(error: BaseException, code: int, as_json: bool) -> int:
+    """Print an error as one line on stderr, with --json as an object on stdout too."""
+    message = " ".join(str(error).split()) or type(error).__name__
+    if code == 70:
+        message = f"a fault in drystone, please report it: {type(error).__name__}: {message}"
+    if as_json:
+        told = {"type": type(error).__name__, "message": message}
+        for part in ("what", "where", "remedy", "package", "extra"):
+            if getattr(error, part, None):
+                told[part] = getattr(error, part)
+        emit({"error": told, "exit_code": code})
+    print(f"drystone: {message}", file=sys.stderr)
+    return code
+
+
+def console() -> Console:
+    """Where a person reads the answer."""
+    from rich.console import Console  # slow to import
+
+    return Console(highlight=False, soft_wrap=False)
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,124 @@
+"""From the arguments of a command to an assembly with contacts and a load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from drystone.cli.options import gravity_vector, positive
+from drystone.cli.waiting import Waiting
+from drystone.errors import InputError
+
+if TYPE_CHECKING:
+    from drystone.assembly import Assembly
+    from drystone.contacts import Contacts
+    from drystone.detection import ContactReport
+    from drystone.loads import LoadCase
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Everything that an analysis needs.
+
+    Attributes
+    ----------
+    assembly
+    contacts
+    load
+    report
+        Of the contact search; ``None`` where the file brought its contacts.
+    notes
+        Remarks of the reader and of what was assumed here.
+    """
+
+    assembly: Assembly
+    contacts: Contacts
+    load: LoadCase
+    report: ContactReport | None
+    notes: tuple[str, ...]
+
+
+def prepare(
+    path: str,
+    waiting: Waiting,
+    *,
+    supports: str | None,
+    friction: float | None,
+    density: float | None,
+    units: str | None,
+    gravity: str | None,
+) -> Prepared:
+    """Read a model, fix its supports, find its contacts and load it with its weight.
+
+    Raises
+    ------
+    InputError
+        Something in the file or in the arguments cannot be used, or nothing is fixed.
+    """
+    positive(density, "--density")
+    direction = gravity_vector(gravity)
+    if friction is not None and not 0.0 <= friction < float("inf"):
+        raise InputError(
+            f"is {friction}", where="--friction", remedy="give a coefficient of zero or more"
+        )
+    from drystone import io  # the commands start fast: work is imported when there is some
+
+    waiting.stage("read", f"reading {path}")
+    model = io.read(path, units=units)
+    assembly = supported(model.assembly, supports, path)
+    if density is not None:
+        assembly = with_density(assembly, density)
+    contacts, report = model.contacts, None
+    notes = list(model.notes)
+    if contacts is None:
+        contacts, report = found(assembly, 0.6 if friction is None else friction, waiting)
+    else:
+        notes.append(f"the {contacts.count} interfaces of the file are used")
+        contacts = contacts if friction is None else contacts.with_friction(friction)
+    load = weight(assembly, direction)
+    if model.loads and direction is None and density is None:
+        load = model.loads[0]
+        notes.append(f"the load case '{load.name}' of the file is used")
+    return Prepared(assembly, contacts, load, report, tuple(notes))
+
+
+def supported(assembly: Assembly, spec: str | None, path: str) -> Assembly:
+    """The assembly with its supports; refused when nothing is fixed."""
+    from drystone.io import supports
+
+    if spec is not None:
+        assembly = supports.select(assembly, spec)
+    if not assembly.fixed.any():
+        raise InputError(
+            "no block is fixed",
+            where=path,
+            remedy="add --supports lowest, below:Z or the names of blocks",
+        )
+    return assembly
+
+
+def with_density(assembly: Assembly, density: float) -> Assembly:
+    """The same blocks, all of one density [kg/m3]."""
+    from drystone.assembly import Assembly, replace_block
+
+    blocks = tuple(replace_block(block, density=density) for block in assembly.blocks)
+    return Assembly(blocks, assembly.fixed)
+
+
+def found(assembly: Assembly, friction: float, waiting: Waiting) -> tuple[Contacts, ContactReport]:
+    """The contacts of an assembly and the report of the search."""
+    from drystone.detection import find_contacts
+
+    waiting.stage("detect", "finding contacts")
+    detection = find_contacts(assembly, friction=friction)
+    return detection.contacts, detection.report
+
+
+def weight(assembly: Assembly, direction: tuple[float, float, float] | None) -> LoadCase:
+    """Self-weight, along ``direction`` [m/s2] with its size, else 9.81 along -z."""
+    from drystone.loads import LoadCase
+
+    if direction is None:
+        return LoadCase.gravity(assembly)
+    size = sum(x * x for x in direction) ** 0.5
+    return LoadCase.gravity(assembly, size, direction)
