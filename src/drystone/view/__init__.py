@@ -1,5 +1,6 @@
 """Results to pictures: one self-contained page, static figures."""
 
+from drystone.view.figure import save_figure
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage, scene_of, stage_of
@@ -11,6 +12,7 @@ __all__ = [
     "Stage",
     "State",
     "page_text",
+    "save_figure",
     "save_page",
     "scene_of",
     "stage_of",

@@ -161,6 +161,15 @@ class Scene:
         each = self.assembly.bounds
         return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
 
+    @cached_property
+    def toward(self) -> Floats:
+        """(3,) unit, from the model to the eye at first: across its longer side, from above."""
+        x, y, z = self.bounds[1] - self.bounds[0]
+        azimuth = np.deg2rad(-60.0 if x >= y else -30.0)
+        elevation = np.deg2rad(35.0 if z < 0.4 * max(x, y) else 20.0)
+        level = np.cos(elevation)
+        return np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
+
     @property
     def centre(self) -> Floats:
         """(3,) [m], middle of the box."""

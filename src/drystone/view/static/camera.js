@@ -3,12 +3,12 @@
 const FIELD_OF_VIEW = (28 * Math.PI) / 180;
 
 class Camera {
-  constructor(radius, changed) {
+  constructor(radius, toward, changed) {
     this.radius = radius;
     this.changed = changed;
     this.target = [0, 0, 0];
-    this.azimuth = -0.9;
-    this.elevation = 0.35;
+    this.azimuth = Math.atan2(toward[1], toward[0]);
+    this.elevation = Math.asin(toward[2]);
     this.distance = 1;
   }
 

@@ -37,7 +37,7 @@ function redraw() {
   });
 }
 
-const camera = new Camera(data.radius, redraw);
+const camera = new Camera(data.radius, data.toward, redraw);
 
 function currentView() {
   const ratio = window.devicePixelRatio || 1;
