@@ -149,8 +149,8 @@ SHELF_BLOCKS: list[list[Point2]] = [
 def shelf() -> Assembly:
     """A shelf of ten slanted pieces in a fixed frame; at a friction of 0.9 two of them fall.
 
-    Block 9 is wedged under the top of the frame, and so is block 10: they hang by forces that
-    nothing presses into being. The other eight stand without them.
+    Blocks 9 and 10 are pinched between a slanted piece and the top of the frame: forces that would
+    balance them exist, but nothing presses them into being. The other eight stand without them.
 
     Returns
     -------

@@ -53,7 +53,7 @@ def vault(
     length: float = 4.4,
     courses: int = 15,
     blocks: int = 6,
-    flare: float = 0.18,
+    flare: float = 0.25,
 ) -> Assembly:
     """A catenary vault in running bond whose ends lean inwards; both lowest courses are fixed.
 

@@ -39,6 +39,7 @@ def wall(
     size: Sequence[float] = (0.4, 0.2, 0.2),
     *,
     bond: Bond = "running",
+    shift_first: bool = False,
     corbel: float = 0.0,
     ground: bool = False,
 ) -> Assembly:
@@ -55,6 +56,8 @@ def wall(
         ``toothed``: the same shift without half blocks, the ends are stepped; ``courses * length``
         equal blocks with ``courses * (length - 1) + (courses - 1) * (2 * length - 1)`` joints.
         ``stack``: no shift.
+    shift_first
+        Whether the lowest course is one of the shifted ones; otherwise the second is the first.
     corbel : [m]
         Shift of each course along +y over the one below.
     ground
@@ -74,26 +77,29 @@ def wall(
     require(bond in ("running", "toothed", "stack"), f"no bond '{bond}'", "running, toothed, stack")
     dx, dy, dz = (float(s) for s in size)
     blocks: list[Block] = []
+    lowest = 1
     if ground:
         blocks.append(box(((length + 1) * dx, 3.0 * dy, dz), (-0.5 * dx, -dy, -dz), "ground"))
     for row in range(courses):
-        ends = [x * dx for x in course_ends(length, row % 2 == 1, bond)]
+        ends = [x * dx for x in course_ends(length, (row + shift_first) % 2 == 1, bond)]
         blocks += [
             box((right - left, dy, dz), (left, row * corbel, row * dz), f"c{row:02d}-b{i:02d}")
             for i, (left, right) in enumerate(pairwise(ends))
         ]
-    support = 1 if ground else length
-    return Assembly(tuple(blocks), np.arange(len(blocks)) < support)
+        if row == 0 and not ground:
+            lowest = len(blocks)
+    return Assembly(tuple(blocks), np.arange(len(blocks)) < lowest)
 
 
 def ferris_wall(number: int) -> Assembly:
     """Wall 1 (6 courses, 33 blocks) or 2 (10 courses, 55 blocks) of Ferris and Tin-Loi 2001.
 
-    Blocks of 0.4 x 0.175 m and half blocks on a fixed ground, friction 0.65, a horizontal body load
-    in proportion to the weight. Associative limit factors: 0.64286 and 0.58000.
+    Blocks of 0.4 x 0.175 m on a fixed ground, half blocks at the ends of the first, third, ...
+    course, friction 0.65, a horizontal body load along x in proportion to the weight. Associative
+    limit factors: 0.64286 and 0.58000.
     """
     require(number in (1, 2), f"there is no wall {number}", "1 or 2")
-    return wall(6 if number == 1 else 10, 5, (0.4, 0.2, 0.175), ground=True)
+    return wall(6 if number == 1 else 10, 5, (0.4, 0.2, 0.175), shift_first=True, ground=True)
 
 
 def corbelled_wall(

@@ -1,0 +1,174 @@
+"""An independent answer to "do forces exist that balance the loads?": plain linear programs.
+
+Nothing of the package's statics, detection or solvers is used: contacts come from intersecting
+every pair of opposite coplanar faces, equilibrium from summed forces and cross products, and the
+friction cone is a pyramid with any number of sides, inside or around the exact cone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import coo_array, csr_array, hstack
+from shapely.geometry import Polygon
+
+from drystone import Assembly, Contacts
+
+TOUCH = 1e-5
+"""Faces closer than this share of the model are in one plane: the shelf is given to 1e-6 m."""
+
+
+def touching_faces(assembly: Assembly, friction: float) -> Contacts:
+    """Contacts of a small model by brute force over all pairs of faces."""
+    size = float(assembly.size.max())
+    faces = [
+        [_plane(block.vertices[list(loop)]) for loop in block.faces] for block in assembly.blocks
+    ]
+    found: list[tuple[int, int, np.ndarray, float, np.ndarray]] = []
+    for a, b in combinations(range(len(assembly)), 2):
+        low = np.maximum(assembly.bounds[a, 0], assembly.bounds[b, 0])
+        if (low > np.minimum(assembly.bounds[a, 1], assembly.bounds[b, 1]) + TOUCH * size).any():
+            continue
+        for corners, normal in faces[a]:
+            for others, opposite in faces[b]:
+                if normal @ opposite > -1.0 + TOUCH**2:
+                    continue
+                if np.abs((others - corners[0]) @ normal).max() > TOUCH * size:
+                    continue
+                u = np.cross(normal, np.roll(np.abs(normal), 1))
+                frame = np.stack([normal, u / np.linalg.norm(u), np.zeros(3)])
+                frame[2] = np.cross(frame[0], frame[1])
+                flat = [Polygon((part - corners[0]) @ frame[1:].T) for part in (corners, others)]
+                shared = flat[0].intersection(flat[1])
+                for piece in getattr(shared, "geoms", [shared]):
+                    if piece.area > TOUCH * size * np.sqrt(flat[0].area):
+                        ring = np.array(piece.normalize().exterior.coords)[-1:0:-1]
+                        found.append((a, b, frame, piece.area, ring @ frame[1:] + corners[0]))
+    points = [item[4] for item in found]
+    return Contacts(
+        np.array([item[0] for item in found], dtype=np.intp),
+        np.array([item[1] for item in found], dtype=np.intp),
+        np.array([item[2] for item in found]),
+        np.array([item[3] for item in found]),
+        np.full(len(found), friction),
+        np.concatenate(points) if points else np.zeros((0, 3)),
+        np.repeat(np.arange(len(found), dtype=np.intp), [len(p) for p in points]),
+    )
+
+
+def _plane(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    area = np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
+    return corners, area / np.linalg.norm(area)
+
+
+def equilibrium(assembly: Assembly, contacts: Contacts) -> csr_array:
+    """Matrix (6 n, 3 k): wrench on each block about its centroid from forces in world axes.
+
+    Rows of fixed blocks are zero. Lengths are divided by the largest block, so that rows compare.
+    """
+    size = float(assembly.size.max())
+    rows, cols, values = [], [], []
+    for corner, (point, i) in enumerate(zip(contacts.point, contacts.interface, strict=True)):
+        for block, sign in ((contacts.block_b[i], 1.0), (contacts.block_a[i], -1.0)):
+            if assembly.fixed[block]:
+                continue
+            arm = (point - assembly.centroid[block]) / size
+            for axis in range(3):
+                force = sign * np.eye(3)[axis]
+                wrench = np.concatenate([force, np.cross(arm, force)])
+                rows += range(6 * block, 6 * block + 6)
+                cols += [3 * corner + axis] * 6
+                values += wrench.tolist()
+    return coo_array((values, (rows, cols)), (6 * len(assembly), 3 * contacts.corner_count)).tocsr()
+
+
+def generators(contacts: Contacts, sides: int, outside: bool) -> csr_array:
+    """Forces in world axes (3 k, sides k) along the edges of each corner's friction pyramid."""
+    reach = contacts.friction / (np.cos(np.pi / sides) if outside else 1.0)
+    angle = 2.0 * np.pi * (np.arange(sides) + (0.5 if outside else 0.0)) / sides
+    frame = contacts.frame[contacts.interface]
+    mu = reach[contacts.interface]
+    edge = (
+        frame[:, 0, None]
+        + mu[:, None, None] * np.cos(angle)[:, None] * frame[:, 1, None]
+        + mu[:, None, None] * np.sin(angle)[:, None] * frame[:, 2, None]
+    )
+    k = contacts.corner_count
+    rows = (3 * np.arange(k)[:, None, None] + np.arange(3)).repeat(sides, axis=1)
+    cols = np.arange(k * sides).reshape(k, sides, 1).repeat(3, axis=2)
+    return coo_array((edge.ravel(), (rows.ravel(), cols.ravel())), (3 * k, sides * k)).tocsr()
+
+
+def weight(assembly: Assembly, direction: np.ndarray) -> np.ndarray:
+    """Loads (6 n,) for the rows of :func:`equilibrium`: each block's share of the mean mass."""
+    load = np.zeros((len(assembly), 6))
+    load[:, :3] = (assembly.mass / assembly.mass.mean())[:, None] * direction
+    load[assembly.fixed] = 0.0
+    return load.ravel()
+
+
+def down(axis: tuple[float, float, float] = (0.0, 1.0, 0.0), angle_deg: float = 0.0) -> np.ndarray:
+    """Gravity seen from a model that was turned counter-clockwise about ``axis``."""
+    e = np.asarray(axis, dtype=np.float64)
+    e = e / np.linalg.norm(e)
+    g, angle = np.array([0.0, 0.0, -1.0]), -np.deg2rad(angle_deg)
+    return g * np.cos(angle) + np.cross(e, g) * np.sin(angle) + e * (e @ g) * (1.0 - np.cos(angle))
+
+
+class Oracle:
+    """Linear programs on one model with one pyramid.
+
+    Parameters
+    ----------
+    sides
+        Of the pyramid; ``outside`` has its faces, otherwise its edges, on the exact cone.
+    """
+
+    def __init__(
+        self, assembly: Assembly, contacts: Contacts, *, sides: int = 8, outside: bool = True
+    ) -> None:
+        self.assembly = assembly
+        self.rows = np.repeat(~assembly.fixed, 6)
+        matrix = equilibrium(assembly, contacts) @ generators(contacts, sides, outside)
+        self.matrix = matrix[self.rows]
+
+    def balances(self, direction: np.ndarray) -> bool:
+        """Whether forces balance gravity along ``direction``.
+
+        The largest share of the load that can be balanced is all of it or nothing, since forces in
+        cones can be scaled: no tolerance decides.
+        """
+        return self._largest(np.zeros(len(self.rows)), weight(self.assembly, direction), 1.0) > 0.5
+
+    def load_factor(self, direction: np.ndarray) -> float:
+        """Largest factor of gravity along ``direction`` on top of gravity downwards."""
+        return self._largest(weight(self.assembly, down()), weight(self.assembly, direction), None)
+
+    def _largest(self, dead: np.ndarray, live: np.ndarray, bound: float | None) -> float:
+        cost = np.zeros(self.matrix.shape[1] + 1)
+        cost[-1] = -1.0
+        matrix = hstack([self.matrix, coo_array(live[self.rows, None])])
+        limits = [(0.0, None)] * (len(cost) - 1) + [(0.0, bound)]
+        answer = linprog(cost, A_eq=matrix, b_eq=-dead[self.rows], bounds=limits, method="highs")
+        assert answer.status == 0, answer.message
+        return float(answer.x[-1])
+
+    def tilt(self, axis: tuple[float, float, float], below: float, above: float) -> float:
+        """Angle [degrees] between ``below`` and ``above`` where balance is lost, to 0.005."""
+        return bisected(lambda angle: self.balances(down(axis, angle)), below, above, 0.005)
+
+
+def bisected(holds: Callable[[float], bool], inside: float, outside: float, width: float) -> float:
+    """Middle of a bracket no wider than ``width`` with ``holds`` true at one end only."""
+    assert holds(inside)
+    assert not holds(outside)
+    while abs(outside - inside) > width:
+        middle = 0.5 * (inside + outside)
+        if holds(middle):
+            inside = middle
+        else:
+            outside = middle
+    return 0.5 * (inside + outside)
