@@ -38,7 +38,7 @@ def touching_faces(assembly: Assembly, friction: float) -> Contacts:
                     continue
                 if np.abs((others - corners[0]) @ normal).max() > TOUCH * size:
                     continue
-                u = np.cross(normal, np.roll(np.abs(normal), 1))
+                u = np.cross(np.eye(3)[np.abs(normal).argmin()], normal)
                 frame = np.stack([normal, u / np.linalg.norm(u), np.zeros(3)])
                 frame[2] = np.cross(frame[0], frame[1])
                 flat = [Polygon((part - corners[0]) @ frame[1:].T) for part in (corners, others)]

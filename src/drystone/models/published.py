@@ -55,7 +55,7 @@ def wedge(kind: Literal["a", "b", "c", "d"]) -> Assembly:
 def h_model() -> Assembly:
     """A block between two fixed vertical walls: it falls, whatever the friction.
 
-    Forces that balance it exist from a friction coefficient on (two walls can squeeze), but nothing
+    Forces that balance it exist for any friction above zero (the walls can squeeze), but nothing
     presses it against the walls, so they cannot arise without prestress.
 
     Returns
@@ -76,7 +76,8 @@ def h_model() -> Assembly:
 def a_model() -> Assembly:
     """A block that widens downwards between two fixed walls leaning inwards at 60 degrees.
 
-    It falls, whatever the friction, although balancing forces exist from tan(60 deg) on.
+    It falls, whatever the friction, although balancing forces exist from a friction coefficient of
+    tan(30 deg) on, where a wall can push upwards.
 
     Returns
     -------
