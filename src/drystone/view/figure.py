@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from drystone.contacts import Contacts
 from drystone.errors import FormatError, InputError
@@ -18,18 +17,17 @@ from drystone.geometry.arrays import Floats, frozen_floats
 from drystone.geometry.frames import unit
 from drystone.io.files import write_whole
 from drystone.results import Verdict
-from drystone.view.depth import ordered_patches
-from drystone.view.mesh import face_normals, sharp_edges
-from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, rgb
+from drystone.view.ink import COLOURS, Sheet, draw_blocks, draw_layer, draw_motion
+from drystone.view.palette import STATE_COLOUR, STATE_LABEL, State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage, Subject, scene_of
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SUFFIXES = ("png", "svg", "pdf")
 VERDICT_COLOUR = {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00"}
-COLOURS = ROLE_COLOUR["light"]
+AXES = (0.02, 0.11, 0.96, 0.75)
+"""Where the drawing lies in the figure: left, bottom, width, height as shares."""
 
 
 def save_figure(
@@ -119,30 +117,22 @@ def draw(
         raise InputError(f"there is no stage {stage}", remedy=f"{len(scene.stages)} exist")
     shown = scene.stages[stage]
     chosen = _chosen(shown, layers)
-    paper = paper_axes(toward)
     figure = Figure(figsize=size, facecolor="white")
-    axes = figure.add_axes((0.02, 0.11, 0.96, 0.75))
+    axes = figure.add_axes(AXES)
     axes.set_aspect("equal", adjustable="datalim")
     axes.axis("off")
-    _draw_blocks(axes, scene, shown, toward, paper)
-    _draw_motion(axes, scene, shown, paper)
+    sheet = Sheet(axes, scene, shown, toward, AXES[2] * size[0], AXES[3] * size[1])
+    draw_blocks(sheet)
+    draw_motion(sheet)
     scale = scene.force_scale * arrow_scale
     for layer in chosen:
-        _draw_layer(axes, scene, layer, paper, scale)
+        draw_layer(sheet, layer, scale)
     axes.autoscale_view()
     axes.margins(0.03)
-    _draw_scale_bar(axes, size)
+    _draw_scale_bar(sheet)
     _write_title(figure, shown, size)
-    _write_legend(figure, shown, chosen)
+    _write_legend(figure, sheet, chosen)
     return figure
-
-
-def paper_axes(toward: Floats) -> Floats:
-    """(2, 3), right and up on the paper; up is up unless one looks straight down or up."""
-    helper = np.array([0.0, 0.0, 1.0]) if abs(toward[2]) < 0.999 else np.array([0.0, 1.0, 0.0])
-    right = np.cross(helper, toward)
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(toward, right)])
 
 
 def _chosen(stage: Stage, layers: Collection[str] | None) -> list[Layer]:
@@ -158,116 +148,11 @@ def _chosen(stage: Stage, layers: Collection[str] | None) -> list[Layer]:
     return [layer for layer in stage.layers if layer.key in layers]
 
 
-def _draw_blocks(axes: Axes, scene: Scene, stage: Stage, toward: Floats, paper: Floats) -> None:
-    from matplotlib.collections import PathCollection
-    from matplotlib.path import Path as Line
-
-    present = np.flatnonzero(stage.state != State.ABSENT)
-    if len(present) == 0:
-        return
-    assembly = scene.assembly.subset(present)
-    contacts = scene.contacts.of_blocks(present, len(scene.assembly))
-    patches = ordered_patches(assembly, contacts, toward, paper)
-    faces = assembly.faces
-    flat = (faces.point[faces.loop] - scene.centre) @ paper.T
-    normal = face_normals(faces)[patches.face]
-    light = 0.72 * toward + 0.42 * paper[1] - 0.55 * paper[0]
-    shade = 0.58 + 0.36 * np.maximum(normal @ light, 0.0) + 0.08 * normal[:, 2]
-    palette = np.zeros((len(State), 3))
-    for state, colour in STATE_COLOUR["light"].items():
-        palette[state] = rgb(colour)
-    base = palette[stage.state[present][faces.owner[patches.face]]]
-    fills = np.clip(base * shade[:, None], 0.0, 1.0)
-    edge = np.where((base @ [0.3, 0.6, 0.1] < 0.2)[:, None], 0.62, rgb(COLOURS["edge"]))
-    paths: list[Line] = []
-    look: list[tuple[Any, Any, float]] = []
-    for i in range(len(patches.face)):
-        part = slice(patches.start[i], patches.start[i + 1])
-        corner = flat[patches.corner[part]]
-        outlined = patches.outlined[part]
-        closed = np.vstack([corner, corner[:1]])
-        paths.append(Line(closed, closed=True))
-        whole = outlined.all()
-        look.append((fills[i], edge[i] if whole else fills[i], 0.5 if whole else 0.25))
-        if not whole and outlined.any():
-            sides = np.stack([corner, closed[1:]], axis=1)[outlined].reshape(-1, 2)
-            codes = np.tile([Line.MOVETO, Line.LINETO], len(sides) // 2)
-            paths.append(Line(sides, codes))
-            look.append(("none", edge[i], 0.5))
-    fill, line, width = zip(*look, strict=True)
-    axes.add_collection(
-        PathCollection(
-            paths, facecolors=fill, edgecolors=line, linewidths=width, joinstyle="round",
-        )
-    )  # fmt: skip
-
-
-def _draw_motion(axes: Axes, scene: Scene, stage: Stage, paper: Floats) -> None:
-    """Outlines of falling blocks where the motion takes them, and an arrow for each."""
-    from matplotlib.collections import LineCollection
-
-    moving = np.flatnonzero(stage.state == State.FALLING)
-    if stage.motion is None or len(moving) == 0:
-        return
-    assembly = scene.assembly.subset(moving)
-    motion = stage.motion[moving]
-    faces = assembly.faces
-    edge, owner, _ = sharp_edges(faces, face_normals(faces))
-    turn = Rotation.from_rotvec(np.repeat(motion[owner, 3:], 2, axis=0))
-    centroid = np.repeat(assembly.centroid[owner], 2, axis=0)
-    arm = turn.apply(faces.point[edge.ravel()] - centroid)
-    moved = centroid + np.repeat(motion[owner, :3], 2, axis=0) + arm
-    lines = ((moved - scene.centre) @ paper.T).reshape(-1, 2, 2)
-    colour = STATE_COLOUR["light"][State.FALLING]
-    axes.add_collection(LineCollection(list(lines), colors=colour, linewidths=0.6, linestyles="--"))
-    tail = (assembly.centroid - scene.centre) @ paper.T
-    _arrows(axes, tail, motion[:, :3] @ paper.T, "black", 1.0)
-
-
-def _draw_layer(axes: Axes, scene: Scene, layer: Layer, paper: Floats, scale: float) -> None:
-    from matplotlib.collections import LineCollection, PolyCollection
-
-    colour = COLOURS[layer.colour]
-    at = (layer.position - scene.centre) @ paper.T
-    if layer.start is not None:
-        loops = np.split(at, layer.start[1:-1])
-        axes.add_collection(
-            PolyCollection(loops, facecolors=colour, edgecolors=colour, alpha=0.55, linewidths=0.6)
-        )
-        return
-    if layer.vector is None:
-        return
-    vector = layer.vector @ paper.T
-    if layer.kind is LayerKind.LINES:
-        lines = np.stack([at, at + vector], axis=1)
-        axes.add_collection(LineCollection(list(lines), colors=colour, linewidths=layer.width))
-        return
-    for half in (0.5 * scale * vector, -0.5 * scale * vector):
-        if layer.inward:
-            _arrows(axes, at + half, -half, colour, layer.width)
-        else:
-            _arrows(axes, at, half, colour, layer.width)
-
-
-def _arrows(axes: Axes, at: Floats, vector: Floats, colour: str, width: float) -> None:
-    long = np.linalg.norm(vector, axis=1) > 0.0
-    if not long.any():
-        return
-    at, vector = at[long], vector[long]
-    axes.quiver(
-        at[:, 0], at[:, 1], vector[:, 0], vector[:, 1],
-        angles="xy", scale_units="xy", scale=1.0, units="inches", width=0.011 * width,
-        headwidth=5.0, headlength=6.0, headaxislength=6.0, minlength=0.0,
-        color=colour, zorder=3.0,
-    )  # fmt: skip
-    axes.update_datalim(at + vector)
-
-
-def _draw_scale_bar(axes: Axes, size: tuple[float, float]) -> None:
+def _draw_scale_bar(sheet: Sheet) -> None:
     """A bar of a round length, about a sixth of the drawing wide."""
-    width, height = 0.96 * size[0], 0.75 * size[1]
+    axes = sheet.axes
     low, high = axes.dataLim.min, axes.dataLim.max
-    span = max((high[0] - low[0]) * 1.06, (high[1] - low[1]) * 1.06 * width / height)
+    span = max((high[0] - low[0]) * 1.06, (high[1] - low[1]) * 1.06 * sheet.width / sheet.height)
     if span <= 0.0:
         return
     decade = 10.0 ** np.floor(np.log10(span / 6.0))
@@ -299,16 +184,16 @@ def _write_title(figure: Figure, stage: Stage, size: tuple[float, float]) -> Non
     )
 
 
-def _write_legend(figure: Figure, stage: Stage, layers: list[Layer]) -> None:
+def _write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
     handles: list[Any] = [
         Patch(facecolor=STATE_COLOUR["light"][state], edgecolor="#555555", label=label)
         for state, label in STATE_LABEL.items()
-        if (stage.state == state).any()
+        if (sheet.stage.state == state).any()
     ]
-    if stage.motion is not None and (stage.state == State.FALLING).any():
+    if sheet.shows_motion:
         colour = STATE_COLOUR["light"][State.FALLING]
         handles.append(Line2D([], [], color=colour, linestyle="--", label="first motion, scaled"))
     for layer in layers:

@@ -16,8 +16,8 @@ from drystone.geometry.arrays import Floats, Ints
 from drystone.results import Result, Verdict
 from drystone.view.palette import ROLE_COLOUR, State
 
-MANY_CORNERS = 3000
-"""Above this number corner forces are hidden at first: they hide each other. Chosen by eye."""
+MANY_ARROWS = 3000
+"""A layer of more arrows is hidden at first: they hide each other. Chosen by eye."""
 
 
 class LayerKind(enum.Enum):
@@ -281,7 +281,7 @@ def force_layers(result: Result) -> tuple[Layer, ...]:
     if result.tension is not None:
         pull = np.maximum(pull, result.tension)
     pulled = pull > 1e-9 * float(np.abs(result.force).max(initial=0.0))
-    visible = contacts.corner_count <= MANY_CORNERS
+    visible = contacts.corner_count <= MANY_ARROWS
     layers = [
         Layer(
             "pressure", "corner forces", LayerKind.ARROWS, "pressure", contacts.point,
@@ -300,7 +300,7 @@ def force_layers(result: Result) -> tuple[Layer, ...]:
     layers.append(
         Layer(
             "resultants", "resultants", LayerKind.ARROWS, "resultant", resultants.position,
-            resultants.force, visible=True, width=1.8,
+            resultants.force, visible=contacts.count <= MANY_ARROWS, width=1.8,
         )
     )  # fmt: skip
     return tuple(layers)

@@ -111,7 +111,7 @@ def separated_by_boxes(
     sign = np.where(agree, np.sign(vote.sum(axis=1)), 0.0)
     # A pair of boxes apart along a direction in the paper does not overlap on it.
     edge_on = ((beyond | below) & (facing == 0.0)).any(axis=1)
-    apart: Bools = (beyond | below).any(axis=1)
+    apart: Bools = np.any(beyond | below, axis=1)
     return apart, np.where(edge_on, 0.0, sign)
 
 

@@ -38,6 +38,11 @@ class Camera {
     return { projection: multiply(lens, lookFrom(eye, right, up, back)), back, light };
   }
 
+  // Share of the picture's height that a length at the target takes.
+  share(length) {
+    return length / (2 * this.distance * Math.tan(FIELD_OF_VIEW / 2));
+  }
+
   orbit(dx, dy) {
     const limit = Math.PI / 2 - 1e-4;
     this.azimuth -= dx;
@@ -48,7 +53,7 @@ class Camera {
   // By shares of the height of the picture.
   pan(dx, dy) {
     const { right, up } = this.axes();
-    const size = 2 * this.distance * Math.tan(FIELD_OF_VIEW / 2);
+    const size = 1 / this.share(1);
     const shift = vec.add(vec.scale(right, -dx * size), vec.scale(up, dy * size));
     this.target = vec.add(this.target, shift);
     this.changed();

@@ -58,8 +58,11 @@ function currentView() {
   // Lines alone are read against the background, lines on blocks against the blocks.
   const lines = shownLayers.get("blocks") && opacity >= 0.5;
   const edgeColour = lines || theme() === "light" ? colours.edge : [0.66, 0.66, 0.66];
+  // Small blocks get thin lines, or a large model drowns in them.
+  const pixels = camera.share(data.blockSize) * canvas.clientHeight;
+  const fine = Math.min(1, Math.max(0.25, pixels / 24));
   return {
-    ...camera.view(width / height), ratio, time, opacity, selected, colours, stateColours,
+    ...camera.view(width / height), ratio, fine, time, opacity, selected, colours, stateColours,
     edgeColour,
     scale: data.forceScale * 10 ** arrowScale,
     showBlocks: shownLayers.get("blocks"),
@@ -247,6 +250,7 @@ try {
 }
 byId("stage-box").hidden = data.stages.length < 2;
 byId("stage").max = data.stages.length - 1;
+if (matchMedia("(max-width: 720px)").matches) byId("fold").setAttribute("aria-expanded", "false");
 connect();
 setStage(0);
 fit();

@@ -169,7 +169,7 @@ class Renderer {
   }
 
   // view: projection, back (towards the eye), light, time, opacity, scale, ratio (device pixels),
-  // selected, showBlocks, showEdges, layers (those to draw), stateColours, colours
+  // fine (thinner lines for small blocks), selected, showBlocks, showEdges, layers (those to draw), stateColours, colours
   draw(view) {
     const gl = this.gl;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
@@ -240,7 +240,7 @@ class Renderer {
     const at = this.use(this.programs.edge, view);
     gl.uniform3fv(at.uEdgeColour, view.edgeColour);
     gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
-    gl.uniform1f(at.uOpacity, view.showBlocks ? Math.max(view.opacity, 0.25) : 0.7);
+    gl.uniform1f(at.uOpacity, view.fine * (view.showBlocks ? Math.max(view.opacity, 0.25) : 0.7));
     gl.enable(gl.BLEND);
     gl.bindVertexArray(this.edgeArray);
     gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, this.edgeCount);
@@ -258,9 +258,9 @@ class Renderer {
     gl.depthMask(false);
     if (!flat) {
       const arrows = layer.kind === "arrows";
-      gl.uniform1f(at.uWidth, LINE_WIDTH * layer.width * view.ratio);
+      gl.uniform1f(at.uWidth, LINE_WIDTH * layer.width * view.fine * view.ratio);
       gl.uniform1f(at.uScale, arrows ? view.scale : 1);
-      gl.uniform1f(at.uHead, arrows ? HEAD * Math.sqrt(layer.width) * view.ratio : 0);
+      gl.uniform1f(at.uHead, arrows ? HEAD * Math.sqrt(layer.width) * view.fine * view.ratio : 0);
       gl.uniform1i(at.uInward, layer.inward ? 1 : 0);
       gl.uniform1i(at.uPaired, arrows ? 1 : 0);
     }
