@@ -1,0 +1,359 @@
+"""A shape, a layout and a body make a shell: blocks that fit."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import DEFAULT_DENSITY, Assembly
+from drystone.errors import InputError
+from drystone.geometry import polygon
+from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.progress import Progress
+from drystone.shells.bond import head_joints
+from drystone.shells.courses import lay_courses
+from drystone.shells.fit import fit_cells
+from drystone.shells.materialise import (
+    Pins,
+    Thickness,
+    cell_faces,
+    flat_loops,
+    joint_polygons,
+    make_blocks,
+    raise_pins,
+    vertex_thickness,
+)
+from drystone.shells.patch import curvatures
+from drystone.shells.pattern import Wedge, lay_pattern
+from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
+from drystone.shells.shape import Shape
+from drystone.shells.supports import add_ground, springers
+from drystone.shells.tessellation import Tessellation, weld
+
+DEFAULT_SLENDERNESS = 30.0
+"""Thickness left out: the size of the largest patch by this, chosen: a stout masonry shell."""
+
+
+class Intrados(enum.Enum):
+    """The inner faces of the blocks."""
+
+    OFFSET = "offset"
+    """They follow the surface at the thickness; slightly warped where it is doubly curved."""
+    STRAIGHT = "straight"
+    """Each is planar, so that a block can be sawn; the thickness varies a little."""
+
+
+class Ground(enum.Enum):
+    """What holds a shell."""
+
+    BLOCKS = "blocks"
+    """A fixed block is added under every springer."""
+    SPRINGERS = "springers"
+    """The springers themselves are fixed."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Courses and blocks of a patch.
+
+    Attributes
+    ----------
+    courses, height, heights
+        One of them: number of full courses, height wanted [m], or relative heights.
+    partial
+        Courses that end inside; None lets the height decide.
+    blocks, width
+        One of them: number per course, one or one each, or width wanted [m].
+    staggered
+    wedge
+        Shift of bed-joint corners towards the neighbouring course, by its height.
+    """
+
+    courses: int | None = None
+    height: float | None = None
+    heights: Sequence[float] | None = None
+    partial: int | None = 0
+    blocks: int | Sequence[int] | None = None
+    width: float | None = None
+    staggered: bool = True
+    wedge: Wedge = 0.0
+
+
+@dataclass(frozen=True)
+class Body:
+    """What the cells become.
+
+    Attributes
+    ----------
+    thickness : [m]
+        One, one per course, or a function of points; left out, the size of the largest patch by 30.
+    density : [kg/m3]
+    register_deg : [degrees]
+        Hooks every block over the course below; see :func:`drystone.shells.materialise.raise_pins`.
+    intrados
+    ground
+    ground_depth : [m]
+        Depth of the ground blocks; left out, the mean thickness.
+    planar
+    """
+
+    thickness: Thickness | None = None
+    density: float = DEFAULT_DENSITY
+    register_deg: float = 0.0
+    intrados: Intrados = Intrados.OFFSET
+    ground: Ground = Ground.BLOCKS
+    ground_depth: float | None = None
+    planar: PlanarOptions = field(default_factory=PlanarOptions)
+
+
+@dataclass(frozen=True)
+class SharedFace:
+    """A planar face that two blocks have in common.
+
+    Attributes
+    ----------
+    block_a, block_b
+        Positions in the assembly.
+    corner : (k, 3) [m], counter-clockwise seen from block b
+    """
+
+    block_a: int
+    block_b: int
+    corner: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """A shell of blocks.
+
+    Attributes
+    ----------
+    shape
+    assembly
+        Voussoirs first, ground blocks last. Each block's metadata has ``course``, ``position``,
+        ``patch`` and ``role`` (voussoir, springer, keystone, ring or ground).
+    mesh, pins
+        The cells and the points that they were made from.
+    planar
+        What planarising did, by the mean width of a block.
+    fitted
+        Largest move of a corner off the surface before that, by the mean width of a block: flat
+        cells with their corners on a curved surface would have too little area.
+    ground : (n,) which blocks are ground
+    thickness : (v,) [m] at each vertex of the mesh without the ground
+    """
+
+    shape: Shape
+    assembly: Assembly
+    mesh: Tessellation
+    pins: Pins
+    planar: PlanarReport
+    fitted: float
+    ground: Bools
+    thickness: Floats
+
+    @property
+    def voussoirs(self) -> Ints:
+        """Positions of the blocks that are not ground."""
+        return np.flatnonzero(~self.ground)
+
+    @cached_property
+    def volume(self) -> float:
+        """[m3], of the voussoirs."""
+        return float(self.assembly.volume[~self.ground].sum())
+
+    @cached_property
+    def shared_faces(self) -> tuple[SharedFace, ...]:
+        """Every face that two blocks share, as made."""
+        first: dict[frozenset[int], tuple[int, tuple[int, ...]]] = {}
+        shared = []
+        for block, cell in enumerate(self.mesh.cells):
+            for face in cell_faces(self.mesh, self.pins, cell)[2]:
+                key = frozenset(face)
+                if key in first:
+                    other, loop = first.pop(key)
+                    shared.append(SharedFace(other, block, self.pins.point[list(loop)]))
+                else:
+                    first[key] = (block, face)
+        return tuple(shared)
+
+
+def build_shell(
+    shape: Shape,
+    layout: Layout | Sequence[Layout],
+    body: Body | None = None,
+    *,
+    progress: Progress | None = None,
+) -> Shell:
+    """Blocks for a shape.
+
+    Parameters
+    ----------
+    shape
+    layout
+        One for all patches or one each.
+    body
+    progress
+
+    Raises
+    ------
+    InputError
+        No support, a thickness above the radius of curvature, too few blocks, or blocks turned
+        inside out.
+
+    Examples
+    --------
+    >>> from drystone.shells import Layout, barrel_vault, build_shell
+    >>> shell = build_shell(barrel_vault(span=6.0, length=6.0), Layout(courses=10, blocks=4))
+    >>> shell.assembly.names[5], len(shell.voussoirs), shell.planar.reached
+    ('c01-b01', 45, True)
+    """
+    body = body if body is not None else Body()
+    if not shape.supports:
+        raise InputError(
+            "the shell has no support",
+            where=f"shape '{shape.name}'",
+            remedy="name the sides that it stands on",
+        )
+    layouts = [layout] * len(shape.patches) if isinstance(layout, Layout) else list(layout)
+    if len(layouts) != len(shape.patches):
+        raise InputError(f"{len(layouts)} layouts for {len(shape.patches)} patches")
+    patterns = []
+    for patch, plan in zip(shape.patches, layouts, strict=True):
+        courses = lay_courses(
+            patch,
+            count=plan.courses,
+            height=plan.height,
+            heights=plan.heights,
+            partial=plan.partial,
+        )
+        joints = head_joints(
+            courses, blocks=plan.blocks, width=plan.width, staggered=plan.staggered
+        )
+        patterns.append(lay_pattern(courses, joints, wedge=plan.wedge))
+    mesh, moved = fit_cells(weld(shape, patterns), shape)
+    given = body.thickness
+    if given is None:
+        given = max(patch.size for patch in shape.patches) / DEFAULT_SLENDERNESS
+    thickness = vertex_thickness(mesh, given)
+    check_radius(shape, float(thickness.max()))
+    pins = raise_pins(mesh, thickness, register_deg=body.register_deg)
+    polygons = joint_polygons(mesh, pins)
+    if body.intrados is Intrados.STRAIGHT:
+        polygons += [cell_faces(mesh, pins, cell)[0] for cell in mesh.cells]
+    width = mean_width(mesh)
+    point, report = planarise(
+        pins.point, polygons, scale=width, options=body.planar, progress=progress
+    )
+    pins = Pins(point, pins.start)
+    return _finish(shape, mesh, pins, report, moved / width, thickness, body)
+
+
+def _finish(
+    shape: Shape,
+    mesh: Tessellation,
+    pins: Pins,
+    report: PlanarReport,
+    fitted: float,
+    thickness: Floats,
+    body: Body,
+) -> Shell:
+    springer = springers(mesh)
+    ground = np.zeros(len(mesh.cells), dtype=bool)
+    roles = _roles(shape, mesh, springer)
+    if body.ground is Ground.BLOCKS:
+        depth = body.ground_depth if body.ground_depth is not None else float(thickness.mean())
+        if not (np.isfinite(depth) and depth > 0.0):
+            raise InputError(f"the ground depth is {depth}", remedy="give metres above zero")
+        grounded = add_ground(mesh, pins, depth)
+        mesh, pins, ground = grounded.mesh, grounded.pins, grounded.ground
+        fixed = ground
+    else:
+        fixed = springer
+    roles += ["ground"] * int(ground.sum())
+    metadata: list[dict[str, Any]] = [
+        {"course": c, "position": b, "patch": p, "role": role}
+        for c, b, p, role in zip(
+            mesh.course.tolist(),
+            mesh.position.tolist(),
+            mesh.of_patch.tolist(),
+            roles,
+            strict=True,
+        )
+    ]
+    blocks = make_blocks(mesh, pins, metadata, density=body.density)
+    return Shell(
+        shape, Assembly(tuple(blocks), fixed), mesh, pins, report, fitted, ground, thickness
+    )
+
+
+def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
+    """Springers stand on supports; the top ring of a closed patch is its ring; keystones close."""
+    last = [int(mesh.course[mesh.of_patch == k].max()) for k in range(len(shape.patches))]
+    roles = []
+    for name, course, patch, stands in zip(
+        mesh.names, mesh.course.tolist(), mesh.of_patch.tolist(), springer.tolist(), strict=True
+    ):
+        if name == "keystone":
+            roles.append("keystone")
+        elif stands:
+            roles.append("springer")
+        elif shape.patches[patch].closed and course == last[patch]:
+            roles.append("ring")
+        else:
+            roles.append("voussoir")
+    return roles
+
+
+def mean_width(mesh: Tessellation) -> float:
+    """[m], square root of the mean area of a cell: the size of a block."""
+    loop, start = flat_loops(mesh.cells)
+    area = np.linalg.norm(polygon.area_vectors(mesh.point[loop], start), axis=1)
+    return float(np.sqrt(area.mean()))
+
+
+def check_radius(shape: Shape, thickness: float) -> None:
+    """A shell is thinner than its smallest radius of curvature.
+
+    Raises
+    ------
+    InputError
+        It is not.
+    """
+    grid = (np.arange(17) + 0.5) / 17.0
+    for patch in shape.patches:
+        bend = np.abs(curvatures(patch, grid[:, None], grid[None, :])).max(axis=2)
+        sharpest = float(bend.max())
+        if sharpest * thickness >= 1.0:
+            i, j = np.unravel_index(int(np.argmax(bend)), bend.shape)
+            raise InputError(
+                f"thickness {thickness:.3g} m is larger than the radius of curvature "
+                f"{1.0 / sharpest:.3g} m near u {grid[i]:.2f}, v {grid[j]:.2f}",
+                where=f"patch '{patch.name}'",
+                remedy="make it thinner or less curved",
+            )
+
+
+def shape_volume(shape: Shape, thickness: float) -> float:
+    """[m3] of the smooth shell of constant thickness about the shape's patches.
+
+    ``t dA (1 + K t^2 / 12)`` with the Gaussian curvature K (Steiner), by the midpoint rule.
+    """
+    grid = (np.arange(96) + 0.5) / 96.0
+    total = 0.0
+    for patch in shape.patches:
+        by_u, by_v = patch.tangents(grid[:, None], grid[None, :])
+        area = np.linalg.norm(np.cross(by_u, by_v), axis=2) / 96.0**2
+        gauss = curvatures(patch, grid[:, None], grid[None, :]).prod(axis=2)
+        total += float((thickness * area * (1.0 + gauss * thickness**2 / 12.0)).sum())
+    return total
+
+
+def with_supports(shell: Shell, names: Sequence[str]) -> Shell:
+    """The same shell with other blocks fixed."""
+    return replace(shell, assembly=shell.assembly.with_fixed(names))

@@ -1,0 +1,193 @@
+"""From cells on a surface to blocks: pins through the thickness, planar joints, polyhedra."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from drystone.assembly import DEFAULT_DENSITY, Block
+from drystone.errors import InputError
+from drystone.geometry import polygon
+from drystone.geometry.arrays import Floats, Ints
+from drystone.shells.tessellation import DirectedEdge, Tessellation
+
+Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
+"""[m]: one for all, one per course, or a function of points (k, 3) on the middle surface."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pins:
+    """Lines of points through the thickness, one line per vertex of the tessellation.
+
+    Attributes
+    ----------
+    point : (p, 3) [m]
+        From the intrados to the extrados, vertex after vertex: two, or four where the bed joint has
+        a register.
+    start : (v + 1,) vertex i has the points start[i] to start[i + 1]
+    """
+
+    point: Floats
+    start: Ints
+
+    def of(self, vertex: int) -> range:
+        """Points of one vertex, intrados first."""
+        return range(int(self.start[vertex]), int(self.start[vertex + 1]))
+
+
+def vertex_thickness(mesh: Tessellation, thickness: Thickness) -> Floats:
+    """(v,) [m] thickness at each vertex; per course, the mean of the cells that meet there.
+
+    Raises
+    ------
+    InputError
+        Not positive, not finite, or of another length.
+    """
+    if callable(thickness):
+        values = np.asarray(thickness(mesh.point), dtype=np.float64)
+    elif isinstance(thickness, (int, float)):
+        values = np.full(len(mesh.point), float(thickness))
+    else:
+        each = np.asarray(thickness, dtype=np.float64)
+        courses = int(mesh.course.max()) + 1
+        if each.shape not in ((courses,), (courses - 1,)):
+            raise InputError(
+                f"{each.size} thicknesses for {courses} courses", remedy="give one per course"
+            )
+        per_cell = each[np.minimum(mesh.course, len(each) - 1)]
+        values = vertex_means(mesh, per_cell)
+    if values.shape != (len(mesh.point),):
+        raise InputError(f"the thickness has shape {values.shape} for {len(mesh.point)} corners")
+    if not (np.isfinite(values) & (values > 0.0)).all():
+        k = int(np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))[0])
+        raise InputError(
+            f"the thickness is {values[k]}",
+            where=f"corner at {np.round(mesh.point[k], 3).tolist()}",
+            remedy="give metres above zero",
+        )
+    return values
+
+
+def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
+    """Loops as one array and their starts."""
+    loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
+    start = np.concatenate([[0], np.cumsum([len(cell) for cell in cells])]).astype(np.intp)
+    return loop, start
+
+
+def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
+    """(v,) mean over the cells at each vertex of a value per cell (c,)."""
+    loop, start = flat_loops(mesh.cells)
+    value = np.repeat(per_cell, np.diff(start))
+    count = np.bincount(loop, minlength=len(mesh.point))
+    mean: Floats = np.bincount(loop, value, minlength=len(mesh.point)) / np.maximum(count, 1)
+    return mean
+
+
+def facet_cosine(mesh: Tessellation) -> Floats:
+    """(v,) mean cosine between each vertex normal and the flat cells around it.
+
+    A block is as thick as asked, measured across its faces, when the pins at its corners are longer
+    by this factor; otherwise coarse shells come out too thin.
+    """
+    loop, start = flat_loops(mesh.cells)
+    area = polygon.area_vectors(mesh.point[loop], start)
+    facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
+    cosine = np.einsum("li,li->l", mesh.normal[loop], np.repeat(facet, np.diff(start), axis=0))
+    count = np.bincount(loop, minlength=len(mesh.point))
+    mean: Floats = np.bincount(loop, cosine, minlength=len(mesh.point)) / np.maximum(count, 1)
+    return mean
+
+
+def raise_pins(mesh: Tessellation, thickness: Floats, *, register_deg: float = 0.0) -> Pins:
+    """Pins along the normals, half the thickness to either side.
+
+    Parameters
+    ----------
+    mesh
+    thickness : (v,) [m]
+    register_deg : [degrees]
+        Turns both halves of every bed joint between two courses about the direction of the course,
+        each about its own outer edge, which leaves a step at mid thickness: the block above hooks
+        over the block below and can only be turned in. Positive holds it against sliding inwards.
+    """
+    half = 0.5 * thickness / facet_cosine(mesh)
+    low = mesh.point - half[:, None] * mesh.normal
+    high = mesh.point + half[:, None] * mesh.normal
+    stepped = mesh.inner if register_deg else np.zeros(len(low), dtype=bool)
+    count = np.where(stepped, 4, 2)
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+    point = np.empty((start[-1], 3))
+    point[start[:-1]], point[start[1:] - 1] = low, high
+    if register_deg:
+        rise = (np.tan(np.deg2rad(register_deg)) * half)[stepped, None] * mesh.up[stepped]
+        point[start[:-1][stepped] + 1] = mesh.point[stepped] + rise
+        point[start[:-1][stepped] + 2] = mesh.point[stepped] - rise
+    return Pins(point, start)
+
+
+def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tuple[int, ...]]:
+    """Faces of the cell on the left of an edge, outwards: one, or three where there is a step."""
+    a, b = pins.of(edge[0]), pins.of(edge[1])
+    head = (min(edge), max(edge)) in mesh.heads
+    if len(a) == len(b) and not head:
+        return [(a[i], b[i], b[i + 1], a[i + 1]) for i in range(len(a) - 1)]
+    return [(*b, *reversed(a))]
+
+
+def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
+    """Every side face once, shared or not."""
+    seen: set[frozenset[int]] = set()
+    polygons = []
+    for cell in mesh.cells:
+        for edge in zip(cell, (*cell[1:], cell[0]), strict=True):
+            key = frozenset(edge)
+            if key not in seen:
+                seen.add(key)
+                polygons += side_polygons(mesh, pins, edge)
+    return polygons
+
+
+def cell_faces(
+    mesh: Tessellation, pins: Pins, cell: Sequence[int]
+) -> tuple[tuple[int, ...], tuple[int, ...], list[tuple[int, ...]]]:
+    """Intrados, extrados and side faces of one cell, all outwards."""
+    low = tuple(int(pins.start[v]) for v in reversed(cell))
+    high = tuple(int(pins.start[v + 1]) - 1 for v in cell)
+    edges = zip(cell, (*cell[1:], cell[0]), strict=True)
+    return low, high, [face for edge in edges for face in side_polygons(mesh, pins, edge)]
+
+
+def make_blocks(
+    mesh: Tessellation,
+    pins: Pins,
+    metadata: Sequence[dict[str, Any]],
+    *,
+    density: float = DEFAULT_DENSITY,
+) -> list[Block]:
+    """One block per cell; neighbours have the corners of their common faces in common.
+
+    Raises
+    ------
+    InputError
+        A block that is turned inside out; it is named.
+    """
+    blocks = []
+    for cell, name, data in zip(mesh.cells, mesh.names, metadata, strict=True):
+        low, high, sides = cell_faces(mesh, pins, cell)
+        faces = [low, high, *sides]
+        used = sorted({i for face in faces for i in face})
+        local = {old: i for i, old in enumerate(used)}
+        loops = tuple(tuple(local[i] for i in face) for face in faces)
+        block = Block(pins.point[used], loops, name, density, data)
+        if block.repairs:
+            raise InputError(
+                "is turned inside out",
+                where=f"block '{name}'",
+                remedy="use a smaller thickness, wedge or register, or larger blocks",
+            )
+        blocks.append(block)
+    return blocks
