@@ -65,7 +65,7 @@ def solve(prepared: Prepared, waiting: Waiting, time_limit: float | None) -> Res
     from drystone.stability import CheckOptions, check
 
     waiting.stage("solve", "solving")
-    chosen = CheckOptions() if time_limit is None else CheckOptions(time_limit=time_limit)
+    chosen = CheckOptions() if time_limit is None else CheckOptions(time_limit_s=time_limit)
     return check(
         prepared.assembly, prepared.contacts, prepared.load, options=chosen, progress=waiting
     )

@@ -82,7 +82,9 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None) -> Built:
                 where=str(path),
                 remedy="leave --units out",
             )
-        said: tuple[str, ...] = (f"the file says {draft.units}; read in {units} as asked",)
+        said: tuple[str, ...] = (
+            f"lengths are taken as {units}, as asked; the file says {draft.units}",
+        )
     else:
         said = ()
     scale = scale_of(units or draft.units or "m")

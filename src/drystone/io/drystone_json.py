@@ -7,11 +7,7 @@ the same float64.
 from __future__ import annotations
 
 import dataclasses
-import enum
-import json
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -19,15 +15,15 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.contacts import Contacts
 from drystone.errors import FormatError, InputError
 from drystone.geometry.arrays import Floats
-from drystone.io.draft import Draft, Extras, Model, Shape
-from drystone.io.files import write_bytes
+from drystone.io import npz
+from drystone.io.draft import Draft, Extras, Shape
 from drystone.io.jsontext import Field
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Samples, Verdict
 
 SCHEMA = "drystone"
 VERSION = 1
-TOP = ("schema", "version", "units", "blocks", "contacts", "loads", "results")
+TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
 LOAD = ("name", "wrench")
@@ -54,6 +50,7 @@ def read(top: Field) -> Draft:
     if version.integer() > VERSION:
         raise version.error(f"is {version.value}", "a newer drystone wrote this file; update")
     top.only(TOP)
+    top = npz.resolve(top)
     shapes = tuple(_shape(field) for field in top["blocks"].elements())
     if not shapes:
         raise top["blocks"].error("holds no block", "give at least one")
@@ -187,103 +184,3 @@ def _residuals(field: Field) -> Residuals:
     names = tuple(f.name for f in dataclasses.fields(Residuals))
     field.only(names)
     return Residuals(**{name: field.get(name, 0.0).number() for name in names})
-
-
-def write(model: Model, path: Path) -> None:
-    """Everything of a model, in our schema.
-
-    Raises
-    ------
-    FormatError
-        A result belongs to other contacts, or metadata is not made of JSON values.
-    """
-    top = content(model, path)
-    blocks = ",\n  ".join(_dumps(block, path) for block in top.pop("blocks"))
-    rest = {key: value for key, value in top.items() if value is not None}
-    parts = [f'"{key}": {_dumps(value, path)}' for key, value in rest.items()]
-    parts.insert(3, f'"blocks": [\n  {blocks}\n ]')
-    write_bytes(path, ("{\n " + ",\n ".join(parts) + "\n}\n").encode())
-
-
-def content(model: Model, path: Path) -> dict[str, Any]:
-    """A model as plain values, arrays as nested lists."""
-    assembly, contacts = model.assembly, model.contacts
-    loads = list(model.loads)
-    results = []
-    for result in model.results:
-        if result.assembly is not assembly or result.contacts is not contacts:
-            raise FormatError(
-                "a result belongs to another assembly or to other contacts",
-                where=str(path),
-                remedy="write it to a file of its own",
-            )
-        if not any(load is result.load for load in loads):
-            loads.append(result.load)
-        position = next(i for i, load in enumerate(loads) if load is result.load)
-        results.append(_result_content(result, position))
-    return {
-        "schema": SCHEMA,
-        "version": VERSION,
-        "units": "m",
-        "blocks": [
-            {
-                "name": block.name,
-                "fixed": bool(fixed),
-                "density": block.density,
-                "vertices": block.vertices.tolist(),
-                "faces": block.faces,
-                **({"metadata": dict(block.metadata)} if block.metadata else {}),
-                **({"repairs": block.repairs} if block.repairs else {}),
-            }
-            for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
-        ],
-        "contacts": None
-        if contacts is None
-        else {name: getattr(contacts, name).tolist() for name in CONTACTS},
-        "loads": [{"name": load.name, "wrench": load.wrench.tolist()} for load in loads] or None,
-        "results": results or None,
-    }
-
-
-def _result_content(result: Result, load: int) -> dict[str, Any]:
-    arrays = {name: getattr(result, name) for name in ARRAYS}
-    return {
-        "method": result.method,
-        "verdict": result.verdict.value,
-        "message": result.message,
-        "load": load,
-        **{name: value.tolist() for name, value in arrays.items() if value is not None},
-        "falling": list(result.falling),
-        "samples": dataclasses.asdict(result.samples),
-        "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
-        "options": _plain(result.options),
-        "solver": result.solver,
-        "iterations": result.iterations,
-        "time_s": dict(result.time_s),
-    }
-
-
-def _plain(value: Any) -> Any:
-    """Options as JSON values: a frozen dataclass becomes an object, an enum its value."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {f.name: _plain(getattr(value, f.name)) for f in dataclasses.fields(value)}
-    if isinstance(value, enum.Enum):
-        return _plain(value.value)
-    if isinstance(value, dict):
-        return {str(key): _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if value is None or isinstance(value, str | bool | int | float):
-        return value
-    return repr(value)
-
-
-def _dumps(value: Any, path: Path) -> str:
-    try:
-        return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
-    except (TypeError, ValueError, RecursionError) as error:
-        raise FormatError(
-            f"something in the model is no JSON value: {error}",
-            where=str(path),
-            remedy="keep metadata to text, finite numbers, lists and objects",
-        ) from error

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -151,10 +152,12 @@ class Field:
         """
         try:
             array = np.array(self.value if self.value != [] else np.zeros(_empty(shape)))
-        except (ValueError, OverflowError):
-            array = np.array(None)
+            numbers = _holds_numbers(self.value, len(shape))
+        except (ValueError, OverflowError, TypeError):
+            array, numbers = np.array(None), False
         good = (
-            array.dtype.kind in "fiu"
+            numbers
+            and array.dtype.kind in "fiu"
             and array.ndim == len(shape)
             and all(want in (None, have) for want, have in zip(shape, array.shape, strict=True))
         )
@@ -182,6 +185,13 @@ class Field:
             place = "".join(f"[{i}]" for i in np.argwhere(~whole)[0])
             raise self.error("must be a whole number", at=place)
         return array.astype(np.intp)
+
+
+def _holds_numbers(value: Any, depth: int) -> bool:
+    """Whether lists nested so deep hold numbers only; numpy would take true for 1."""
+    for _ in range(depth - 1):
+        value = chain.from_iterable(value)
+    return {type(one) for one in value} <= {int, float}
 
 
 def _empty(shape: tuple[int | None, ...]) -> tuple[int, ...]:

@@ -1,0 +1,158 @@
+"""Arrays in an npz file beside a JSON file, read without trusting either.
+
+In the JSON an array is then ``{"npz": "force"}``, a part of one ``{"npz": "vertices", "rows": [0,
+8]}``, and a list of lists of different lengths ``{"npz": "corners", "rows": [0, 24], "lengths": [4,
+4, 4, 4, 4, 4]}``. Top level: ``"arrays": {"file": "model.npz", "sha256": "..."}``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drystone.errors import FormatError
+from drystone.io.files import LARGEST_FILE, read_bytes
+from drystone.io.jsontext import Field
+
+HEADER = 4096
+"""[bytes], chosen: the header of an array of numbers takes some 128."""
+
+
+class Packer:
+    """Collects arrays while a model is turned into plain values.
+
+    Attributes
+    ----------
+    arrays
+        What was put, by key.
+    """
+
+    def __init__(self) -> None:
+        self.arrays: dict[str, NDArray[Any]] = {}
+        self._pieces: dict[str, list[NDArray[Any]]] = {}
+        self._rows: dict[str, int] = {}
+
+    def put(self, key: str, array: NDArray[Any]) -> dict[str, Any]:
+        """Keep a whole array; what stands for it in the JSON."""
+        self.arrays[key] = array
+        return {"npz": key}
+
+    def append(self, key: str, array: NDArray[Any]) -> dict[str, Any]:
+        """Keep an array as further rows of another."""
+        first = self._rows.get(key, 0)
+        self._rows[key] = first + len(array)
+        self._pieces.setdefault(key, []).append(array)
+        return {"npz": key, "rows": [first, first + len(array)]}
+
+    def data(self) -> bytes:
+        """The npz file."""
+        joined = {key: np.concatenate(pieces) for key, pieces in self._pieces.items()}
+        buffer = io.BytesIO()
+        # no array is called allow_pickle, which is all that the type checker fears
+        np.savez_compressed(buffer, **(self.arrays | joined))  # type: ignore[arg-type]
+        return buffer.getvalue()
+
+
+def digest(data: bytes) -> str:
+    """What ties the two files together."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def resolve(top: Field) -> Field:
+    """The same JSON with every reference replaced by the numbers that it stands for.
+
+    Raises
+    ------
+    FormatError
+        The npz file is missing, belongs to another file, or is not what a reference says.
+    """
+    if not top.has("arrays"):
+        return top
+    named = top["arrays"]
+    named.only(("file", "sha256"))
+    name = named["file"].text()
+    if Path(name).name != name or not name.endswith(".npz"):
+        raise named["file"].error("is no plain name of an npz file", "keep both in one folder")
+    path = top.file.parent / name
+    data = read_bytes(path)
+    if digest(data) != named["sha256"].text():
+        raise FormatError(
+            f"does not belong to {top.file.name}", where=str(path), remedy="write both again"
+        )
+    arrays = _load(data, path)
+    rest = {key: value for key, value in top.value.items() if key != "arrays"}
+    return Field(_expand(Field(rest, "", top.file), arrays), "", top.file)
+
+
+def _load(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
+    """Arrays of numbers of an npz file; sizes are believed only when the bytes are there."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            members = archive.infolist()
+            if sum(member.file_size for member in members) > LARGEST_FILE:
+                raise FormatError(
+                    f"unpacks to more than {LARGEST_FILE // 2**20} MiB", where=str(path)
+                )
+            return {
+                member.filename.removesuffix(".npy"): _array(archive, member, path)
+                for member in members
+            }
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
+        raise FormatError(f"is no npz file: {error}", where=str(path)) from error
+
+
+def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> NDArray[Any]:
+    where = f"{path}, array '{member.filename[:40]}'"
+    with archive.open(member) as file:
+        content = file.read(member.file_size + 1)
+    head = io.BytesIO(content[:HEADER])
+    try:
+        if np.lib.format.read_magic(head) != (1, 0):
+            raise ValueError("npy version is not 1.0")
+        shape, fortran, dtype = np.lib.format.read_array_header_1_0(head, max_header_size=HEADER)
+    except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError) as error:
+        raise FormatError(f"is no npy array: {error}", where=where) from error
+    body = content[head.tell() :]
+    count = 1
+    for size in shape:
+        count *= size
+    numbers = dtype.kind in "fiu" and dtype.itemsize <= 8
+    if (
+        not numbers
+        or fortran
+        or any(size < 0 for size in shape)
+        or (count * dtype.itemsize != len(body))
+    ):
+        raise FormatError("is no plain array of numbers", where=where, remedy="write it again")
+    return np.frombuffer(body, dtype=dtype).reshape(shape)
+
+
+def _expand(field: Field, arrays: dict[str, NDArray[Any]]) -> Any:
+    if isinstance(field.value, list):
+        return [_expand(element, arrays) for element in field.elements()]
+    if not isinstance(field.value, dict):
+        return field.value
+    if "npz" not in field.value:
+        return {key: _expand(value, arrays) for key, value in field.items()}
+    field.only(("npz", "rows", "lengths"))
+    key = field["npz"].text()
+    if key not in arrays or arrays[key].ndim == 0:
+        raise field.error(f"there is no array '{key[:40]}' in the npz file")
+    array = arrays[key]
+    if field.has("rows"):
+        first, last = field["rows"].integers(2).tolist()
+        if not 0 <= first <= last <= len(array):
+            raise field["rows"].error(f"are not in the array, which has {len(array)} rows")
+        array = array[first:last]
+    if not field.has("lengths"):
+        return array.tolist()
+    lengths = field["lengths"].integers(None)
+    if (lengths < 0).any() or lengths.sum() != len(array):
+        raise field["lengths"].error(f"do not add up to {len(array)} rows")
+    return [part.tolist() for part in np.split(array, np.cumsum(lengths)[:-1])]

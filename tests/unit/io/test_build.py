@@ -1,0 +1,126 @@
+"""What is wrong with the shapes of a file, whatever its format."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drystone import io
+from drystone.errors import FormatError
+from drystone.models import box
+
+CUBE = box((1.0, 1.0, 1.0))
+
+
+def block(name: str = "a", x: float = 0.0, **changes: Any) -> dict[str, Any]:
+    vertices = (CUBE.vertices + np.array([x, 0.0, 0.0])).tolist()
+    content = {"name": name, "vertices": vertices, "faces": [list(f) for f in CUBE.faces]}
+    return content | changes
+
+
+def extrusion(outline: list[tuple[float, float]]) -> dict[str, Any]:
+    n = len(outline)
+    vertices = [[x, y, z] for z in (0.0, 1.0) for x, y in outline]
+    faces = [list(range(n))[::-1], list(range(n, 2 * n))]
+    faces += [[i, (i + 1) % n, (i + 1) % n + n, i + n] for i in range(n)]
+    return {"name": "extrusion", "vertices": vertices, "faces": faces}
+
+
+def file(tmp_path: Path, *blocks: dict[str, Any]) -> Path:
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps({"blocks": blocks}), encoding="utf-8")
+    return path
+
+
+RING = [(0, 0), (4, 0), (4, 1.5), (1, 1.5), (1, 1.6), (4, 1.6), (4, 3), (0, 3)]
+TOUCHING = [(0, 0), (4, 0), (4, 1.5), (3, 1), (1, 1), (1, 2), (3, 2), (4, 1.5), (4, 3), (0, 3)]
+BOW_TIE = [(0, 0), (2, 1), (2, 0), (0, 2)]
+
+
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        (block(faces=[list(f) for f in CUBE.faces[1:]]), ["open mesh", "4 edges", "close"]),
+        (
+            block(faces=[list(f) for f in CUBE.faces] + [[0, 1, 6, 7]]),
+            ["non-manifold", "more than two faces"],
+        ),
+        (block(vertices=(CUBE.vertices * [1, 1, 0]).tolist()), ["volume is zero", "thickness"]),
+        (block(vertices=(CUBE.vertices * 0).tolist()), ["volume is zero"]),
+        (block(faces=[[0, 1, 2]]), ["1 faces", "four or more"]),
+        (block(faces=[[0, 0, 2, 1], *CUBE.faces[1:]]), ["face 0", "none twice"]),
+        (extrusion(BOW_TIE), ["outline of face 0"]),
+        (extrusion(TOUCHING), ["outline of face 0"]),
+    ],
+)
+def test_shapes_without_a_proper_inside_are_refused(
+    tmp_path: Path, shape: dict[str, Any], words: list[str]
+) -> None:
+    with pytest.raises(FormatError) as caught:
+        io.read(file(tmp_path, shape))
+    text = str(caught.value)
+    assert "\n" not in text
+    for word in ("model.json", f"block '{shape['name']}'", *words):
+        assert word in text
+
+
+def test_concave_shapes_with_a_narrow_gap_are_fine(tmp_path: Path) -> None:
+    model = io.read(file(tmp_path, extrusion(RING)))
+    assert model.assembly.blocks[0].volume == pytest.approx(12.0 - 0.3)
+
+
+def test_inside_out_blocks_are_turned_and_that_is_told(tmp_path: Path) -> None:
+    shape = block(faces=[list(f)[::-1] for f in CUBE.faces])
+    model = io.read(file(tmp_path, shape, block("b", 2.0)))
+    assert model.assembly.blocks[0].volume == pytest.approx(1.0)
+    assert model.notes == ("block 'a': inside out: all faces turned",)
+
+
+def test_single_turned_faces_are_turned_back_and_that_is_told(tmp_path: Path) -> None:
+    faces = [list(f) for f in CUBE.faces]
+    faces[3].reverse()
+    model = io.read(file(tmp_path, block(faces=faces)))
+    assert model.assembly.blocks[0].volume == pytest.approx(1.0)
+    assert model.notes == ("block 'a': faces 3 turned to agree with the others",)
+
+
+def test_one_note_tells_of_many_blocks_that_were_mended_alike(tmp_path: Path) -> None:
+    faces = [list(f)[::-1] for f in CUBE.faces]
+    shapes = [block(f"b{i}", 2.0 * i, faces=faces) for i in range(8)]
+    (note,) = io.read(file(tmp_path, *shapes)).notes
+    assert note == "blocks 'b0', 'b1', 'b2', 'b3', 'b4' and 3 more: inside out: all faces turned"
+
+
+def test_a_block_that_is_there_twice_is_refused(tmp_path: Path) -> None:
+    twin = block("copy", vertices=(CUBE.vertices[::-1] + 1e-12).tolist())
+    twin["faces"] = [[7 - i for i in face] for face in CUBE.faces]
+    with pytest.raises(FormatError, match="'a' and 'copy' are one block twice"):
+        io.read(file(tmp_path, block("a"), block("b", 1.0), twin))
+
+
+def test_blocks_of_one_shape_at_different_places_are_not_doubles(tmp_path: Path) -> None:
+    model = io.read(file(tmp_path, block("a"), block("b", 1.0), block("c", 1.5)))
+    assert len(model.assembly) == 3
+
+
+def test_all_defects_of_a_file_are_found_and_counted(tmp_path: Path) -> None:
+    path = file(
+        tmp_path,
+        block("good"),
+        block("open", 2.0, faces=[list(f) for f in CUBE.faces[1:]]),
+        block("flat", vertices=(CUBE.vertices * [1, 1, 0] + 5.0).tolist()),
+        block("good", 4.0),
+    )
+    with pytest.raises(FormatError, match=r"block 'open'.*\(2 more; 'drystone inspect' lists all"):
+        io.read(path)
+    built = io.inspect(path)
+    assert [b is None for b in built.blocks] == [False, True, True, False]
+    assert built.assembly is None
+    assert ["one name" in str(defect) for defect in built.defects] == [False, False, True]
+
+
+def test_unreadable_units_are_refused_before_the_file_is_touched(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="unit 'yard' is not known; use one of mm, cm, m, in, ft"):
+        io.read(tmp_path / "missing.json", units="yard")

@@ -1,0 +1,109 @@
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import BinaryIO
+
+import pytest
+
+from drystone import io
+from drystone.errors import FormatError
+from drystone.io import files
+from drystone.models import tower
+
+
+@pytest.mark.parametrize(
+    ("name", "make", "words"),
+    [
+        ("missing.obj", None, ["no such file", "check the path"]),
+        ("empty.obj", lambda p: p.write_bytes(b""), ["empty"]),
+        ("blank.json", lambda p: p.write_bytes(b" \r\n\t\n"), ["empty"]),
+        ("zeros.json", lambda p: p.write_bytes(bytes(100)), ["empty"]),
+        ("folder.obj", lambda p: p.mkdir(), ["folder"]),
+        ("latin.obj", lambda p: p.write_bytes(b"o Gew\xf6lbe\n"), ["byte 5", "UTF-8"]),
+        ("latin.json", lambda p: p.write_bytes(b'{"a": "\xf6"}'), ["byte 7", "UTF-8"]),
+        ("model.doc", lambda p: p.write_bytes(b"x"), ["'.doc'", ".json", ".obj"]),
+        ("model", lambda p: p.write_bytes(b"x"), ["no suffix"]),
+        ("bad\0name.obj", None, ["bad"]),
+        ("x" * 300 + ".obj", None, ["xxx"]),
+    ],
+)
+def test_what_cannot_be_read_is_told_in_one_line(
+    tmp_path: Path, name: str, make: Callable[[Path], object] | None, words: list[str]
+) -> None:
+    path = tmp_path / name
+    if make is not None:
+        make(path)
+    with pytest.raises(FormatError) as caught:
+        io.read(path)
+    assert "\n" not in str(caught.value)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_files_larger_than_allowed_are_not_opened(tmp_path: Path) -> None:
+    path = tmp_path / "large.obj"
+    with path.open("wb") as file:
+        file.truncate(files.LARGEST_FILE + 1)
+    with pytest.raises(FormatError, match="more than the 512 MiB allowed"):
+        io.read(path)
+
+
+def test_a_byte_order_mark_is_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "tower.obj"
+    io.write(tower(2), path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert len(io.read(path).assembly) == 2
+
+
+def test_an_interrupted_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "page.html"
+    path.write_text("old", encoding="utf-8")
+
+    def interrupted(file: BinaryIO) -> None:
+        file.write(b"half")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        files.write_whole(path, interrupted)
+    assert path.read_text(encoding="utf-8") == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_replaced_file_keeps_its_permissions(tmp_path: Path) -> None:
+    path = tmp_path / "page.html"
+    path.write_text("old", encoding="utf-8")
+    path.chmod(0o640)
+    files.write_bytes(path, b"new")
+    assert path.read_bytes() == b"new"
+    assert path.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_new_file_gets_the_usual_permissions(tmp_path: Path) -> None:
+    mask = os.umask(0o027)
+    try:
+        files.write_bytes(tmp_path / "a", b"")
+    finally:
+        os.umask(mask)
+    assert (tmp_path / "a").stat().st_mode & 0o777 == 0o640
+
+
+@pytest.mark.parametrize("name", ["none/model.obj", "model.doc", "model"])
+def test_what_cannot_be_written_is_told_and_nothing_appears(tmp_path: Path, name: str) -> None:
+    with pytest.raises(FormatError) as caught:
+        io.write(tower(2), tmp_path / name)
+    assert "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_only_models_assemblies_and_results_are_written(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="a list cannot be written"):
+        io.write([], tmp_path / "model.obj")  # type: ignore[arg-type]
+
+
+def test_a_format_can_be_asked_for_by_name(tmp_path: Path) -> None:
+    io.write(tower(2), tmp_path / "tower.txt", format="obj")
+    assert (tmp_path / "tower.txt").read_text(encoding="utf-8").startswith("# drystone")
+    with pytest.raises(FormatError, match="format 'dwg' is not known; use one of drystone"):
+        io.write(tower(2), tmp_path / "tower.dwg", format="dwg")
+    with pytest.raises(FormatError, match="COMPAS JSON is read, not written"):
+        io.write(tower(2), tmp_path / "tower.json", format="compas")
