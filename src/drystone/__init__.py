@@ -1,30 +1,62 @@
-"""drystone: does a structure of loose blocks stand by contact and friction alone?"""
+"""drystone: does a structure of loose blocks stand by contact and friction alone?
 
-from drystone.assembly import Assembly, Block
-from drystone.contacts import Contacts
-from drystone.errors import (
-    DrystoneError,
-    FormatError,
-    InputError,
-    MissingDependency,
-    SolverError,
-)
-from drystone.loads import LoadCase
-from drystone.results import Residuals, Result, Verdict
+The names below are the public API. Each is loaded when it is first asked for, so that
+``import drystone`` does no work and pulls in no solver, plotting or CAD package.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drystone.assembly import Assembly as Assembly
+    from drystone.assembly import Block as Block
+    from drystone.contacts import Contacts as Contacts
+    from drystone.errors import DrystoneError as DrystoneError
+    from drystone.errors import FormatError as FormatError
+    from drystone.errors import InputError as InputError
+    from drystone.errors import MissingDependency as MissingDependency
+    from drystone.errors import SolverError as SolverError
+    from drystone.loads import LoadCase as LoadCase
+    from drystone.results import Residuals as Residuals
+    from drystone.results import Result as Result
+    from drystone.results import Verdict as Verdict
+    from drystone.stability import CheckOptions as CheckOptions
+    from drystone.stability import RBEOptions as RBEOptions
+    from drystone.stability import check as check
+    from drystone.stability import solve_rbe as solve_rbe
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "Assembly",
-    "Block",
-    "Contacts",
-    "DrystoneError",
-    "FormatError",
-    "InputError",
-    "LoadCase",
-    "MissingDependency",
-    "Residuals",
-    "Result",
-    "SolverError",
-    "Verdict",
-]
+_HOME = {
+    "Assembly": "assembly",
+    "Block": "assembly",
+    "CheckOptions": "stability",
+    "Contacts": "contacts",
+    "DrystoneError": "errors",
+    "FormatError": "errors",
+    "InputError": "errors",
+    "LoadCase": "loads",
+    "MissingDependency": "errors",
+    "RBEOptions": "stability",
+    "Residuals": "results",
+    "Result": "results",
+    "SolverError": "errors",
+    "Verdict": "results",
+    "check": "stability",
+    "solve_rbe": "stability",
+}
+"""The module that each public name lives in."""
+
+__all__ = list(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(import_module(f"drystone.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'drystone' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -1,1 +1,1 @@
-"""TODO"""
+"""From blocks and contacts to numerical problems, and back."""

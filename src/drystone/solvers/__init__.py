@@ -1,1 +1,1 @@
-"""TODO"""
+"""Numerical back ends: numbers in, numbers out. They know no blocks."""

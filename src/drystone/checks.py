@@ -1,0 +1,155 @@
+"""The proof of a verdict, recomputed from points and cross products.
+
+Nothing here uses the matrices that the solvers saw. Forces are compared with what acts on the block
+(its load and the forces at its corners), lengths with the largest displacement at a corner of the
+block, so that a pebble on a boulder is judged by its own measure.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.geometry.arrays import Floats, Ints
+from drystone.loads import LoadCase
+from drystone.results import Residuals
+
+NEGLIGIBLE = 1e-9
+"""Friction below this share of the forces on a block has no direction worth checking."""
+
+
+def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:
+    """Relative displacement (k, 3) of block b against a at each corner, local n, u, v.
+
+    Parameters
+    ----------
+    motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
+    """
+    a, b = _corner_blocks(contacts)
+    relative = _point_motion(assembly, contacts, motion, b) - _point_motion(
+        assembly, contacts, motion, a
+    )
+    return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], relative)
+
+
+def unbalanced_wrench(
+    assembly: Assembly, contacts: Contacts, load: LoadCase, force: Floats
+) -> tuple[Floats, Floats]:
+    """Sum of all wrenches (n, 6) on each block about its centroid, and what acts on it (n,).
+
+    Parameters
+    ----------
+    force : (k, 3) [N], local n, u, v, on block b
+
+    Returns
+    -------
+    wrench : (n, 6) [N, N m]; the moments are divided by the block's size: [N]
+    scale : (n,) [N]
+    """
+    a, b = _corner_blocks(contacts)
+    world = np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
+    size = assembly.size
+    total = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
+    scale = np.linalg.norm(total[:, :3], axis=1) + np.linalg.norm(total[:, 3:], axis=1)
+    strength = np.linalg.norm(force, axis=1)
+    for block, sign in ((a, -1.0), (b, 1.0)):
+        arm = (contacts.point - assembly.centroid[block]) / size[block, None]
+        np.add.at(total, block, sign * np.concatenate([world, np.cross(arm, world)], axis=1))
+        np.add.at(scale, block, strength)
+    return total, np.where(scale > 0.0, scale, 1.0)
+
+
+def check_forces(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase,
+    force: Floats,
+    displacement: Floats | None = None,
+) -> Residuals:
+    """Residuals of a claim of equilibrium, with a compatible motion when one is given.
+
+    Parameters
+    ----------
+    force : (k, 3) [N], local n, u, v, on block b
+    displacement : (n, 6) [m, rad], optional
+        Virtual motion of the blocks; fixed blocks rest.
+    """
+    free = ~assembly.fixed
+    total, scale = unbalanced_wrench(assembly, contacts, load, force)
+    equilibrium = float((np.linalg.norm(total[free], axis=1) / scale[free]).max(initial=0.0))
+    if not contacts.corner_count:
+        return Residuals(equilibrium=equilibrium)
+    a, b = _corner_blocks(contacts)
+    local = np.minimum(scale[a], scale[b])
+    normal = force[:, 0]
+    tangential = np.linalg.norm(force[:, 1:], axis=1)
+    friction = contacts.friction[contacts.interface]
+    tension = float((np.maximum(0.0, -normal) / local).max())
+    excess = tangential - friction * np.maximum(normal, 0.0)
+    cone = float((np.maximum(0.0, excess) / local).max())
+    complementarity = alignment = 0.0
+    if displacement is not None:
+        moved = corner_motion(assembly, contacts, displacement)
+        reach = np.linalg.norm(moved, axis=1)
+        largest = np.zeros(len(assembly))
+        np.maximum.at(largest, a, reach)
+        np.maximum.at(largest, b, reach)
+        length = np.minimum(largest[a], largest[b])
+        safe = np.where(length > 0.0, length, 1.0)
+        opening = np.maximum(0.0, moved[:, 0]) / safe
+        complementarity = float((np.maximum(0.0, normal) / local * opening).max())
+        slide = np.linalg.norm(moved[:, 1:], axis=1)
+        still = slide <= 1e-13 * safe
+        direction = moved[:, 1:] / np.where(still, 1.0, slide)[:, None]
+        wrong = np.linalg.norm(force[:, 1:] + tangential[:, None] * direction, axis=1) / local
+        wrong = np.where(still, tangential / local, wrong)
+        alignment = float(np.where(tangential > NEGLIGIBLE * local, wrong, 0.0).max())
+    return Residuals(equilibrium, tension, cone, complementarity, alignment)
+
+
+def mechanism_defects(
+    assembly: Assembly, contacts: Contacts, load: LoadCase, motion: Floats
+) -> tuple[float, float]:
+    """How far a motion is from being a collapse mechanism (Farkas certificate).
+
+    Where every corner opens at least as fast as friction times its slide and the loads do work,
+    no contact forces can balance the loads. Source: Livesley 1978 for the associated
+    flow rule.
+
+    Returns
+    -------
+    violation
+        Largest ``mu |slide| - opening`` at a corner, by the largest speed of the two blocks there.
+    power
+        Work of the loads by the sum of its absolute parts: positive for a proof, at most 1.
+    """
+    moved = corner_motion(assembly, contacts, motion)
+    friction = contacts.friction[contacts.interface]
+    short = friction * np.linalg.norm(moved[:, 1:], axis=1) - moved[:, 0]
+    speed = block_speed(assembly, motion)
+    a, b = _corner_blocks(contacts)
+    local = np.maximum(speed[a], speed[b])
+    reference = np.maximum(local, 1e-9 * max(float(speed.max(initial=0.0)), 1e-300))
+    violation = float((np.maximum(0.0, short) / reference).max(initial=0.0))
+    free = ~assembly.fixed
+    parts = load.wrench[free] * motion[free]
+    gross = float(np.abs(parts).sum())
+    return violation, float(parts.sum()) / gross if gross > 0.0 else 0.0
+
+
+def block_speed(assembly: Assembly, motion: Floats) -> Floats:
+    """(n,) translation plus rotation times size: a bound on the speed of a block's corners."""
+    return np.linalg.norm(motion[:, :3], axis=1) + assembly.size * np.linalg.norm(
+        motion[:, 3:], axis=1
+    )
+
+
+def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:
+    return contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
+
+
+def _point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: Ints) -> Floats:
+    arm = contacts.point - assembly.centroid[block]
+    moving = np.where(assembly.fixed[:, None], 0.0, motion)[block]
+    return moving[:, :3] + np.cross(moving[:, 3:], arm)

@@ -1,0 +1,134 @@
+"""Convex quadratic programs over second-order cones, by Clarabel.
+
+    minimise  1/2 x' P x + c' x   subject to  A x + s = b,  s in a product of cones
+
+Source of the method: Goulart and Chen 2024 (Clarabel).
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import clarabel
+import numpy as np
+from scipy import sparse
+
+from drystone.geometry.arrays import Floats
+
+
+class ConicStatus(enum.Enum):
+    """What a back end says; it is believed only after a check."""
+
+    SOLVED = "solved"
+    INFEASIBLE = "infeasible"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Cones:
+    """Cones of the rows, in this order.
+
+    Attributes
+    ----------
+    zero
+        Number of equality rows.
+    nonnegative
+        Number of rows with s >= 0.
+    second_order
+        Size of each second-order cone, first row the length.
+    """
+
+    zero: int = 0
+    nonnegative: int = 0
+    second_order: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class ConicOptions:
+    """Settings of the interior point.
+
+    Attributes
+    ----------
+    tolerance
+        Relative feasibility and gap, dimensionless; 1e-9 is close to what doubles allow.
+    iteration_limit
+    time_limit_s
+    """
+
+    tolerance: float = 1e-9
+    iteration_limit: int = 200
+    time_limit_s: float = float("inf")
+
+
+@dataclass(frozen=True, eq=False)
+class ConicSolution:
+    """Primal x and dual z; when infeasible, z is the certificate: A'z = 0, b'z < 0."""
+
+    status: ConicStatus
+    x: Floats
+    z: Floats
+    iterations: int
+    solver: str
+    message: str
+
+
+def solve_conic(
+    quadratic: sparse.spmatrix,
+    linear: Floats,
+    matrix: sparse.spmatrix,
+    right: Floats,
+    cones: Cones,
+    options: ConicOptions | None = None,
+) -> ConicSolution:
+    """Solve a conic program.
+
+    Parameters
+    ----------
+    quadratic : (x, x), upper triangle is read
+    linear : (x,)
+    matrix : (r, x)
+    right : (r,)
+    cones
+        Of the r rows, in the order of :class:`Cones`.
+    options
+    """
+    chosen = options if options is not None else ConicOptions()
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_iter = chosen.iteration_limit
+    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = chosen.tolerance
+    settings.tol_infeas_abs = settings.tol_infeas_rel = chosen.tolerance
+    settings.max_threads = 1
+    if np.isfinite(chosen.time_limit_s):
+        settings.time_limit = max(chosen.time_limit_s, 1e-3)
+    kinds = []
+    if cones.zero:
+        kinds.append(clarabel.ZeroConeT(cones.zero))
+    if cones.nonnegative:
+        kinds.append(clarabel.NonnegativeConeT(cones.nonnegative))
+    kinds.extend(clarabel.SecondOrderConeT(size) for size in cones.second_order)
+    solver = clarabel.DefaultSolver(
+        sparse.csc_matrix(sparse.triu(quadratic)),
+        np.asarray(linear, dtype=np.float64),
+        sparse.csc_matrix(matrix),
+        np.asarray(right, dtype=np.float64),
+        kinds,
+        settings,
+    )
+    raw = solver.solve()
+    name = str(raw.status)
+    if name in ("Solved", "AlmostSolved"):
+        status = ConicStatus.SOLVED
+    elif name in ("PrimalInfeasible", "AlmostPrimalInfeasible"):
+        status = ConicStatus.INFEASIBLE
+    else:
+        status = ConicStatus.FAILED
+    return ConicSolution(
+        status,
+        np.asarray(raw.x),
+        np.asarray(raw.z),
+        int(raw.iterations),
+        f"clarabel {clarabel.__version__}",
+        name,
+    )

@@ -1,0 +1,205 @@
+"""Rigid-body statics of blocks in contact: the dimensionless problem, equilibrium, residuals.
+
+Here, and only here, a model becomes dimensionless and answers become physical again. Each block has
+its own length (the size of the block) and all share one force (the mean load of a free block):
+
+- wrench rows of block i: force / W, moment / (W l_i);
+- motion of block i: translation / D, rotation * l_i / D, with D any displacement scale;
+- corner forces / W; corner displacements / D.
+
+Power is conserved: ``wrench . motion`` in scaled numbers is power / (W D).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.errors import InputError
+from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.frames import skew
+from drystone.loads import LoadCase
+
+
+@dataclass(frozen=True, eq=False)
+class Statics:
+    """The dimensionless problem of n free blocks and k corners.
+
+    Attributes
+    ----------
+    free : (n,) position of each free block in the assembly
+    block_a, block_b : (k,) free number of the blocks of each corner, -1 for a fixed one
+    lever_a, lever_b : (k, 3) from the block's centroid to the corner, by the block's length
+    frame : (k, 3, 3) rows n, u, v
+    friction : (k,)
+    tributary : (k,) area by the mean area of a loaded corner
+    interface : (k,)
+    load : (n, 6) scaled wrench
+    mass : (n,) by the mean mass of a free block
+    inertia : (n,) radius of gyration squared, by the block's length squared
+    length : (n,) [m]
+    force_unit : [N]
+    mean_length : [m]
+    """
+
+    free: Ints
+    block_a: Ints
+    block_b: Ints
+    lever_a: Floats
+    lever_b: Floats
+    frame: Floats
+    friction: Floats
+    tributary: Floats
+    interface: Ints
+    load: Floats
+    mass: Floats
+    inertia: Floats
+    length: Floats
+    force_unit: float
+    mean_length: float
+
+    @property
+    def free_count(self) -> int:
+        """Number of free blocks, n."""
+        return len(self.free)
+
+    @property
+    def corner_count(self) -> int:
+        """Number of corners, k."""
+        return len(self.interface)
+
+    @cached_property
+    def transfer_a(self) -> Floats:
+        """(k, 6, 3) wrench on block a per unit local corner force; zero for a fixed block."""
+        return -_transfer(self.frame, self.lever_a, self.block_a)
+
+    @cached_property
+    def transfer_b(self) -> Floats:
+        """(k, 6, 3) wrench on block b per unit local corner force; zero for a fixed block."""
+        return _transfer(self.frame, self.lever_b, self.block_b)
+
+    @cached_property
+    def matrix(self) -> sparse.csr_matrix:
+        """Equilibrium matrix A (6 n, 3 k): at rest ``A @ force + load`` vanishes (both raveled)."""
+        n, k = self.free_count, self.corner_count
+        rows, cols, values = [], [], []
+        corner = 3 * np.arange(k)
+        for block, transfer in ((self.block_a, self.transfer_a), (self.block_b, self.transfer_b)):
+            here = block >= 0
+            row = 6 * block[here, None, None] + np.arange(6)[None, :, None]
+            col = corner[here, None, None] + np.arange(3)[None, None, :]
+            shape = (int(here.sum()), 6, 3)
+            rows.append(np.broadcast_to(row, shape).ravel())
+            cols.append(np.broadcast_to(col, shape).ravel())
+            values.append(transfer[here].ravel())
+        return sparse.csr_matrix(
+            (np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))),
+            shape=(6 * n, 3 * k),
+        )
+
+    @cached_property
+    def matrix_transposed(self) -> sparse.csr_matrix:
+        """A^T (3 k, 6 n): corner displacements from block motions."""
+        return self.matrix.T.tocsr()
+
+    def wrench(self, force: Floats) -> Floats:
+        """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
+        result: Floats = (self.matrix @ force.ravel()).reshape(-1, 6)
+        return result
+
+    def displacement(self, motion: Floats) -> Floats:
+        """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
+        result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
+        return result
+
+    # -- back to physical numbers -------------------------------------------------------------
+    def physical_force(self, force: Floats) -> Floats:
+        """Corner forces (k, 3) [N]."""
+        return force * self.force_unit
+
+    def physical_wrench(self, wrench: Floats, count: int) -> Floats:
+        """Wrenches (count, 6) [N, N m] of all blocks from those of the free ones."""
+        out = np.zeros((count, 6))
+        out[self.free, :3] = wrench[:, :3] * self.force_unit
+        out[self.free, 3:] = wrench[:, 3:] * (self.force_unit * self.length[:, None])
+        return out
+
+    def physical_motion(self, motion: Floats, count: int, unit: float) -> Floats:
+        """Motions (count, 6) [m, rad] of all blocks, for a displacement unit [m]."""
+        out = np.zeros((count, 6))
+        out[self.free, :3] = motion[:, :3] * unit
+        out[self.free, 3:] = motion[:, 3:] * (unit / self.length[:, None])
+        return out
+
+    def scaled_motion(self, motion: Floats, unit: float) -> Floats:
+        """Scaled motions (n, 6) of the free blocks, from physical ones of all blocks."""
+        out = np.empty((self.free_count, 6))
+        out[:, :3] = motion[self.free, :3] / unit
+        out[:, 3:] = motion[self.free, 3:] * (self.length[:, None] / unit)
+        return out
+
+
+def _transfer(frame: Floats, lever: Floats, block: Ints) -> Floats:
+    axes = np.swapaxes(frame, 1, 2)
+    out = np.concatenate([axes, skew(lever) @ axes], axis=1)
+    out[block < 0] = 0.0
+    return out
+
+
+def build_statics(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Statics:
+    """The dimensionless problem of an assembly.
+
+    Raises
+    ------
+    InputError
+        The load or the contacts belong to another assembly; no support; nothing free.
+    """
+    count = len(assembly)
+    if load.wrench.shape[0] != count:
+        raise InputError(
+            f"the load has {load.wrench.shape[0]} wrenches, the assembly {count} blocks"
+        )
+    if contacts.count and max(contacts.block_a.max(), contacts.block_b.max()) >= count:
+        raise InputError("the contacts name blocks that the assembly does not have")
+    free = assembly.free
+    slot = np.full(count, -1, dtype=np.intp)
+    slot[free] = np.arange(len(free))
+    of_a, of_b = contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
+    length = assembly.size
+    loads = load.wrench[free]
+    size = length[free]
+    magnitude = np.linalg.norm(loads[:, :3], axis=1) + (
+        np.linalg.norm(loads[:, 3:], axis=1) / size if len(free) else 0.0
+    )
+    mean = float(magnitude.mean()) if len(free) else 0.0
+    force_unit = mean if mean > 0.0 else 1.0
+    scaled = np.concatenate(
+        [loads[:, :3] / force_unit, loads[:, 3:] / (force_unit * size[:, None])], axis=1
+    )
+    mass = assembly.mass[free]
+    area = contacts.tributary
+    mean_area = float(area.mean()) if contacts.corner_count and area.any() else 1.0
+    bounds = assembly.bounds[free]
+    extent = bounds[:, 1] - bounds[:, 0]
+    return Statics(
+        free=free,
+        block_a=slot[of_a],
+        block_b=slot[of_b],
+        lever_a=(contacts.point - assembly.centroid[of_a]) / length[of_a, None],
+        lever_b=(contacts.point - assembly.centroid[of_b]) / length[of_b, None],
+        frame=contacts.frame[contacts.interface],
+        friction=contacts.friction[contacts.interface],
+        tributary=area / mean_area,
+        interface=contacts.interface,
+        load=scaled,
+        mass=mass / mass.mean() if len(free) else mass,
+        inertia=(extent**2).sum(axis=1) / (12.0 * size**2),
+        length=size,
+        force_unit=force_unit,
+        mean_length=float(size.mean()) if len(free) else 1.0,
+    )
