@@ -23,10 +23,13 @@ class Waiting:
     ----------
     time_s
         Seconds spent in each stage that was announced with :meth:`stage`.
+    shown
+        Set once the bar is on the terminal.
     """
 
     def __init__(self) -> None:
         self.time_s: dict[str, float] = {}
+        self.shown = threading.Event()
         self._begun: tuple[str, float] | None = None
         self._state = ("", 0, 0)
         self._bar: Progress | None = None
@@ -89,3 +92,4 @@ class Waiting:
             bar.add_task(stage, completed=done, total=total or None)
             bar.start()
             self._bar = bar
+        self.shown.set()
