@@ -89,22 +89,33 @@ function loopNormal(position, first, last) {
   return length > 0 ? vec.scale(sum, 1 / length) : [0, 0, 0];
 }
 
-function edgeMesh(blocks) {
+// Two texels an edge: one end and the block, the other end.
+function edgeSegments(blocks) {
   const { point, edge } = blocks;
   const firstPoint = starts(blocks.points);
-  const ends = new Float32Array(3 * edge.length);
-  const owner = new Uint32Array(edge.length / 2);
+  const segments = new Float32Array(4 * edge.length);
   let e = 0;
   for (let block = 0; block < blocks.points.length; block++) {
     for (let k = 0; k < blocks.edges[block]; k++, e++) {
-      owner[e] = block;
       for (let side = 0; side < 2; side++) {
         const p = 3 * (firstPoint[block] + edge[2 * e + side]);
-        ends.set(point.subarray(p, p + 3), 6 * e + 3 * side);
+        segments.set(point.subarray(p, p + 3), 8 * e + 4 * side);
+        segments[8 * e + 4 * side + 3] = block;
       }
     }
   }
-  return { ends, owner };
+  return segments;
+}
+
+// Two texels an arrow or line: where it is, how it points.
+function vectorSegments(layer) {
+  const count = layer.position.length / 3;
+  const segments = new Float32Array(8 * count);
+  for (let i = 0; i < count; i++) {
+    segments.set(layer.position.subarray(3 * i, 3 * i + 3), 8 * i);
+    segments.set(layer.vector.subarray(3 * i, 3 * i + 3), 8 * i + 4);
+  }
+  return segments;
 }
 
 function polygonIndex(layer) {

@@ -2,6 +2,8 @@
 
 const FALL_SECONDS = 2.4;
 const STAGE_SECONDS = 0.9;
+const SLOW = 100; // [ms] from asking for a picture to drawing it: leave the edges out meanwhile
+const SETTLE = 250; // [ms] without a change: draw everything
 
 const byId = (id) => document.getElementById(id);
 const canvas = byId("view");
@@ -20,6 +22,8 @@ let time = 0;
 let opacity = 1;
 let arrowScale = 0; // decimal logarithm
 let waiting = false;
+let hurried = false; // pictures come slowly
+let settling = 0;
 let animation = null; // { kind, start }
 let renderer = null;
 
@@ -30,11 +34,20 @@ const shown = (layer) => shownLayers.get(layer.key);
 function redraw() {
   if (waiting) return;
   waiting = true;
+  const asked = performance.now();
   requestAnimationFrame((now) => {
     waiting = false;
+    if (performance.now() - asked > SLOW) hurried = true;
+    clearTimeout(settling);
+    if (hurried) settling = setTimeout(settle, SETTLE);
     advance(now);
     draw();
   });
+}
+
+function settle() {
+  hurried = false;
+  draw();
 }
 
 const camera = new Camera(data.radius, data.toward, redraw);
@@ -66,7 +79,7 @@ function currentView() {
     edgeColour,
     scale: data.forceScale * 10 ** arrowScale,
     showBlocks: shownLayers.get("blocks"),
-    showEdges: shownLayers.get("edges"),
+    showEdges: shownLayers.get("edges") && !(hurried && shownLayers.get("blocks")),
     layers: stage().layers.filter(shown),
   };
 }

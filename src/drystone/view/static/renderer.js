@@ -25,21 +25,15 @@ class Renderer {
     };
     this.mesh = blockMesh(this.data.blocks);
     this.blockArray = this.vertexArray([
-      [this.mesh.position, 3, gl.FLOAT, 0],
-      [this.mesh.normal, 4, gl.BYTE, 0],
-      [this.mesh.owner, 1, gl.UNSIGNED_INT, 0],
+      [this.mesh.position, 3, gl.FLOAT],
+      [this.mesh.normal, 4, gl.BYTE],
+      [this.mesh.owner, 1, gl.UNSIGNED_INT],
     ]);
     this.blockIndex = this.indexBuffer(this.mesh.index);
-    const { ends, owner } = edgeMesh(this.data.blocks);
-    this.edgeCount = owner.length;
-    this.edgeArray = this.vertexArray([
-      [ends, 3, gl.FLOAT, 1, 24, 0],
-      [ends, 3, gl.FLOAT, 1, 24, 12],
-      [owner, 1, gl.UNSIGNED_INT, 1],
-    ]);
+    this.edges = this.segments(edgeSegments(this.data.blocks));
     this.motionTexture = this.texture();
     this.stateTexture = this.texture();
-    this.layerArrays = new Map();
+    this.layerBuffers = new Map();
     this.sortedFor = "";
     if (this.stage) this.setStage(this.stage);
   }
@@ -72,19 +66,13 @@ class Renderer {
   vertexArray(attributes) {
     const gl = this.gl;
     const array = gl.createVertexArray();
-    const buffers = new Map();
     gl.bindVertexArray(array);
-    attributes.forEach(([values, size, type, divisor, stride = 0, offset = 0], location) => {
-      if (!buffers.has(values)) {
-        buffers.set(values, gl.createBuffer());
-        gl.bindBuffer(gl.ARRAY_BUFFER, buffers.get(values));
-        gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
-      }
-      gl.bindBuffer(gl.ARRAY_BUFFER, buffers.get(values));
+    attributes.forEach(([values, size, type], location) => {
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
       gl.enableVertexAttribArray(location);
-      if (type === gl.UNSIGNED_INT) gl.vertexAttribIPointer(location, size, type, stride, offset);
-      else gl.vertexAttribPointer(location, size, type, type === gl.BYTE, stride, offset);
-      gl.vertexAttribDivisor(location, divisor);
+      if (type === gl.UNSIGNED_INT) gl.vertexAttribIPointer(location, size, type, 0, 0);
+      else gl.vertexAttribPointer(location, size, type, type === gl.BYTE, 0, 0);
     });
     gl.bindVertexArray(null);
     return array;
@@ -108,6 +96,22 @@ class Renderer {
     return texture;
   }
 
+  // Fills a texture of four numbers a texel; values are padded to whole rows.
+  fillTexture(texture, values) {
+    const gl = this.gl;
+    const rows = Math.max(1, Math.ceil(values.length / (4 * TEXTURE_WIDTH)));
+    const padded = new Float32Array(4 * TEXTURE_WIDTH * rows);
+    padded.set(values);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, TEXTURE_WIDTH, rows, 0, gl.RGBA, gl.FLOAT, padded);
+  }
+
+  segments(values) {
+    const texture = this.texture();
+    this.fillTexture(texture, values);
+    return { texture, count: values.length / 8 };
+  }
+
   setStage(stage) {
     const gl = this.gl;
     this.stage = stage;
@@ -119,8 +123,7 @@ class Renderer {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, TEXTURE_WIDTH, stateRows, 0, gl.RED_INTEGER,
       gl.UNSIGNED_BYTE, state);
-    const motionRows = Math.ceil((3 * count) / TEXTURE_WIDTH);
-    const motion = new Float32Array(4 * TEXTURE_WIDTH * motionRows);
+    const motion = new Float32Array(12 * count);
     for (let i = 0; i < count; i++) {
       motion.set(blocks.centroid.subarray(3 * i, 3 * i + 3), 12 * i);
       if (stage.motion) {
@@ -128,25 +131,22 @@ class Renderer {
         motion.set(stage.motion.subarray(6 * i + 3, 6 * i + 6), 12 * i + 8);
       }
     }
-    gl.bindTexture(gl.TEXTURE_2D, this.motionTexture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, TEXTURE_WIDTH, motionRows, 0, gl.RGBA, gl.FLOAT,
-      motion);
+    this.fillTexture(this.motionTexture, motion);
     this.sortedFor = "";
   }
 
-  layerArray(layer) {
-    if (this.layerArrays.has(layer)) return this.layerArrays.get(layer);
+  layerBuffer(layer) {
+    if (this.layerBuffers.has(layer)) return this.layerBuffers.get(layer);
     const gl = this.gl;
     let made;
     if (layer.kind === "polygons") {
       const index = polygonIndex(layer);
-      made = { array: this.vertexArray([[layer.position, 3, gl.FLOAT, 0]]), count: index.length };
+      made = { array: this.vertexArray([[layer.position, 3, gl.FLOAT]]), count: index.length };
       made.index = this.indexBuffer(index);
     } else {
-      const attributes = [[layer.position, 3, gl.FLOAT, 1], [layer.vector, 3, gl.FLOAT, 1]];
-      made = { array: this.vertexArray(attributes), count: layer.position.length / 3 };
+      made = this.segments(vectorSegments(layer));
     }
-    this.layerArrays.set(layer, made);
+    this.layerBuffers.set(layer, made);
     return made;
   }
 
@@ -242,18 +242,26 @@ class Renderer {
     gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
     gl.uniform1f(at.uOpacity, view.fine * (view.showBlocks ? Math.max(view.opacity, 0.25) : 0.7));
     gl.enable(gl.BLEND);
-    gl.bindVertexArray(this.edgeArray);
-    gl.drawArraysInstanced(gl.TRIANGLES, 0, 6, this.edgeCount);
+    this.drawSegments(at, this.edges, 6);
+  }
+
+  drawSegments(at, { texture, count }, corners) {
+    const gl = this.gl;
+    gl.activeTexture(gl.TEXTURE2);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.uniform1i(at.uSegments, 2);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindVertexArray(null);
+    gl.drawArrays(gl.TRIANGLES, 0, corners * count);
   }
 
   // Twice: what is behind blocks faintly, what is in front fully.
   drawLayer(layer, view) {
     const gl = this.gl;
-    const { array, count, index } = this.layerArray(layer);
+    const made = this.layerBuffer(layer);
     const flat = layer.kind === "polygons";
     const at = this.use(flat ? this.programs.polygon : this.programs.arrow, view);
     const colour = view.colours[layer.colour];
-    gl.bindVertexArray(array);
     gl.enable(gl.BLEND);
     gl.depthMask(false);
     if (!flat) {
@@ -269,10 +277,11 @@ class Renderer {
       gl.depthFunc(compare);
       gl.uniform4f(at.uColour, ...colour.map((c) => c * opacity), opacity);
       if (flat) {
-        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
-        gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+        gl.bindVertexArray(made.array);
+        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.index);
+        gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
       } else {
-        gl.drawArraysInstanced(gl.TRIANGLES, 0, layer.kind === "arrows" ? 18 : 9, count);
+        this.drawSegments(at, made, layer.kind === "arrows" ? 18 : 9);
       }
     }
     gl.depthFunc(gl.LEQUAL);

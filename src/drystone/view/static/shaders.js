@@ -1,4 +1,6 @@
 // Shaders. Every vertex knows its block; what a block is and how it moves stands in textures.
+// Edges and arrows are read from textures too, by the number of the vertex: tens of thousands of
+// tiny instances are slow on many machines.
 
 const TEXTURE_WIDTH = 1024;
 
@@ -10,13 +12,9 @@ uniform highp sampler2D uMotion;   // three texels a block: centroid, translatio
 uniform highp usampler2D uState;
 uniform float uTime;               // share of the motion, 0 to 1
 
-vec3 motionOf(uint block, int part) {
-  int i = 3 * int(block) + part;
-  return texelFetch(uMotion, ivec2(i % ${TEXTURE_WIDTH}, i / ${TEXTURE_WIDTH}), 0).xyz;
-}
-uint stateOf(uint block) {
-  return texelFetch(uState, ivec2(int(block) % ${TEXTURE_WIDTH}, int(block) / ${TEXTURE_WIDTH}), 0).r;
-}
+ivec2 at(int i) { return ivec2(i % ${TEXTURE_WIDTH}, i / ${TEXTURE_WIDTH}); }
+vec3 motionOf(uint block, int part) { return texelFetch(uMotion, at(3 * int(block) + part), 0).xyz; }
+uint stateOf(uint block) { return texelFetch(uState, at(int(block)), 0).r; }
 vec3 turned(vec3 v, vec3 w) {
   float angle = length(w);
   if (angle < 1e-9) return v;
@@ -66,9 +64,10 @@ flat in uint id;
 out uint result;
 void main() { result = id; }`;
 
-// A segment as a strip of constant width on the screen; gl_VertexID says which corner.
+// A segment as a strip of constant width on the screen.
 const STRIP = `
 uniform vec2 uViewport;
+uniform highp sampler2D uSegments; // two texels a segment
 const float NEAR = 1e-5;
 bool clipped(inout vec4 a, inout vec4 b) {
   if (a.w < NEAR && b.w < NEAR) return true;
@@ -89,25 +88,27 @@ uniform vec3 uEdgeColour;
 uniform float uWidth;
 uniform float uOpacity;
 uniform int uSelected;
-layout(location = 0) in vec3 first;
-layout(location = 1) in vec3 second;
-layout(location = 2) in uint block;
 flat out vec4 colour;
 void main() {
+  int edge = gl_VertexID / 6;
+  int corner = gl_VertexID % 6;
+  vec4 first = texelFetch(uSegments, at(2 * edge), 0); // its last number is the block
+  vec4 second = texelFetch(uSegments, at(2 * edge + 1), 0);
+  uint block = uint(first.w);
   uint state = stateOf(block);
-  vec4 a = uProjection * vec4(moved(first, block), 1.0);
-  vec4 b = uProjection * vec4(moved(second, block), 1.0);
+  vec4 a = uProjection * vec4(moved(first.xyz, block), 1.0);
+  vec4 b = uProjection * vec4(moved(second.xyz, block), 1.0);
   bool selected = int(block) == uSelected;
   bool dark = dot(uStateColour[state], vec3(0.3, 0.6, 0.1)) < 0.2;
   float opacity = selected ? 1.0 : uOpacity;
   colour = vec4(dark ? vec3(0.62) : uEdgeColour, 1.0) * opacity;
   float width = uWidth * (selected ? 2.5 : 1.0);
   bool lost = state == 0u || clipped(a, b);
-  vec4 p = END[gl_VertexID] == 0 ? a : b;
-  gl_Position = lost ? NOWHERE : shifted(p, 0.5 * width * SIDE[gl_VertexID] * across(along(a, b)));
+  vec4 p = END[corner] == 0 ? a : b;
+  gl_Position = lost ? NOWHERE : shifted(p, 0.5 * width * SIDE[corner] * across(along(a, b)));
 }`;
 
-// Nine corners an arrow (six of the shaft, three of the head), two arrows an instance.
+// Nine corners an arrow (six of the shaft, three of the head), two arrows a segment when paired.
 const ARROW_VERTEX = `${BLOCK_FUNCTIONS}${STRIP}
 uniform vec4 uColour;
 uniform float uWidth;
@@ -115,13 +116,15 @@ uniform float uScale;
 uniform float uHead;      // [pixels], 0 for a plain line
 uniform int uInward;
 uniform int uPaired;
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 vector;
 flat out vec4 colour;
 void main() {
   colour = uColour;
+  int arrow = gl_VertexID / 9;
   int corner = gl_VertexID % 9;
-  float sign = gl_VertexID < 9 ? 1.0 : -1.0;
+  int segment = uPaired == 1 ? arrow / 2 : arrow;
+  float sign = uPaired == 1 && arrow % 2 == 1 ? -1.0 : 1.0;
+  vec3 position = texelFetch(uSegments, at(2 * segment), 0).xyz;
+  vec3 vector = texelFetch(uSegments, at(2 * segment + 1), 0).xyz;
   float part = uPaired == 1 ? 0.5 * sign : 1.0;
   vec4 base = uProjection * vec4(position, 1.0);
   vec4 tip = uProjection * vec4(position + part * uScale * vector, 1.0);
