@@ -8,11 +8,26 @@ from drystone.shells.build import (
     SharedFace,
     Shell,
     build_shell,
-    shape_volume,
+)
+from drystone.shells.extent import shape_volume
+from drystone.shells.fabrication import (
+    FlatFace,
+    flat_faces,
+    own_frame,
+    write_blocks,
+    write_unrolled,
 )
 from drystone.shells.families import barrel_vault, cross_vault, dome, pavilion_vault
+from drystone.shells.formfinding import (
+    FormFound,
+    FormOptions,
+    find_form,
+)
+from drystone.shells.meshfit import MeshFit, patch_from_mesh, read_surface
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
+from drystone.shells.plans import rectangular_plan, three_legged_plan
+from drystone.shells.schedule import ScheduleRow, block_frame, schedule, write_schedule
 from drystone.shells.shape import Edge, Seam, Shape
 from drystone.shells.sources import (
     curve_through,
@@ -25,27 +40,44 @@ from drystone.shells.sources import (
 __all__ = [
     "Body",
     "Edge",
+    "FlatFace",
+    "FormFound",
+    "FormOptions",
     "Ground",
     "Intrados",
     "Layout",
+    "MeshFit",
     "Patch",
     "PlanarOptions",
     "PlanarReport",
+    "ScheduleRow",
     "Seam",
     "Shape",
     "SharedFace",
     "Shell",
     "Side",
     "barrel_vault",
+    "block_frame",
     "build_shell",
     "cross_vault",
     "curve_through",
     "dome",
+    "find_form",
+    "flat_faces",
+    "own_frame",
     "patch_from_curves",
     "patch_from_function",
     "patch_from_grid",
+    "patch_from_mesh",
     "patch_from_sections",
     "pavilion_vault",
     "planarise",
+    "read_surface",
+    "rectangular_plan",
+    "schedule",
     "shape_volume",
+    "three_legged_plan",
+    "write_blocks",
+    "write_schedule",
+    "write_unrolled",
 ]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -12,23 +12,21 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.errors import InputError
-from drystone.geometry import polygon
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.progress import Progress
 from drystone.shells.bond import head_joints
 from drystone.shells.courses import lay_courses
+from drystone.shells.extent import check_radius, mean_width
 from drystone.shells.fit import fit_cells
 from drystone.shells.materialise import (
     Pins,
     Thickness,
     cell_faces,
-    flat_loops,
     joint_polygons,
     make_blocks,
     raise_pins,
     vertex_thickness,
 )
-from drystone.shells.patch import curvatures
 from drystone.shells.pattern import Wedge, lay_pattern
 from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.shape import Shape
@@ -168,18 +166,25 @@ class Shell:
         return float(self.assembly.volume[~self.ground].sum())
 
     @cached_property
-    def shared_faces(self) -> tuple[SharedFace, ...]:
-        """Every face that two blocks share, as made."""
-        first: dict[frozenset[int], tuple[int, tuple[int, ...]]] = {}
-        shared = []
+    def beside(self) -> Mapping[frozenset[int], tuple[int, ...]]:
+        """For the points of every side face the blocks that have it: one, or two."""
+        users: dict[frozenset[int], tuple[int, ...]] = {}
         for block, cell in enumerate(self.mesh.cells):
             for face in cell_faces(self.mesh, self.pins, cell)[2]:
                 key = frozenset(face)
-                if key in first:
-                    other, loop = first.pop(key)
-                    shared.append(SharedFace(other, block, self.pins.point[list(loop)]))
-                else:
-                    first[key] = (block, face)
+                users[key] = (*users.get(key, ()), block)
+        return users
+
+    @cached_property
+    def shared_faces(self) -> tuple[SharedFace, ...]:
+        """Every face that two blocks share, as made."""
+        shared = []
+        for block, cell in enumerate(self.mesh.cells):
+            for face in cell_faces(self.mesh, self.pins, cell)[2]:
+                users = self.beside[frozenset(face)]
+                if len(users) == 2 and users[0] == block:
+                    corner = self.pins.point[list(face)]
+                    shared.append(SharedFace(block, users[1], corner))
         return tuple(shared)
 
 
@@ -308,52 +313,3 @@ def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
         else:
             roles.append("voussoir")
     return roles
-
-
-def mean_width(mesh: Tessellation) -> float:
-    """[m], square root of the mean area of a cell: the size of a block."""
-    loop, start = flat_loops(mesh.cells)
-    area = np.linalg.norm(polygon.area_vectors(mesh.point[loop], start), axis=1)
-    return float(np.sqrt(area.mean()))
-
-
-def check_radius(shape: Shape, thickness: float) -> None:
-    """A shell is thinner than its smallest radius of curvature.
-
-    Raises
-    ------
-    InputError
-        It is not.
-    """
-    grid = (np.arange(17) + 0.5) / 17.0
-    for patch in shape.patches:
-        bend = np.abs(curvatures(patch, grid[:, None], grid[None, :])).max(axis=2)
-        sharpest = float(bend.max())
-        if sharpest * thickness >= 1.0:
-            i, j = np.unravel_index(int(np.argmax(bend)), bend.shape)
-            raise InputError(
-                f"thickness {thickness:.3g} m is larger than the radius of curvature "
-                f"{1.0 / sharpest:.3g} m near u {grid[i]:.2f}, v {grid[j]:.2f}",
-                where=f"patch '{patch.name}'",
-                remedy="make it thinner or less curved",
-            )
-
-
-def shape_volume(shape: Shape, thickness: float) -> float:
-    """[m3] of the smooth shell of constant thickness about the shape's patches.
-
-    ``t dA (1 + K t^2 / 12)`` with the Gaussian curvature K (Steiner), by the midpoint rule.
-    """
-    grid = (np.arange(96) + 0.5) / 96.0
-    total = 0.0
-    for patch in shape.patches:
-        by_u, by_v = patch.tangents(grid[:, None], grid[None, :])
-        area = np.linalg.norm(np.cross(by_u, by_v), axis=2) / 96.0**2
-        gauss = curvatures(patch, grid[:, None], grid[None, :]).prod(axis=2)
-        total += float((thickness * area * (1.0 + gauss * thickness**2 / 12.0)).sum())
-    return total
-
-
-def with_supports(shell: Shell, names: Sequence[str]) -> Shell:
-    """The same shell with other blocks fixed."""
-    return replace(shell, assembly=shell.assembly.with_fixed(names))

@@ -62,6 +62,8 @@ class Patch:
     closed
         Whether v = 1 is v = 0 again.
     name
+    breaks
+        Positions in v at which its lines along v may have a corner.
 
     Raises
     ------
@@ -81,6 +83,7 @@ class Patch:
     function: PatchFunction
     closed: bool = False
     name: str = "patch"
+    breaks: tuple[float, ...] = ()
 
     def point(self, u: Any, v: Any) -> Floats:
         """Points (..., 3) [m]; u and v broadcast."""
@@ -151,11 +154,6 @@ class Patch:
     def border(self, side: Side, along: Any) -> Floats:
         """Points (k, 3) [m] at the positions ``along`` (k,) of a side."""
         return self.point(*side.parameters(np.asarray(along, dtype=np.float64)))
-
-    def reversed_u(self) -> Patch:
-        """The same patch with u counted from the other side."""
-        inner = self.function
-        return Patch(lambda u, v: inner(1.0 - u, v), self.closed, self.name)
 
 
 def curvatures(patch: Patch, u: Any, v: Any) -> Floats:

@@ -23,15 +23,17 @@ CROSSING_SAMPLES = 65
 """Samples of each boundary curve when crossings are looked for, chosen."""
 
 
-def patch_from_function(function: Any, *, closed: bool = False, name: str = "patch") -> Patch:
-    """A patch from ``function(u, v)``, looked over for folds.
+def patch_from_function(
+    function: Any, *, closed: bool = False, name: str = "patch", breaks: Sequence[float] = ()
+) -> Patch:
+    """A patch from ``function(u, v)``, looked over for folds; see :class:`Patch`.
 
     Raises
     ------
     InputError
         Not finite, or folded.
     """
-    patch = Patch(function, closed, name)
+    patch = Patch(function, closed, name, tuple(breaks))
     check_patch(patch)
     return patch
 
@@ -189,7 +191,7 @@ def patch_from_grid(
                 out[chosen, axis] = spline.ev(u[chosen], v[chosen])
         return out
 
-    return patch_from_function(point, closed=closed, name=name)
+    return patch_from_function(point, closed=closed, name=name, breaks=inner.tolist())
 
 
 def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpline]:
