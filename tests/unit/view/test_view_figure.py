@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import struct
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drystone.errors import InputError
+from drystone.models import tower
+from drystone.view import save_figure, scene_of
+from drystone.view.figure import draw, quantity
+from tests.unit.view.pictures import falling_tower, notched
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def png_size(path: Path) -> tuple[int, int]:
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = struct.unpack(">II", data[16:24])
+    return width, height
+
+
+def test_a_png_has_the_size_that_was_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "tower.png"
+    save_figure(falling_tower(), path, size=(4.0, 3.0), dpi=50)
+    assert png_size(path) == (200, 150)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_svg_is_drawn_and_parsed_back(tmp_path: Path) -> None:
+    path = tmp_path / "tower.SVG"
+    save_figure(falling_tower(("foot", "$x^", "</svg> \u5854")), path)
+    root = ET.parse(path).getroot()
+    assert root.tag == f"{SVG}svg"
+    assert len(root.findall(f".//{SVG}path")) > 9
+
+
+def test_pyplot_and_its_state_are_left_alone(tmp_path: Path) -> None:
+    code = (
+        "import sys; from drystone.models import tower; from drystone.view import save_figure; "
+        "save_figure(tower(2), sys.argv[1], size=(2, 2), dpi=40); "
+        "sys.exit('matplotlib.pyplot' in sys.modules)"
+    )
+    arguments = [sys.executable, "-c", code, str(tmp_path / "tower.png")]
+    assert subprocess.run(arguments, check=False).returncode == 0
+
+
+def figure_of(subject: object, **changes: object) -> object:
+    scene = scene_of(subject)  # type: ignore[arg-type]
+    settings = {"toward": scene.toward, "size": (9.0, 6.5), "layers": None}
+    settings |= {"arrow_scale": 1.0, "stage": 0}
+    return draw(scene, **(settings | changes))  # type: ignore[arg-type]
+
+
+def texts(figure: object) -> str:
+    legend = figure.legends[0]  # type: ignore[attr-defined]
+    every = [*figure.texts, *figure.axes[0].texts, *legend.get_texts()]  # type: ignore[attr-defined]
+    return "\n".join(text.get_text() for text in every)
+
+
+def test_the_figure_says_verdict_units_and_scale() -> None:
+    text = texts(figure_of(falling_tower()))
+    assert "Unstable: 1 of 3 blocks falls" in text
+    assert "The top falls." in text
+    for part in ("support", "falls", "first motion", "corner forces, up to 3.03 kN", " m"):
+        assert part in text
+    assert "tension, up to 500 N" in text
+
+
+def test_only_layers_that_were_asked_for_are_drawn() -> None:
+    text = texts(figure_of(falling_tower(), layers=["interfaces"]))
+    assert "interfaces" in text
+    assert "kN" not in text
+    with pytest.raises(InputError, match="interfaces, pressure, resultants, tension"):
+        figure_of(falling_tower(), layers=["presure"])
+
+
+def test_the_scale_bar_is_as_long_as_it_says() -> None:
+    figure = figure_of(notched())
+    axes = figure.axes[0]  # type: ignore[attr-defined]
+    axes.apply_aspect()
+    bar = next(line for line in axes.lines if line.get_linewidth() == 2.0)
+    across = np.ptp(axes.get_xlim()) * np.ptp(bar.get_xdata())
+    said = float(axes.texts[0].get_text().removesuffix(" m"))
+    assert across == pytest.approx(said, rel=0.02)
+
+
+def test_a_message_with_mathematical_signs_is_plain_text(tmp_path: Path) -> None:
+    result = falling_tower()
+    object.__setattr__(result, "message", "costs 3 $ and \\frac{$")
+    save_figure(result, tmp_path / "a.svg")
+    assert (tmp_path / "a.svg").exists()
+
+
+@pytest.mark.parametrize("toward", [(0, 0, 1), (0, 0, -1), (0, -1, 0), (1, 0, 0)])
+def test_straight_views_are_drawn_too(toward: tuple[int, int, int], tmp_path: Path) -> None:
+    save_figure(notched(), tmp_path / "a.png", toward=toward, size=(2, 2), dpi=40)
+    assert png_size(tmp_path / "a.png") == (80, 80)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"path": "a.gif"}, r"\.png, \.svg or \.pdf"),
+        ({"path": "a"}, r"\.png, \.svg or \.pdf"),
+        ({"toward": (0, 0, 0)}, "view direction is zero"),
+        ({"size": (0, 3)}, "above zero"),
+        ({"stage": 4}, "no stage 4"),
+    ],
+)
+def test_bad_wishes_are_refused(changes: dict[str, object], message: str, tmp_path: Path) -> None:
+    path = tmp_path / str(changes.pop("path", "a.png"))
+    with pytest.raises(InputError, match=message):
+        save_figure(tower(2), path, **changes)  # type: ignore[arg-type]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0 N"), (12345.0, "12.3 kN"), (999.9, "1 kN"), (0.5, "500 mN"), (2.5e-6, "2.5 µN")],
+)
+def test_quantities_have_three_digits_and_a_prefix(value: float, text: str) -> None:
+    assert quantity(value, "N") == text
