@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from drystone.geometry import polygon
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
@@ -124,14 +125,10 @@ def is_convex(vertices: Floats, faces: Sequence[Loop]) -> bool:
 def _planes(faces: Faces) -> tuple[Floats, Floats]:
     """Unit normal (zero for a face without area) and mean corner of each face."""
     here = faces.point[faces.loop]
-    following = np.arange(len(faces.loop)) + 1
-    following[faces.start[1:] - 1] = faces.start[:-1]
-    lengths = np.diff(faces.start)
-    middle = np.add.reduceat(here, faces.start[:-1], axis=0) / lengths[:, None]
-    local = here - np.repeat(middle, lengths, axis=0)
-    area = np.add.reduceat(np.cross(local, local[following]), faces.start[:-1], axis=0)
+    area = polygon.area_vectors(here, faces.start)
     length = np.linalg.norm(area, axis=1)
-    return area / np.where(length > 0.0, length, 1.0)[:, None], middle
+    normal = area / np.where(length > 0.0, length, 1.0)[:, None]
+    return normal, polygon.loop_means(here, faces.start)
 
 
 def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Surface:
@@ -149,9 +146,8 @@ def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Su
     axes = np.stack([u, np.cross(normal, u)], axis=1)
     plane = np.einsum("lj,lij->li", local, axes[face])
     sizes = np.array([len(points) for points in vertices])
-    following = np.arange(len(stacked.loop)) + 1
-    following[stacked.start[1:] - 1] = stacked.start[:-1]
-    sides = np.sort(np.stack([stacked.loop, stacked.loop[following]], axis=1), axis=1)
+    after = stacked.loop[polygon.following(stacked.start)]
+    sides = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)
     return _Surface(
         faces=stacked,
         normal=normal,

@@ -69,7 +69,8 @@ def build(draft: Draft, path: Path, units: str | None = None) -> Model:
         more = len(built.defects) - 1
         tail = f" ({more} more; 'drystone inspect' lists all)" if more else ""
         raise type(first)(first.what, where=first.where, remedy=first.remedy + tail) from first
-    contacts, loads, results = draft.finish(assembly) if draft.finish else (None, (), ())
+    scale = scale_of(units or draft.units or "m")
+    contacts, loads, results = draft.finish(assembly, scale) if draft.finish else (None, (), ())
     return Model(assembly, contacts, loads, results, built.notes)
 
 

@@ -7,6 +7,8 @@ COMPAS 1 wrote ``value`` for ``data``.
 
 from __future__ import annotations
 
+import ast
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -14,6 +16,7 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.geometry.arrays import Floats
+from drystone.io import compas_contacts
 from drystone.io.draft import Draft, Shape
 from drystone.io.jsontext import Field
 
@@ -23,7 +26,7 @@ MESHES = ("Mesh", "Block", "Polyhedron")
 def read(top: Field) -> Draft:
     """The draft of a COMPAS file."""
     kind = _class(top)
-    if kind == "Assembly":
+    if kind.endswith("Assembly"):
         return _assembly(_data(top))
     if kind.endswith("Model"):
         return _model(_data(top))
@@ -36,11 +39,23 @@ def read(top: Field) -> Draft:
 
 
 def _class(field: Field) -> str:
+    """Name of the class that an object was."""
     return field["dtype"].text().rpartition("/")[2]
 
 
 def _data(field: Field) -> Field:
+    """What an object holds."""
     return field["data"] if "data" in field.object().value else field["value"]
+
+
+def _name(key: str) -> str:
+    """Name of a graph's node: its key, which COMPAS writes as Python would."""
+    if len(key) > 2 and key[0] == key[-1] and key[0] in "'\"":
+        try:
+            return str(ast.literal_eval(key))
+        except (ValueError, SyntaxError):
+            return key
+    return key
 
 
 def _plain(field: Field) -> Field:
@@ -56,10 +71,11 @@ def _assembly(data: Field) -> Draft:
     for key, node in graph["node"].items():
         if not node.has("block"):
             raise node.error("has no block", "remove the node")
-        shape = _mesh(node["block"], key)
+        shape = _mesh(node["block"], _name(key))
         fixed = shape.fixed or node.get("is_support", default).boolean()
         shapes.append(replace(shape, fixed=fixed))
-    return Draft(tuple(shapes), notes=_ignored(graph, "interfaces"))
+    finish = compas_contacts.reader(graph, "interfaces", list(graph["node"].value))
+    return Draft(tuple(shapes), finish=finish)
 
 
 def _model(data: Field) -> Draft:
@@ -69,7 +85,8 @@ def _model(data: Field) -> Draft:
     densities = _densities(data)
     place = _placements(data, elements)
     shapes: list[Shape] = []
-    used: set[str] = set()
+    nodes: list[str] = []
+    given = Counter(_data(element).get("name", "").text() for _, element in elements.items())
     for key, node in sorted(graph["node"].items(), key=lambda item: (len(item[0]), item[0])):
         guid = node["element"].text()
         inside = _data(elements[guid])
@@ -78,9 +95,8 @@ def _model(data: Field) -> Draft:
                 raise elements[guid].error("has no mesh", "only elements with a mesh can be read")
             continue
         name = inside.get("name", "").text()
-        if not name or name == _class(elements[guid]) or name in used:
+        if not name or given[name] > 1:
             name = f"{name or 'block'}-{key}"
-        used.add(name)
         shape = _mesh(inside["geometry"], name)
         matrix = place.get(guid, np.eye(4))
         mirrored = float(np.linalg.det(matrix[:3, :3])) < 0.0
@@ -91,10 +107,11 @@ def _model(data: Field) -> Draft:
                 faces=[loop[::-1] for loop in shape.faces] if mirrored else shape.faces,
                 fixed=inside.get("is_support", False).boolean(),
                 density=densities.get(inside.get("material", "").text(), DEFAULT_DENSITY),
-                metadata={**shape.metadata, "node": key, "guid": guid},
             )
         )
-    return Draft(tuple(shapes), notes=_ignored(graph, "contacts"))
+        nodes.append(key)
+    finish = compas_contacts.reader(graph, "contacts", nodes)
+    return Draft(tuple(shapes), finish=finish)
 
 
 def _densities(data: Field) -> dict[str, float]:
@@ -150,21 +167,13 @@ def _mesh(field: Field, name: str) -> Shape:
             raise face.error("names a vertex that does not exist")
         loops.append([position[corner] for corner in corners])
     label = attributes.get("name")
+    density = data.get("attributes", {}).get("density", DEFAULT_DENSITY)
     return Shape(
         name,
         points,
         loops,
         where=field.path,
+        density=density.number(),
         fixed=attributes.get("is_support") is True,
         metadata={"label": label} if isinstance(label, str) else {},
     )
-
-
-def _ignored(graph: Field, what: str) -> tuple[str, ...]:
-    """A remark on the stored contacts, which are not used."""
-    count = 0
-    for _, neighbours in graph.get("edge", {}).items():
-        for _, edge in neighbours.items():
-            stored = edge.value.get(what) if isinstance(edge.value, dict) else None
-            count += len(stored) if isinstance(stored, list) else 0
-    return (f"{count} stored {what} left aside; contacts are found anew",) if count else ()

@@ -54,15 +54,15 @@ class Draft:
     units
         Unit of length of the shapes, where the file says it.
     finish
-        Makes contacts, loads and results (SI units) for the finished assembly, since they refer to
-        its blocks; ``None`` where the file has none.
+        Makes contacts, loads and results for the finished assembly, since they refer to its blocks,
+        and a scale [m per unit of the file]; ``None`` where the file has none.
     notes
         What the reader had to assume.
     """
 
     shapes: tuple[Shape, ...]
     units: str | None = None
-    finish: Callable[[Assembly], Extras] | None = None
+    finish: Callable[[Assembly, float], Extras] | None = None
     notes: tuple[str, ...] = ()
 
 

@@ -59,7 +59,7 @@ def read(top: Field) -> Draft:
     if more and units not in (None, "m"):
         raise top["units"].error("must be 'm' in a file with contacts, loads or results")
 
-    def finish(assembly: Assembly) -> Extras:
+    def finish(assembly: Assembly, _: float) -> Extras:
         return _extras(top, assembly)
 
     return Draft(shapes, "m" if more else units, finish if more else None)

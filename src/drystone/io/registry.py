@@ -6,7 +6,14 @@ from pathlib import Path
 
 from drystone.assembly import Assembly
 from drystone.errors import FormatError, InputError
-from drystone.io import compas_json, drystone_json, drystone_json_write, jsontext, obj
+from drystone.io import (
+    compas_json,
+    compas_json_write,
+    drystone_json,
+    drystone_json_write,
+    jsontext,
+    obj,
+)
 from drystone.io.build import Built, build, try_blocks
 from drystone.io.draft import Draft, Model
 from drystone.io.files import PathLike, read_bytes
@@ -26,7 +33,20 @@ def _read_json(data: bytes, path: Path) -> Draft:
 FORMATS: tuple[Format, ...] = (
     Format("drystone", "drystone JSON", (".json",), _read_json, drystone_json_write.write),
     Format("drystone-npz", "drystone JSON with npz", (), None, drystone_json_write.write_beside),
-    Format("compas", "COMPAS JSON", (".json",), _read_json, None),
+    Format(
+        "compas-assembly",
+        "COMPAS JSON, compas_assembly",
+        (".json",),
+        _read_json,
+        compas_json_write.write_assembly,
+    ),
+    Format(
+        "compas-dem",
+        "COMPAS JSON, compas_dem",
+        (".json",),
+        _read_json,
+        compas_json_write.write_block_model,
+    ),
     Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write),
 )
 """In order of preference where several share a suffix."""

@@ -105,5 +105,3 @@ def test_a_format_can_be_asked_for_by_name(tmp_path: Path) -> None:
     assert (tmp_path / "tower.txt").read_text(encoding="utf-8").startswith("# drystone")
     with pytest.raises(FormatError, match="format 'dwg' is not known; use one of drystone"):
         io.write(tower(2), tmp_path / "tower.dwg", format="dwg")
-    with pytest.raises(FormatError, match="COMPAS JSON is read, not written"):
-        io.write(tower(2), tmp_path / "tower.json", format="compas")
