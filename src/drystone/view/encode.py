@@ -6,6 +6,8 @@ The format (``format`` "drystone-page", ``version`` 1):
     Base64 texts. An array is ``{"blob": i, "type": "f4", "shape": [...]}``; equal arrays share one.
 ``origin``
     [m]; every position is relative to it, so that 32 bits are exact far from the world's origin.
+``half``
+    [m], half the sides of the box around the model.
 ``toward``
     From the model to the eye at first.
 ``blocks``
@@ -78,7 +80,7 @@ def encode(scene: Scene) -> dict[str, Any]:
         "title": scene.title,
         "origin": origin.tolist(),
         "toward": scene.toward.tolist(),
-        "radius": 0.5 * float(np.linalg.norm(scene.bounds[1] - scene.bounds[0])),
+        "half": (0.5 * (scene.bounds[1] - scene.bounds[0])).tolist(),
         "blockSize": scene.block_size,
         "forceScale": scene.force_scale,
         "states": {

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = ROLE_COLOUR["light"]
-FINE_BLOCK = 0.25
+FINE_BLOCK = 0.5
 """[inches], drawn blocks smaller than this get thinner lines and arrows; chosen by eye."""
 MANY_FALLING = 200
 """Of more falling blocks the motion is not drawn: it would hide the model; chosen by eye."""
@@ -181,8 +181,8 @@ def _arrows(sheet: Sheet, at: Floats, vector: Floats, colour: str, width: float)
     at, vector = at[long], vector[long]
     sheet.axes.quiver(
         at[:, 0], at[:, 1], vector[:, 0], vector[:, 1],
-        angles="xy", scale_units="xy", scale=1.0, units="inches", width=0.011 * width * sheet.thin,
-        headwidth=5.0, headlength=6.0, headaxislength=6.0, minlength=0.0,
+        angles="xy", scale_units="xy", scale=1.0, units="inches", width=0.010 * width * sheet.thin,
+        headwidth=4.5, headlength=6.0, headaxislength=5.5, minlength=0.0,
         color=colour, zorder=3.0,
     )  # fmt: skip
     sheet.axes.update_datalim(at + vector)

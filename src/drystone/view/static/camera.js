@@ -1,10 +1,12 @@
 // An orbiting eye: z is up, distances in metres from the middle of the model.
 
 const FIELD_OF_VIEW = (28 * Math.PI) / 180;
+const FRAME = 1.18; // room around the model for the texts at the edges
 
 class Camera {
-  constructor(radius, toward, changed) {
-    this.radius = radius;
+  constructor(half, toward, changed) {
+    this.half = half; // of the sides of the box around the model
+    this.radius = vec.length(half);
     this.changed = changed;
     this.target = [0, 0, 0];
     this.azimuth = Math.atan2(toward[1], toward[0]);
@@ -15,8 +17,16 @@ class Camera {
   fit(azimuth, elevation, aspect) {
     if (azimuth !== undefined) [this.azimuth, this.elevation] = [azimuth, elevation];
     this.target = [0, 0, 0];
-    const half = Math.atan(Math.tan(FIELD_OF_VIEW / 2) * Math.min(1, aspect));
-    this.distance = (1.02 * this.radius) / Math.sin(half);
+    const { right, up, back } = this.axes();
+    const slope = Math.tan(FIELD_OF_VIEW / 2);
+    this.distance = 0;
+    for (let i = 0; i < 8; i++) {
+      const corner = this.half.map((size, axis) => (i & (1 << axis) ? size : -size));
+      const wide = Math.abs(vec.dot(corner, right)) / (slope * aspect);
+      const high = Math.abs(vec.dot(corner, up)) / slope;
+      const needed = FRAME * Math.max(wide, high) + vec.dot(corner, back);
+      this.distance = Math.max(this.distance, needed);
+    }
     this.changed();
   }
 

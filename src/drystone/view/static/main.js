@@ -50,7 +50,7 @@ function settle() {
   draw();
 }
 
-const camera = new Camera(data.radius, data.toward, redraw);
+const camera = new Camera(data.half, data.toward, redraw);
 
 function currentView() {
   const ratio = window.devicePixelRatio || 1;
