@@ -1,0 +1,130 @@
+"""Loads become wrenches about centroids."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, InputError, LoadCase
+from drystone.geometry.distance import outside_distance
+from drystone.geometry.polyhedron import stack_faces
+from drystone.models import box, stool, tower
+
+TOWER = tower(2)  # block-1 fills the unit square from z = 1 to 2
+TOP = 1
+
+
+def test_gravity_acts_along_any_direction_with_its_full_size() -> None:
+    load = LoadCase.gravity(TOWER, 2.0, (3.0, 0.0, 4.0))
+    np.testing.assert_allclose(load.wrench[TOP, :3], 2400.0 * 2.0 * np.array([0.6, 0.0, 0.8]))
+
+
+def test_seismic_forces_are_shares_of_the_weight_without_the_weight() -> None:
+    load = LoadCase.seismic(TOWER, 0.1, -0.2)
+    np.testing.assert_allclose(load.wrench[TOP], 2400.0 * 9.81 * np.array([0.1, -0.2, 0, 0, 0, 0]))
+
+
+def test_density_of_one_block_changes_its_weight_only() -> None:
+    heavy = LoadCase.gravity(TOWER.with_density([2400.0, 4800.0]))
+    assert heavy.wrench[1, 2] == pytest.approx(2.0 * heavy.wrench[0, 2])
+
+
+def test_a_force_away_from_the_centroid_turns_the_block() -> None:
+    load = LoadCase.point_load(TOWER, "block-1", (10.0, 0.0, 0.0), at=(0.5, 0.5, 2.0))
+    np.testing.assert_allclose(load.wrench[TOP], [10.0, 0, 0, 0, 5.0, 0])
+    assert load.notes == ()
+
+
+def test_a_point_off_the_block_is_told_with_its_distance() -> None:
+    load = LoadCase.point_load(TOWER, "block-1", (1.0, 0.0, 0.0), at=(0.5, 0.5, 2.25))
+    assert load.notes == ("the point 0.5, 0.5, 2.25 is 0.25 m off block 'block-1'",)
+    assert (LoadCase.gravity(TOWER) + 2.0 * load).notes == load.notes
+
+
+@pytest.mark.parametrize("make", [LoadCase.point_load, LoadCase.moment])
+def test_a_load_on_a_fixed_or_unknown_block_is_refused(make) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError, match="'block-0' is fixed"):
+        make(TOWER, "block-0", (1.0, 0.0, 0.0))
+    with pytest.raises(InputError, match="no block is called 'bloc-1'"):
+        make(TOWER, "bloc-1", (1.0, 0.0, 0.0))
+
+
+def test_a_line_load_acts_at_the_middle_of_its_line() -> None:
+    load = LoadCase.line_load(TOWER, 1, (0.0, 0.0, -3.0), (0.0, 1.0, 2.0), (1.0, 1.0, 2.0))
+    np.testing.assert_allclose(load.wrench[TOP], [0, 0, -3.0, -1.5, 0, 0])
+    with pytest.raises(InputError, match="no length"):
+        LoadCase.line_load(TOWER, 1, (0.0, 0.0, 1.0), (0.0, 0.0, 2.0), (0.0, 0.0, 2.0))
+
+
+def test_traction_on_the_face_that_looks_up() -> None:
+    load = LoadCase.surface_load(TOWER, 1, (2.0, 0.0, -5.0), facing=(0.0, 0.0, 1.0))
+    np.testing.assert_allclose(load.wrench[TOP], [2.0, 0, -5.0, 0, 1.0, 0], atol=1e-12)
+
+
+def test_pressure_all_around_balances_itself_on_any_block() -> None:
+    assembly = stool()  # concave
+    load = LoadCase.surface_load(assembly, "stool", 1e3)
+    np.testing.assert_allclose(load.wrench[1], 0.0, atol=1e-10)
+
+
+def test_pressure_pushes_against_a_face_chosen_by_number() -> None:
+    load = LoadCase.surface_load(TOWER, 1, 7.0, faces=[1])  # of a box, face 1 is its top
+    np.testing.assert_allclose(load.wrench[TOP], [0, 0, -7.0, 0, 0, 0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"faces": [6]}, "numbered 0 to 5"),
+        ({"facing": (1.0, 1.0, 1.0)}, "no face looks that way"),
+        ({"faces": [0], "facing": (0.0, 0.0, 1.0)}, "chosen twice"),
+        ({"facing": (0.0, 0.0, 0.0)}, "facing is zero"),
+    ],
+)
+def test_faces_that_cannot_be_chosen_are_refused(options, words) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError, match=words):
+        LoadCase.surface_load(TOWER, 1, 1.0, **options)
+
+
+def test_extra_mass_is_a_weight_at_its_place() -> None:
+    load = LoadCase.extra_mass(TOWER, 1, 100.0, at=(1.0, 0.5, 2.0))
+    np.testing.assert_allclose(load.wrench[TOP], [0, 0, -981.0, 0, 490.5, 0], atol=1e-9)
+    with pytest.raises(InputError, match="mass is -1"):
+        LoadCase.extra_mass(TOWER, 1, -1.0)
+
+
+def test_combinations_add_with_their_factors_and_leave_the_parts_alone() -> None:
+    dead, live = LoadCase.gravity(TOWER), LoadCase.seismic(TOWER, 1.0)
+    before = dead.wrench.copy()
+    both = LoadCase.combine([(1.35, dead), (1.5, live)], "1.35 G + 1.5 E")
+    np.testing.assert_allclose(both.wrench, 1.35 * dead.wrench + 1.5 * live.wrench)
+    np.testing.assert_array_equal(dead.wrench, before)
+    assert both.name == "1.35 G + 1.5 E"
+    with pytest.raises(InputError, match="nothing to combine"):
+        LoadCase.combine([])
+
+
+@pytest.mark.parametrize(
+    ("point", "expected"),
+    [
+        ((0.5, 0.5, 0.5), 0.0),
+        ((1.0, 1.0, 1.0), 0.0),
+        ((0.5, 0.5, 1.5), 0.5),
+        ((2.0, 0.5, 2.0), np.sqrt(2.0)),
+        ((-1.0, -1.0, -1.0), np.sqrt(3.0)),
+    ],
+)
+def test_distance_of_a_point_from_a_cube(point: tuple[float, ...], expected: float) -> None:
+    cube = box((1.0, 1.0, 1.0))
+    faces = stack_faces([cube.vertices], [cube.faces])
+    assert outside_distance(faces, np.array(point)) == pytest.approx(expected, abs=1e-12)
+
+
+def test_the_hollow_of_a_concave_block_is_outside_it() -> None:
+    shape = stool().blocks[1]
+    faces = stack_faces([shape.vertices], [shape.faces])
+    assert outside_distance(faces, np.array([0.2, 0.2, 0.1])) == pytest.approx(0.12 * np.sqrt(2))
+
+
+def test_a_load_leaves_the_assembly_alone() -> None:
+    assembly = Assembly(TOWER.blocks, TOWER.fixed)
+    LoadCase.extra_mass(assembly, 1, 5.0)
+    assert assembly.mass.tolist() == TOWER.mass.tolist()
