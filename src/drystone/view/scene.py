@@ -20,6 +20,11 @@ MANY_ARROWS = 3000
 """A layer of more arrows is hidden at first: they hide each other. Chosen by eye."""
 
 
+NEGLIGIBLE = 1e-3
+"""A prop force below this share of the largest load is the softness of the numerical ground, and is
+not shown."""
+
+
 class LayerKind(enum.Enum):
     """How the entries of a layer are drawn."""
 
@@ -238,7 +243,7 @@ def stage_of(result: Result, label: str = "result") -> Stage:
     layers = interface_layers(contacts, visible=False)
     if result.force is None:
         return Stage(
-            label, headline, result.message, state, result.verdict, result.mechanism, result.prop,
+            label, headline, result.message, state, result.verdict, result.mechanism, _needed(result),
             layers=layers,
         )  # fmt: skip
     resultants = result.resultants()
@@ -249,12 +254,22 @@ def stage_of(result: Result, label: str = "result") -> Stage:
         state,
         verdict=result.verdict,
         motion=result.mechanism,
-        prop=result.prop,
+        prop=_needed(result),
         normal=resultants.normal,
         tangential=resultants.tangential,
         utilisation=result.utilisation(),
         layers=(*layers, *force_layers(result)),
     )
+
+
+def _needed(result: Result) -> Floats | None:
+    """The prop wrenches (n, 6) worth showing, zero for the other blocks."""
+    if result.prop is None:
+        return None
+    force = np.linalg.norm(result.prop[:, :3], axis=1)
+    largest = float(np.linalg.norm(result.load.wrench[:, :3], axis=1).max(initial=0.0))
+    kept: Floats = np.where((force > NEGLIGIBLE * largest)[:, None], result.prop, 0.0)
+    return kept
 
 
 def interface_layers(contacts: Contacts, *, visible: bool) -> tuple[Layer, ...]:

@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 from importlib import resources
 from pathlib import Path
@@ -82,6 +83,14 @@ def test_the_headline_says_the_verdict_and_how_many_fall() -> None:
     assert stage["headline"] == "Unstable: 1 of 3 blocks falls"
     assert stage["message"] == "The top falls."
     assert stage["verdict"] == "UNSTABLE"
+
+
+def test_only_props_worth_having_are_shown() -> None:
+    prop = np.zeros((3, 6))
+    prop[1, 2], prop[2, 2] = 0.5, 20_000.0
+    result = replace(falling_tower(), prop=prop)
+    shown = page_data(page_text(scene_of(result)))["stages"][0]["prop"]
+    assert shown[:, 2].tolist() == [0.0, 0.0, 20_000.0]
 
 
 class Tags(HTMLParser):
