@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -23,6 +23,7 @@ from drystone.shells.materialise import (
     Thickness,
     cell_faces,
     joint_polygons,
+    keep_thickness,
     make_blocks,
     raise_pins,
     vertex_thickness,
@@ -32,9 +33,6 @@ from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.shape import Shape
 from drystone.shells.supports import add_ground, springers
 from drystone.shells.tessellation import Tessellation, weld
-
-DEFAULT_SLENDERNESS = 30.0
-"""Thickness left out: the size of the largest patch by this, chosen: a stout masonry shell."""
 
 
 class Intrados(enum.Enum):
@@ -89,7 +87,7 @@ class Body:
     Attributes
     ----------
     thickness : [m]
-        One, one per course, or a function of points; left out, the size of the largest patch by 30.
+        One, one per course, or a function of points; left out, that of the shape.
     density : [kg/m3]
     register_deg : [degrees]
         Hooks every block over the course below; see :func:`drystone.shells.materialise.raise_pins`.
@@ -242,9 +240,7 @@ def build_shell(
         )
         patterns.append(lay_pattern(courses, joints, wedge=plan.wedge))
     mesh, moved = fit_cells(weld(shape, patterns), shape)
-    given = body.thickness
-    if given is None:
-        given = max(patch.size for patch in shape.patches) / DEFAULT_SLENDERNESS
+    given = body.thickness if body.thickness is not None else shape.default_thickness
     thickness = vertex_thickness(mesh, given)
     check_radius(shape, float(thickness.max()))
     pins = raise_pins(mesh, thickness, register_deg=body.register_deg)
@@ -252,11 +248,39 @@ def build_shell(
     if body.intrados is Intrados.STRAIGHT:
         polygons += [cell_faces(mesh, pins, cell)[0] for cell in mesh.cells]
     width = mean_width(mesh)
-    point, report = planarise(
-        pins.point, polygons, scale=width, options=body.planar, progress=progress
-    )
-    pins = Pins(point, pins.start)
+    pins, report = _planar(mesh, pins, polygons, thickness, width, body.planar, progress)
     return _finish(shape, mesh, pins, report, moved / width, thickness, body)
+
+
+def _planar(
+    mesh: Tessellation,
+    raised: Pins,
+    polygons: list[tuple[int, ...]],
+    thickness: Floats,
+    width: float,
+    options: PlanarOptions,
+    progress: Progress | None,
+) -> tuple[Pins, PlanarReport]:
+    """Planar joints at the thickness asked for: planarised, lengthened, and planarised again.
+
+    The second time finds nothing to do unless there are registers or planar intrados.
+    """
+    tilted, first = planarise(
+        raised.point, polygons, scale=width, options=options, progress=progress
+    )
+    grown = keep_thickness(mesh, Pins(tilted, raised.start), thickness)
+    point, second = planarise(
+        grown.point, polygons, scale=width, options=options, progress=progress
+    )
+    drift = np.linalg.norm(point - raised.point, axis=1).max() / width
+    report = replace(
+        second,
+        warp_before=first.warp_before,
+        drift=float(drift),
+        projections=first.projections + second.projections,
+        newton=first.newton + second.newton,
+    )
+    return Pins(point, raised.start), report
 
 
 def _finish(

@@ -123,7 +123,7 @@ def find_form(
     plan: Shape,
     *,
     height: float,
-    thickness: float,
+    thickness: float | None = None,
     options: FormOptions | None = None,
 ) -> FormFound:
     """The form over a plan that stands by compression alone.
@@ -136,7 +136,7 @@ def find_form(
     height : [m]
         Of the highest node above the lowest support.
     thickness : [m]
-        Its weight is the load.
+        Its weight is the load; left out, that of the plan.
     options
 
     Raises
@@ -148,11 +148,12 @@ def find_form(
     --------
     >>> from drystone.shells import Edge, Side, find_form, rectangular_plan
     >>> plan = rectangular_plan(6.0, 8.0, open_sides=(Side.TOP,))
-    >>> form = find_form(plan, height=2.0, thickness=0.2)
+    >>> form = find_form(plan, height=2.0)
     >>> round(form.height, 6), form.residual < 1e-8
     (2.0, True)
     """
     options = options if options is not None else FormOptions()
+    thickness = thickness if thickness is not None else plan.default_thickness
     for name, value in (("height", height), ("thickness", thickness)):
         if not (np.isfinite(value) and value > 0.0):
             raise InputError(f"{name} is {value}", remedy="give metres above zero")
@@ -172,7 +173,7 @@ def find_form(
     reaction = np.where(net.fixed[:, None], -unbalanced, 0.0)
     residual = np.linalg.norm(unbalanced[~net.fixed], axis=1).max() / load.mean()
     return FormFound(
-        shape=_shape(plan, net, point, options),
+        shape=_shape(plan, net, point, thickness, options),
         thickness=thickness,
         point=point,
         bar=net.bar,
@@ -260,10 +261,12 @@ def _node_areas(point: Floats, quad: Ints) -> Floats:
     corner = point[quad]
     across = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
     quarter = np.repeat(np.linalg.norm(across, axis=1) / 8.0, 4)
-    return np.bincount(quad.ravel(), weights=quarter, minlength=len(point))
+    shares: Floats = np.zeros(len(point))
+    np.add.at(shares, quad.ravel(), quarter)
+    return shares
 
 
-def _shape(plan: Shape, net: _Net, point: Floats, options: FormOptions) -> Shape:
+def _shape(plan: Shape, net: _Net, point: Floats, thickness: float, options: FormOptions) -> Shape:
     patches = []
     for patch, nodes in zip(plan.patches, net.node, strict=True):
         columns = [at * (options.columns - 1) for at in patch.breaks]
@@ -276,4 +279,5 @@ def _shape(plan: Shape, net: _Net, point: Floats, options: FormOptions) -> Shape
             point[nodes], breaks=[round(c) for c in columns], name=f"{patch.name}, form found"
         )
         patches.append(found)
-    return replace(plan, patches=tuple(patches), name=f"{plan.name}, form found")
+    name = f"{plan.name}, form found"
+    return replace(plan, patches=tuple(patches), name=name, thickness=thickness)

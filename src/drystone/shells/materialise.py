@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
+import shapely
 
 from drystone.assembly import DEFAULT_DENSITY, Block
 from drystone.errors import InputError
 from drystone.geometry import polygon
 from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.frames import frames_from_normals
 from drystone.shells.tessellation import DirectedEdge, Tessellation
 
 Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
@@ -129,6 +131,26 @@ def raise_pins(mesh: Tessellation, thickness: Floats, *, register_deg: float = 0
     return Pins(point, start)
 
 
+def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
+    """Lengthen pins that were tilted, until the blocks are as thick as asked across their faces.
+
+    A pin grows along its own line, so that planar joints between straight pins stay planar.
+    """
+    first, last = pins.start[:-1], pins.start[1:] - 1
+    low, high = pins.point[first], pins.point[last]
+    middle = 0.5 * (low + high)
+    loop, start = flat_loops(mesh.cells)
+    area = polygon.area_vectors(middle[loop], start)
+    facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
+    across = np.einsum("li,li->l", (high - low)[loop], np.repeat(facet, np.diff(start), axis=0))
+    count = np.bincount(loop, minlength=len(middle))
+    mean = np.bincount(loop, across, minlength=len(middle)) / np.maximum(count, 1)
+    factor = np.clip(thickness / np.maximum(mean, 1e-300), 0.5, 2.0)
+    pin = np.repeat(np.arange(len(middle)), np.diff(pins.start))
+    grown = middle[pin] + factor[pin, None] * (pins.point - middle[pin])
+    return Pins(grown, pins.start)
+
+
 def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tuple[int, ...]]:
     """Faces of the cell on the left of an edge, outwards: one, or three where there is a step."""
     a, b = pins.of(edge[0]), pins.of(edge[1])
@@ -173,8 +195,9 @@ def make_blocks(
     Raises
     ------
     InputError
-        A block that is turned inside out; it is named.
+        A block that is turned inside out, or a face that crosses itself; the block is named.
     """
+    _refuse_crossed_faces(mesh, pins)
     blocks = []
     for cell, name, data in zip(mesh.cells, mesh.names, metadata, strict=True):
         low, high, sides = cell_faces(mesh, pins, cell)
@@ -191,3 +214,27 @@ def make_blocks(
             )
         blocks.append(block)
     return blocks
+
+
+def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
+    """Every face of every cell, seen along its own normal, is a simple polygon."""
+    faces, owner = [], []
+    for c, cell in enumerate(mesh.cells):
+        low, high, sides = cell_faces(mesh, pins, cell)
+        faces += [low, high, *sides]
+        owner += [c] * (2 + len(sides))
+    loop, start = flat_loops(faces)
+    corner = pins.point[loop]
+    area = polygon.area_vectors(corner, start)
+    size = np.linalg.norm(area, axis=1)
+    axes = frames_from_normals(area / np.maximum(size, 1e-300)[:, None])
+    face = np.repeat(np.arange(len(faces)), np.diff(start))
+    flat = np.einsum("lij,lj->li", axes[face, 1:], corner - corner[start[:-1]][face])
+    ring = shapely.linearrings(flat, indices=face)
+    bad = ~shapely.is_simple(ring) | (size <= 0.0)
+    if bad.any():
+        raise InputError(
+            "has a face that crosses itself",
+            where=f"block '{mesh.names[owner[int(np.flatnonzero(bad)[0])]]}'",
+            remedy="use a smaller thickness, wedge or register, or larger blocks",
+        )

@@ -14,6 +14,9 @@ SEAM_GAP = 1e-4
 """Largest distance between the two sides of a seam, by the size of the patch, chosen: far below any
 block, far above the rounding of a spline."""
 
+SLENDERNESS = 30.0
+"""Size of a patch by its thickness where none is given, chosen: a stout masonry shell."""
+
 
 @dataclass(frozen=True)
 class Edge:
@@ -66,6 +69,8 @@ class Shape:
     keystone
         Stretches of border around an opening that one block closes; none for an open eye.
     name
+    thickness : [m]
+        That goes with the shape, where one is known: a form was found for it.
 
     Raises
     ------
@@ -78,6 +83,7 @@ class Shape:
     supports: tuple[Edge, ...] = ()
     keystone: tuple[Edge, ...] = ()
     name: str = "shell"
+    thickness: float | None = None
 
     def __post_init__(self) -> None:
         if not self.patches:
@@ -109,6 +115,13 @@ class Shape:
                 ),
                 remedy="give both patches the same border curve, run in the same direction",
             )
+
+    @property
+    def default_thickness(self) -> float:
+        """[m], its own thickness, else the size of its largest patch by 30."""
+        if self.thickness is not None:
+            return self.thickness
+        return max(patch.size for patch in self.patches) / SLENDERNESS
 
     def points_along(self, edge: Edge, count: int) -> Floats:
         """(count, 3) [m] points of a stretch of border, evenly in its parameter."""
