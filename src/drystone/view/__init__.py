@@ -3,7 +3,8 @@
 from drystone.view.figure import save_figure
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import State
-from drystone.view.scene import Layer, LayerKind, Scene, Stage, scene_of, stage_of
+from drystone.view.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.staging import scene_of, stage_of
 
 __all__ = [
     "Layer",

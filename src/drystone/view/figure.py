@@ -19,7 +19,8 @@ from drystone.io.files import write_whole
 from drystone.results import Verdict
 from drystone.view.ink import COLOURS, Sheet, draw_blocks, draw_layer, draw_motion
 from drystone.view.palette import STATE_COLOUR, STATE_LABEL, State
-from drystone.view.scene import Layer, LayerKind, Scene, Stage, Subject, scene_of
+from drystone.view.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.staging import Subject, scene_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

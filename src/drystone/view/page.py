@@ -9,7 +9,8 @@ from os import PathLike
 from drystone.contacts import Contacts
 from drystone.io.files import write_bytes
 from drystone.view.encode import encode, to_text
-from drystone.view.scene import Scene, Subject, scene_of
+from drystone.view.scene import Scene
+from drystone.view.staging import Subject, scene_of
 
 SCRIPTS = ("linear.js", "data.js", "shaders.js", "renderer.js", "camera.js", "panel.js", "main.js")
 """In the order in which they are put into the page; one scope, so that later ones use earlier."""
