@@ -1,0 +1,238 @@
+"""A heap of faces sorted into solids, also where solids touch and share vertices and edges."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polygon import area_vectors, following
+from drystone.geometry.polyhedron import (
+    Faces,
+    Loop,
+    fan_triangles,
+    mass_properties,
+    stack_faces,
+)
+
+SAME_ANGLE = 1e-6
+"""[rad] Faces about an edge that lie this close are on each other, chosen: far above the rounding
+of coordinates, far below the angle of any wedge that one could cut."""
+
+
+def split_solids(vertices: Floats, faces: Sequence[Loop]) -> list[list[int]]:
+    """Faces grouped into solids.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+        Coincident ones merged, see :func:`drystone.geometry.coincidence.weld`.
+    faces
+        Loops, oriented alike in each solid.
+
+    Returns
+    -------
+    list of face indices per solid, by first face
+        A cavity belongs to the solid around it.
+
+    Notes
+    -----
+    Two faces belong together when they meet at an edge that no others use. At an edge that more
+    faces use, where solids touch, the faces in angular order about the edge bound sectors of
+    material, and the two faces of a sector belong together. Touching solids whose common edges are
+    the same segment are told apart thereby; a vertex alone joins nothing.
+    """
+    if not faces:
+        return []
+    stacked = stack_faces([vertices], [faces])
+    part = _components(stacked)
+    return _with_cavities(vertices, faces, part)
+
+
+def without_slivers(
+    vertices: Floats, faces: Sequence[Loop], tolerance: float
+) -> tuple[list[Loop], int]:
+    """Faces without triangles that have no height, and how many of those there were.
+
+    Meshing programs close a straight joint between three vertices with such a triangle. It is left
+    out and its middle vertex put into the long edge of every face there, so that what was closed
+    stays closed and no point moves.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops of different vertices.
+    tolerance
+        Height that counts as none, relative to the extent of all vertices.
+    """
+    triangle = np.array([f for f in faces if len(f) == 3], dtype=np.intp).reshape(-1, 3)
+    if len(triangle) == 0:
+        return list(faces), 0
+    extent = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
+    corner = vertices[triangle]
+    side = np.linalg.norm(corner[:, [1, 2, 0]] - corner, axis=2)
+    longest = side.argmax(axis=1)
+    double = np.linalg.norm(
+        np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
+    )
+    thin = double <= tolerance * extent * side.max(axis=1)
+    between: dict[tuple[int, int], set[int]] = defaultdict(set)
+    for loop, long in zip(triangle[thin].tolist(), longest[thin].tolist(), strict=True):
+        a, c, b = loop[long], loop[(long + 1) % 3], loop[(long + 2) % 3]
+        between[min(a, c), max(a, c)].add(b)
+    slivers = {tuple(loop) for loop in triangle[thin].tolist()}
+    if not slivers:
+        return list(faces), 0
+    kept = [_subdivided(f, between, vertices) for f in faces if f not in slivers]
+    return kept, len(faces) - len(kept)
+
+
+def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: Floats) -> Loop:
+    """The loop with the vertices that lie on its edges."""
+    out: list[int] = []
+    edges = list(zip(loop, (*loop[1:], loop[0]), strict=True))[::-1]
+    while edges:
+        a, b = edges.pop()
+        middle = between.get((min(a, b), max(a, b)), set()) - {*loop, *out}
+        if not middle:
+            out.append(a)
+            continue
+        ordered = sorted(middle, key=lambda v: float(np.linalg.norm(vertices[v] - vertices[a])))
+        chain = [a, *ordered, b]
+        edges.extend(zip(chain[-2::-1], chain[:0:-1], strict=True))
+    return tuple(out)
+
+
+def _components(faces: Faces) -> Ints:
+    """Part (f,) of each face, joined across edges."""
+    from scipy.sparse import coo_array  # slow to import, and few models need it
+    from scipy.sparse.csgraph import connected_components
+
+    one, other = _neighbours(faces)
+    graph = coo_array((np.ones(len(one)), (one, other)), shape=(faces.count, faces.count))
+    return connected_components(graph, directed=False)[1].astype(np.intp)
+
+
+def _neighbours(faces: Faces) -> tuple[Ints, Ints]:
+    """Pairs of faces that belong to one surface."""
+    face = np.repeat(np.arange(faces.count, dtype=np.intp), np.diff(faces.start))
+    tail, head = faces.loop, faces.loop[following(faces.start)]
+    key = np.minimum(tail, head) * np.int64(len(faces.point)) + np.maximum(tail, head)
+    order = np.argsort(key, kind="stable")
+    volume = mass_properties(
+        Faces(faces.point, faces.loop, faces.start, np.zeros(faces.count, dtype=np.intp)), 1
+    )[0][0]
+    first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
+    used = np.diff(np.concatenate([first, [len(key)]]))
+    pair = first[used == 2]
+    one, other = [face[order[pair]]], [face[order[pair + 1]]]
+    crowded = np.flatnonzero(used > 2)
+    if len(crowded):
+        rows = np.concatenate([np.arange(first[i], first[i] + used[i]) for i in crowded])
+        half = order[rows]
+        edge = np.repeat(np.arange(len(crowded)), used[crowded])
+        forward = (tail < head) == (volume >= 0.0)
+        a, b = _sector_pairs(faces, half, edge, tail, head, face, forward[half])
+        one.append(a)
+        other.append(b)
+    return np.concatenate(one), np.concatenate(other)
+
+
+def _sector_pairs(
+    faces: Faces, half: Ints, edge: Ints, tail: Ints, head: Ints, face: Ints, ends: Bools
+) -> tuple[Ints, Ints]:
+    """Pairs of faces that bound a sector of material about crowded edges.
+
+    A face that runs its edge forwards (from the lower vertex) has its material behind it, at
+    smaller angles: it ends a sector. One that runs it backwards begins one. (The other way round
+    where the whole heap is inside out.)
+    """
+    forward = tail[half] < head[half]
+    low, high = np.minimum(tail, head)[half], np.maximum(tail, head)[half]
+    along = faces.point[high] - faces.point[low]
+    length = np.linalg.norm(along, axis=1)
+    along = along / np.where(length > 0.0, length, 1.0)[:, None]
+    frame = frames_from_normals(along)
+    normal = area_vectors(faces.point[faces.loop], faces.start)[face[half]]
+    inwards = np.cross(normal, np.where(forward[:, None], along, -along))
+    angle = np.arctan2((inwards * frame[:, 2]).sum(axis=1), (inwards * frame[:, 1]).sum(axis=1))
+    one: list[int] = []
+    other: list[int] = []
+    begin = np.flatnonzero(np.concatenate([[True], np.diff(edge) > 0]))
+    for rows in np.split(np.arange(len(half)), begin[1:]):
+        ordered = _in_turn(angle[rows], ends[rows])
+        waiting: list[int] = []
+        for i in (rows[ordered]).tolist() * 2:
+            if not ends[i]:
+                waiting.append(i)
+            elif waiting:
+                one.append(int(face[half[waiting.pop()]]))
+                other.append(int(face[half[i]]))
+    return np.array(one, dtype=np.intp), np.array(other, dtype=np.intp)
+
+
+def _in_turn(angle: Floats, ends: Bools) -> Ints:
+    """Order about an edge that starts after the widest gap; at one angle, ends come first."""
+    order = np.argsort(angle, kind="stable")
+    turned = angle[order]
+    gap = np.diff(np.concatenate([turned, turned[:1] + 2.0 * np.pi]))
+    widest = int(gap.argmax()) + 1
+    order, gap = np.roll(order, -widest), np.roll(gap, -widest)
+    cluster = np.concatenate([[0], np.cumsum(gap[:-1] > SAME_ANGLE)])
+    rank: Ints = np.lexsort([~ends[order], cluster])
+    return order[rank]
+
+
+def _with_cavities(vertices: Floats, faces: Sequence[Loop], part: Ints) -> list[list[int]]:
+    """Faces per solid; a part that is turned inwards and lies in another is its cavity."""
+    members: dict[int, list[int]] = defaultdict(list)
+    for i, p in enumerate(part.tolist()):
+        members[p].append(i)
+    shells = list(members.values())
+    if len(shells) == 1:
+        return shells
+    stacked = stack_faces([vertices] * len(shells), [[faces[i] for i in s] for s in shells])
+    volume = mass_properties(stacked, len(shells))[0]
+    outwards = np.sign(volume.sum()) or 1.0
+    hollow = np.flatnonzero(volume * outwards < 0.0)
+    corners = [vertices[sorted({v for i in s for v in faces[i]})] for s in shells]
+    low = np.array([c.min(axis=0) for c in corners])
+    high = np.array([c.max(axis=0) for c in corners])
+    home = list(range(len(shells)))
+    for cavity in hollow.tolist():
+        around = ((low <= low[cavity]) & (high >= high[cavity])).all(axis=1)
+        around &= volume * outwards > abs(volume[cavity])
+        for solid in np.flatnonzero(around)[np.argsort(volume[around] * outwards)].tolist():
+            shell = stack_faces([vertices], [[faces[i] for i in shells[solid]]])
+            if abs(winding_number(corners[cavity].mean(axis=0), shell)) > 0.5:
+                home[cavity] = solid
+                break
+    solids: dict[int, list[int]] = defaultdict(list)
+    for shell_faces, solid in zip(shells, home, strict=True):
+        solids[solid].extend(shell_faces)
+    return sorted((sorted(s) for s in solids.values()), key=lambda s: s[0])
+
+
+def winding_number(point: Floats, faces: Faces) -> float:
+    """How often closed surfaces go around a point: 1 inside, 0 outside, -1 inside an inverted one.
+
+    Parameters
+    ----------
+    point : (3,) [m]
+    faces
+
+    Notes
+    -----
+    Sum of the solid angles of the triangles. Source: van Oosterom, Strackee 1983.
+    """
+    triangles, _ = fan_triangles(faces)
+    a, b, c = (triangles[:, i] - point for i in range(3))
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    above = (a * np.cross(b, c)).sum(axis=1)
+    below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la
+    below += (c * a).sum(axis=1) * lb
+    return float(np.arctan2(above, below).sum() / (2.0 * np.pi))
