@@ -1,0 +1,241 @@
+"""Virtual interfaces: the same joints with less room for the force, as new contacts.
+
+Forces at the corners of a smaller polygon keep the centre of pressure within it. Reduced joints
+explore other states of equilibrium: within the kern, at the extrados or the intrados, with a margin
+all around. Where no such state exists, the penalised form of :func:`drystone.solve_rbe` shows which
+joints the thrust leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from drystone.contacts import Contacts
+from drystone.errors import InputError
+from drystone.geometry.arrays import Bools, Floats, Ints, frozen_floats
+from drystone.geometry.frames import unit
+from drystone.geometry.kern import Sections, kern, sections
+from drystone.geometry.polygon import loop_means
+
+Choice = Sequence[int] | Ints | Bools | None
+"""Interfaces by position or mask; all when None."""
+
+MERGED = 1e-12
+"""Corners closer than this share of the size of their interface are one."""
+
+
+def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
+    """Mean corner (m, 3) [m] of every interface, and the corners (k, 2) about it along u and v."""
+    if contacts.count == 0:
+        return np.zeros((0, 3)), np.zeros((0, 2))
+    origin = loop_means(contacts.point, contacts.start)
+    away = contacts.point - origin[contacts.interface]
+    flat: Floats = np.einsum("kij,kj->ki", contacts.frame[contacts.interface, 1:], away)
+    return origin, flat
+
+
+def joint_sections(contacts: Contacts) -> tuple[Floats, Floats, Sections]:
+    """Mean corners (m, 3), corners about them (k, 2), and the moments of every interface."""
+    origin, flat = local_corners(contacts)
+    return origin, flat, sections(flat, contacts.start)
+
+
+def section_centroids(contacts: Contacts) -> Floats:
+    """Centroid (m, 3) [m] of the area of every interface."""
+    origin, _, made = joint_sections(contacts)
+    return origin + np.einsum("mi,mij->mj", made.centroid, contacts.frame[:, 1:])
+
+
+def shrink(contacts: Contacts, factor: float, interfaces: Choice = None) -> Contacts:
+    """Interfaces scaled about their centroids.
+
+    Parameters
+    ----------
+    contacts
+    factor
+        From 0 (a point) to 1 (unchanged).
+    interfaces
+        Which; all when left out.
+
+    Raises
+    ------
+    InputError
+        The factor is outside 0 to 1, or an interface does not exist.
+    """
+    scale = _factor(factor)
+    centre = section_centroids(contacts)[contacts.interface]
+    return _reshaped(contacts, centre + scale * (contacts.point - centre), interfaces)
+
+
+def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice = None) -> Contacts:
+    """Interfaces pressed together against the side that lies farthest along a direction.
+
+    Parameters
+    ----------
+    contacts
+    direction : (3,) or (m, 3)
+        One for all, or one for each interface; its part in the plane of the interface counts.
+    factor
+        Share of the extent along the direction that is left: 0 keeps the edge only.
+    interfaces
+        Which; all when left out.
+
+    Raises
+    ------
+    InputError
+        A direction is normal to an interface that it should move.
+    """
+    scale = _factor(factor)
+    mask = _mask(contacts, interfaces)
+    given = np.asarray(direction, dtype=np.float64)
+    if given.ndim == 1:
+        given = np.broadcast_to(unit(given, "direction"), (contacts.count, 3))
+    given = frozen_floats(given, (contacts.count, 3), "direction")
+    normal = contacts.frame[:, 0]
+    plane = given - np.einsum("mi,mi->m", given, normal)[:, None] * normal
+    length = np.linalg.norm(plane, axis=1)
+    lost = np.flatnonzero(mask & (length <= 1e-9 * np.linalg.norm(given, axis=1)))
+    if len(lost):
+        raise InputError(
+            "the direction is normal to the interface",
+            where=f"interface {lost[0]}",
+            remedy="give one with a part in its plane, or leave the interface out",
+        )
+    plane /= np.where(length > 0.0, length, 1.0)[:, None]
+    along = np.einsum("ki,ki->k", contacts.point, plane[contacts.interface])
+    far = np.maximum.reduceat(along, contacts.start[:-1])[contacts.interface]
+    moved = contacts.point + ((1.0 - scale) * (far - along))[:, None] * plane[contacts.interface]
+    return _reshaped(contacts, moved, mask)
+
+
+def towards_extrados(
+    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: Choice = None
+) -> Contacts:
+    """Interfaces pressed against the side far from an axis of curvature; see :func:`shift`.
+
+    Parameters
+    ----------
+    contacts
+    centre : (3,) [m]
+        A point on the axis.
+    axis : (3,) or None
+        Along the axis of an arch or a barrel; ``None`` for a dome, which curves about a point.
+    factor
+    interfaces
+    """
+    return shift(contacts, _outwards(contacts, centre, axis), factor, interfaces)
+
+
+def towards_intrados(
+    contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: Choice = None
+) -> Contacts:
+    """Interfaces pressed against the side near an axis of curvature; see above."""
+    return shift(contacts, -_outwards(contacts, centre, axis), factor, interfaces)
+
+
+def to_edge(contacts: Contacts, direction: Any, interfaces: Choice = None) -> Contacts:
+    """Interfaces reduced to the edge that lies farthest along a direction; see :func:`shift`."""
+    return shift(contacts, direction, 0.0, interfaces)
+
+
+def to_point(contacts: Contacts, interfaces: Choice = None) -> Contacts:
+    """Interfaces reduced to their centroids."""
+    return shrink(contacts, 0.0, interfaces)
+
+
+def to_kern(contacts: Contacts, interfaces: Choice = None) -> Contacts:
+    """Interfaces reduced to their kerns: forces within them press the whole joint."""
+    mask = _mask(contacts, interfaces)
+    origin, flat = local_corners(contacts)
+    loops = [flat[contacts.start[i] : contacts.start[i + 1]] for i in range(contacts.count)]
+    return _replaced(contacts, origin, [kern(c) if mask[i] else c for i, c in enumerate(loops)])
+
+
+def _outwards(contacts: Contacts, centre: Any, axis: Any) -> Floats:
+    away = section_centroids(contacts) - frozen_floats(centre, (3,), "centre")
+    if axis is None:
+        return away
+    along = unit(axis, "axis")
+    return away - (away @ along)[:, None] * along
+
+
+def _factor(factor: float) -> float:
+    value = float(factor)
+    if not 0.0 <= value <= 1.0:
+        raise InputError(f"factor is {value}", remedy="give a number from 0 to 1")
+    return value
+
+
+def _mask(contacts: Contacts, interfaces: Choice) -> Bools:
+    if interfaces is None:
+        return np.ones(contacts.count, dtype=bool)
+    mask = np.zeros(contacts.count, dtype=bool)
+    try:
+        mask[np.asarray(interfaces)] = True
+    except IndexError as error:
+        raise InputError(
+            f"there is no such interface: {error}", remedy=f"0 to {contacts.count - 1} exist"
+        ) from error
+    return mask
+
+
+def _reshaped(contacts: Contacts, point: Floats, interfaces: Choice) -> Contacts:
+    """Chosen interfaces with moved corners; corners that meet are joined, areas follow."""
+    mask = _mask(contacts, interfaces)
+    kept = np.where(mask[contacts.interface, None], point, contacts.point)
+    moved = replace(contacts, point=kept)
+    origin, flat = local_corners(moved)
+    _, before = local_corners(contacts)
+    size = np.sqrt((before**2).sum(axis=1))
+    loops = []
+    for i in range(contacts.count):
+        part = slice(contacts.start[i], contacts.start[i + 1])
+        loops.append(_distinct(flat[part], MERGED * float(size[part].max())))
+    return _replaced(contacts, origin, loops)
+
+
+def _distinct(corners: Floats, least: float) -> Floats:
+    """A loop without repeated corners; a flattened one becomes its two ends, or one point."""
+    if len(corners) < 2:
+        return corners
+    spread = corners - corners.mean(axis=0)
+    far = spread[np.argmax((spread**2).sum(axis=1))]
+    length = float(np.linalg.norm(far))
+    if length <= least:
+        return corners.mean(axis=0, keepdims=True)
+    across = spread @ np.array([-far[1], far[0]]) / length
+    if np.abs(across).max() <= least:
+        along = spread @ far
+        return corners[[int(np.argmin(along)), int(np.argmax(along))]]
+    apart = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1) > least
+    return corners[apart]
+
+
+def _replaced(contacts: Contacts, origin: Floats, loops: list[Floats]) -> Contacts:
+    """The same joints with other corners, given about ``origin`` along u and v."""
+    if not loops:
+        return contacts
+    count = np.array([len(loop) for loop in loops], dtype=np.intp)
+    interface = np.repeat(np.arange(contacts.count, dtype=np.intp), count)
+    flat = np.concatenate(loops)
+    start = np.concatenate([[0], np.cumsum(count)])
+    point = origin[interface] + np.einsum("ki,kij->kj", flat, contacts.frame[interface, 1:])
+    return replace(contacts, area=sections(flat, start).area, point=point, interface=interface)
+
+
+__all__ = [
+    "joint_sections",
+    "local_corners",
+    "section_centroids",
+    "shift",
+    "shrink",
+    "to_edge",
+    "to_kern",
+    "to_point",
+    "towards_extrados",
+    "towards_intrados",
+]

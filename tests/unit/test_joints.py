@@ -1,0 +1,123 @@
+"""Joint tables and thrust lines from corner forces."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, Contacts, InputError, LoadCase, Result, Verdict, solve_rbe
+from drystone.joints import chain, joint_table, thrust_line
+from drystone.models import arch, tower, wall
+from tests.oracle import touching_faces
+
+TOWER = tower(2)
+SQUARE = touching_faces(TOWER, 0.5)
+WEIGHT = 2400.0 * 9.81
+
+
+def answer(force: np.ndarray, contacts: Contacts = SQUARE, assembly: Assembly = TOWER) -> Result:
+    load = LoadCase.gravity(assembly)
+    return Result("rbe", Verdict.EQUILIBRIUM_EXISTS, assembly, contacts, load, force=force)
+
+
+def pressing(at: tuple[float, float], total: float, slide: float = 0.0) -> Result:
+    """Corner forces on the unit square with their resultant at a point (bilinear)."""
+    x, y = SQUARE.point[:, 0], SQUARE.point[:, 1]
+    share = np.where(x > 0.5, at[0], 1.0 - at[0]) * np.where(y > 0.5, at[1], 1.0 - at[1])
+    return answer(np.stack([total * share, slide * share, 0.0 * share], axis=1))
+
+
+def test_a_central_force_presses_evenly() -> None:
+    table = joint_table(pressing((0.5, 0.5), 10.0))
+    assert table.blocks == (("block-0", "block-1"),)
+    assert table.kern_ratio[0] == table.edge_ratio[0] == pytest.approx(0.0, abs=1e-12)
+    assert table.peak_pressure[0] == pytest.approx(table.mean_pressure[0]) == pytest.approx(10.0)
+
+
+def test_a_force_on_the_kern_doubles_the_pressure_on_one_side() -> None:
+    table = joint_table(pressing((0.5 + 1.0 / 6.0, 0.5), 10.0))
+    assert table.kern_ratio[0] == pytest.approx(1.0)
+    assert table.edge_ratio[0] == pytest.approx(1.0 / 3.0)
+    assert table.eccentricity[0] == pytest.approx(1.0 / 6.0)
+    assert table.peak_pressure[0] == pytest.approx(20.0)
+
+
+def test_a_force_outside_the_kern_presses_three_times_its_distance_to_the_edge() -> None:
+    table = joint_table(pressing((0.9, 0.5), 10.0))
+    assert table.kern_ratio[0] > 1.0
+    assert table.peak_pressure[0] == pytest.approx(2.0 * 10.0 / 0.3, rel=1e-6)
+
+
+def test_a_force_on_the_edge_has_no_finite_pressure() -> None:
+    table = joint_table(pressing((1.0, 0.5), 10.0), strength=1e6)
+    assert table.edge_ratio[0] == pytest.approx(1.0)
+    assert table.peak_pressure[0] == float("inf")
+    assert table.over_strength.tolist() == [True]
+
+
+def test_strength_marks_joints_by_their_peak() -> None:
+    result = pressing((0.5, 0.5), 10.0)
+    assert joint_table(result, strength=9.0).over_strength.tolist() == [True]
+    assert joint_table(result, strength=11.0).over_strength.tolist() == [False]
+    with pytest.raises(InputError, match="strength is 0"):
+        joint_table(result, strength=0.0)
+
+
+def test_friction_use_is_that_of_the_resultant() -> None:
+    assert joint_table(pressing((0.5, 0.5), 10.0, 4.0)).friction_use[0] == pytest.approx(0.8)
+
+
+def test_an_unloaded_joint_uses_nothing() -> None:
+    table = joint_table(answer(np.zeros((4, 3))))
+    for name in ("friction_use", "kern_ratio", "edge_ratio", "mean_pressure", "peak_pressure"):
+        assert getattr(table, name)[0] == 0.0
+    assert table.rows()[0]["over_strength"] is False
+
+
+def test_rows_are_plain_values_and_the_worst_come_first() -> None:
+    assembly = wall(3, 2)
+    contacts = touching_faces(assembly, 0.6)
+    table = joint_table(solve_rbe(assembly, contacts))
+    worst = table.worst(3)
+    use = np.maximum(table.friction_use, table.edge_ratio)
+    assert len(worst) == 3
+    assert use[worst[0]] == use.max()
+    assert {type(value) for value in table.rows(worst)[0].values()} <= {int, float, str, bool}
+
+
+def test_without_forces_there_is_no_table_and_no_line() -> None:
+    empty = Result("rbe", Verdict.UNSTABLE, TOWER, SQUARE, LoadCase.gravity(TOWER))
+    with pytest.raises(InputError, match="no forces"):
+        joint_table(empty)
+    with pytest.raises(InputError, match="no forces"):
+        thrust_line(empty)
+
+
+def test_the_thrust_line_of_an_arch_runs_from_foot_to_foot_within_the_joints() -> None:
+    assembly = arch(0.2, 11)
+    result = solve_rbe(assembly, touching_faces(assembly, 0.7))
+    line = thrust_line(result)
+    names = [assembly.names[i] for i in line.blocks]
+    assert {names[0], names[-1]} == {"springer-left", "springer-right"}
+    radius = np.linalg.norm(line.point[:, [0, 2]], axis=1)
+    assert (radius > 0.9 * np.cos(np.pi / 22) - 1e-9).all()
+    assert (radius < 1.1 + 1e-9).all()
+    # the force changes from joint to joint by the weight between them, and only by that
+    change = np.diff(line.force, axis=0)
+    inner = list(line.blocks[1:-1])
+    np.testing.assert_allclose(change, result.load.wrench[inner, :3], atol=1e-3)
+
+
+def test_a_row_given_backwards_gives_the_opposite_forces() -> None:
+    assembly = arch(0.2, 5)
+    result = solve_rbe(assembly, touching_faces(assembly, 0.7))
+    forth = thrust_line(result, ["voussoir-01", "voussoir-02", "voussoir-03"])
+    back = thrust_line(result, ["voussoir-03", "voussoir-02", "voussoir-01"])
+    np.testing.assert_allclose(forth.point, back.point[::-1])
+    np.testing.assert_allclose(forth.force, -back.force[::-1])
+    with pytest.raises(InputError, match="do not touch"):
+        thrust_line(result, ["voussoir-01", "voussoir-03"])
+
+
+def test_a_wall_is_no_chain() -> None:
+    assembly = wall(3, 2)
+    with pytest.raises(InputError, match="not one row"):
+        chain(assembly, touching_faces(assembly, 0.6))
