@@ -1,0 +1,282 @@
+"""The area that two facing patches share, in the plane halfway between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+import shapely
+
+from drystone.detection.patches import Patches
+from drystone.geometry import clip, planar
+from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.boxes import expand
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polygon import following
+
+CLEAN = 1e-6
+"""Corners of an overlap this near to each other, or to the line of their neighbours, relative to
+the block size, are one; chosen, above the rounding of coordinates far from the origin."""
+TOUCH = 1e-6
+"""Overlaps narrower than this share of the block size touch along an edge only."""
+
+BATCH = 400_000
+"""Corners of padded polygons worked on at a time, chosen: bounds the memory to some 100 MB."""
+
+Rings: TypeAlias = tuple[Floats, Ints, Ints]
+"""Corners (l, 2), ring starts (r + 1,) and the row of each ring (r,), ascending."""
+
+
+@dataclass(frozen=True)
+class Planes:
+    """The planes halfway between pairs of patches, and how far apart the patches are.
+
+    Letters: q pairs. The plane is that of the bisector, so the patches are equally far from it.
+
+    Attributes
+    ----------
+    f, g : (q,) patches
+    frame : (q, 3, 3) rows n, u, v; n from f to g
+    origin : (q, 3) [m] a point of the plane, where (u, v) is (0, 0)
+    gap : (q,) [m] distance of the patches at the origin along n, negative where they overlap
+    slope : (q, 2) its change per metre along u and v
+    size : (q,) [m], of the smaller block
+    """
+
+    f: Ints
+    g: Ints
+    frame: Floats
+    origin: Floats
+    gap: Floats
+    slope: Floats
+    size: Floats
+
+    def flat(self, points: Floats, row: Ints) -> Floats:
+        """Points (l, 3) in the (u, v) of their row's plane."""
+        local = points - self.origin[row]
+        flat: Floats = np.stack([(local * self.frame[row, i]).sum(axis=1) for i in (1, 2)], axis=1)
+        return flat
+
+    def gap_at(self, flat: Floats, row: Ints) -> Floats:
+        """Distance [m] of the patches at points (l, 2) of their plane."""
+        gap: Floats = self.gap[row] + (self.slope[row] * flat).sum(axis=1)
+        return gap
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Simple polygons in planes, flat corners.
+
+    Attributes
+    ----------
+    corner : (l, 2) [m] counter-clockwise about n
+    start : (s + 1,)
+    row : (s,) plane of each, ascending
+    """
+
+    corner: Floats
+    start: Ints
+    row: Ints
+
+    @property
+    def count(self) -> int:
+        """Number of polygons."""
+        return len(self.row)
+
+    @property
+    def corner_row(self) -> Ints:
+        """(l,) plane of each corner."""
+        return np.repeat(self.row, np.diff(self.start))
+
+    def select(self, keep: Bools) -> Pieces:
+        """Some of the polygons."""
+        length = np.diff(self.start)
+        start = np.concatenate([[0], np.cumsum(length[keep])]).astype(np.intp)
+        return Pieces(self.corner[np.repeat(keep, length)], start, self.row[keep])
+
+
+def planes_between(patches: Patches, f: Ints, g: Ints) -> Planes:
+    """Planes of pairs of patches that face each other."""
+    normal_f, normal_g = patches.normal[f], patches.normal[g]
+    normal = normal_f - normal_g
+    normal /= np.sqrt((normal * normal).sum(axis=1))[:, None]
+    frame = frames_from_normals(normal)
+    size = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
+    smaller = np.where(patches.area[f] <= patches.area[g], f, g)
+    origin = patches.centre[smaller]
+    height, slope = [], []
+    for patch, own in ((f, normal_f), (g, normal_g)):
+        rise = (own * normal).sum(axis=1)
+        height.append(((patches.centre[patch] - origin) * own).sum(axis=1) / rise)
+        slope.append(-np.einsum("qj,qij->qi", own, frame[:, 1:]) / rise[:, None])
+    origin = origin + (0.5 * (height[0] + height[1]))[:, None] * normal
+    return Planes(f, g, frame, origin, height[1] - height[0], slope[1] - slope[0], size)
+
+
+def overlaps(patches: Patches, planes: Planes) -> Pieces:
+    """Areas that the projections of the two patches of each pair share, without holes.
+
+    Overlaps no wider than rounding are left out.
+    """
+    one = _projected(patches, planes, planes.f, reverse=False)
+    other = _projected(patches, planes, planes.g, reverse=True)
+    convex = patches.convex[planes.f] & patches.convex[planes.g]
+    return tidy(_shared(one, other, convex), planes)
+
+
+def _projected(patches: Patches, planes: Planes, patch: Ints, *, reverse: bool) -> Rings:
+    """Rings of one patch per plane, in the plane, outlines counter-clockwise."""
+    rings = np.diff(patches.first_ring)[patch]
+    row, ring = expand(patches.first_ring[patch], rings)
+    length = np.diff(patches.ring_start)[ring]
+    of_corner, corner = expand(patches.ring_start[ring], length)
+    start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    if reverse:
+        corner = corner[(start[:-1] + start[1:] - 1)[of_corner] - np.arange(len(corner))]
+    return planes.flat(patches.corner[corner], row[of_corner]), start, row
+
+
+def _shared(one: Rings, other: Rings, convex: Bools) -> Pieces:
+    """Intersections of regions, row by row; ``convex`` where both are one convex ring."""
+    parts = []
+    for size in _size_classes(one, other, convex):
+        polygons = clip.intersect_convex(_padded(one, size), _padded(other, size))
+        corner, start = clip.flatten(polygons)
+        parts.append(Pieces(corner, start, size))
+    rest = np.flatnonzero(~convex)
+    if len(rest):
+        shapes = shapely.intersection(_regions(one, rest), _regions(other, rest))
+        corner, start, row = planar.pieces_of(shapes)
+        parts.append(Pieces(corner, start, rest[row]))
+    return merged(parts)
+
+
+def _size_classes(one: Rings, other: Rings, convex: Bools) -> list[Ints]:
+    """Rows of convex pairs with about as many corners, so that padding wastes little."""
+    rows = np.flatnonzero(convex)
+    if len(rows) == 0:
+        return []
+    count = np.maximum(_corner_count(one, rows), _corner_count(other, rows))
+    grade = np.ceil(np.log2(count)).astype(np.intp)
+    classes = []
+    for each in np.unique(grade):
+        mine = rows[grade == each]
+        step = max(BATCH // 2 ** int(each), 1)
+        classes += [mine[i : i + step] for i in range(0, len(mine), step)]
+    return classes
+
+
+def _corner_count(rings: Rings, rows: Ints) -> Ints:
+    return np.diff(rings[1])[np.searchsorted(rings[2], rows)]
+
+
+def _padded(rings: Rings, rows: Ints) -> clip.Padded:
+    corner, start, row = rings
+    ring = np.searchsorted(row, rows)
+    return clip.pad(corner, start[ring], np.diff(start)[ring])
+
+
+def _regions(rings: Rings, rows: Ints) -> planar.Regions:
+    """Shapely regions of some rows."""
+    corner, start, row = rings
+    first, last = np.searchsorted(row, rows), np.searchsorted(row, rows, side="right")
+    region, ring = expand(first, last - first)
+    length = np.diff(start)[ring]
+    picked = expand(start[ring], length)[1]
+    begin = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    return planar.regions(corner[picked], begin, region)
+
+
+def _is_convex(corner: Floats, start: Ints) -> Bools:
+    edge = corner[following(start)] - corner
+    after = edge[following(start)]
+    turn = edge[:, 0] * after[:, 1] - edge[:, 1] * after[:, 0]
+    convex: Bools = np.logical_and.reduceat(turn >= 0.0, start[:-1])
+    return convex
+
+
+def merged(parts: list[Pieces]) -> Pieces:
+    """Pieces of several lists, by row."""
+    parts = [part for part in parts if part.count]
+    if not parts:
+        return Pieces(np.zeros((0, 2)), np.zeros(1, dtype=np.intp), np.zeros(0, dtype=np.intp))
+    row = np.concatenate([part.row for part in parts])
+    length = np.concatenate([np.diff(part.start) for part in parts])
+    corner = np.concatenate([part.corner for part in parts])
+    begin = np.cumsum(length) - length
+    order = np.argsort(row, kind="stable")
+    picked = expand(begin[order], length[order])[1]
+    start = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
+    return Pieces(corner[picked], start, row[order])
+
+
+def tidy(pieces: Pieces, planes: Planes) -> Pieces:
+    """The same polygons with true corners only; those of no width left out."""
+    size = planes.size[pieces.row]
+    corner, start = clip.cleaned(pieces.corner, pieces.start, CLEAN * size)
+    filled = np.diff(start) > 0
+    result = Pieces(corner, start[np.concatenate([[True], filled])], pieces.row[filled])
+    return result.select(widths(result) > TOUCH * planes.size[result.row])
+
+
+def widths(pieces: Pieces) -> Floats:
+    """Mean width (s,) [m]: twice the area over the perimeter, the width of a long rectangle."""
+    around = clip.perimeters(pieces.corner, pieces.start)
+    width: Floats = 2.0 * clip.areas(pieces.corner, pieces.start) / np.where(around > 0, around, 1)
+    return width
+
+
+def within(pieces: Pieces, planes: Planes, tolerance: Floats) -> Pieces:
+    """The part of each polygon in which the gap stays within a tolerance.
+
+    Parameters
+    ----------
+    tolerance : (q,) [m] per plane
+    """
+    row = pieces.corner_row
+    over = np.abs(planes.gap_at(pieces.corner, row)) > tolerance[row]
+    piece = np.repeat(np.arange(pieces.count), np.diff(pieces.start))
+    beyond = np.bincount(piece, over, minlength=pieces.count) > 0
+    if not beyond.any():
+        return pieces
+    part = pieces.select(beyond)
+    band = _bands(part, planes, tolerance)
+    clipped = _shared(
+        (part.corner, part.start, np.arange(part.count)),
+        band,
+        _is_convex(part.corner, part.start),
+    )
+    inside = Pieces(clipped.corner, clipped.start, part.row[clipped.row])
+    return tidy(merged([pieces.select(~beyond), inside]), planes)
+
+
+def _bands(pieces: Pieces, planes: Planes, tolerance: Floats) -> Rings:
+    """A rectangle per polygon, in which the gap is within the tolerance and nothing is lost."""
+    slope = planes.slope[pieces.row]
+    steep = np.hypot(slope[:, 0], slope[:, 1])
+    apart = steep * 1e9 * planes.size[pieces.row] < np.abs(planes.gap[pieces.row])
+    safe = np.where(apart, 1.0, steep)
+    along = np.where(apart[:, None], [1.0, 0.0], slope / safe[:, None])
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    # where the planes are parallel the gap is too large everywhere: the band is far away
+    offset = np.where(apart, 1e9 * planes.size[pieces.row], -planes.gap[pieces.row] / safe)
+    half = tolerance[pieces.row] / safe
+    piece = np.repeat(np.arange(pieces.count), np.diff(pieces.start))
+    far = np.zeros(pieces.count)
+    np.maximum.at(far, piece, np.abs(pieces.corner).sum(axis=1))
+    near, away = offset - half, offset + half
+    corner = np.stack(
+        [
+            near[:, None] * along - far[:, None] * across,
+            away[:, None] * along - far[:, None] * across,
+            away[:, None] * along + far[:, None] * across,
+            near[:, None] * along + far[:, None] * across,
+        ],
+        axis=1,
+    ).reshape(-1, 2)
+    count = np.arange(pieces.count + 1, dtype=np.intp)
+    return corner, 4 * count, count[:-1]
+
+
+__all__ = ["Pieces", "Planes", "merged", "overlaps", "planes_between", "tidy", "widths", "within"]

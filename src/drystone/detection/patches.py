@@ -1,0 +1,286 @@
+"""The faces of an assembly as planar patches: coplanar neighbours merged, deviations measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.halfedge import (
+    HalfEdges,
+    half_edges,
+    joined_faces,
+    outlines,
+    turn_angles,
+)
+from drystone.geometry.polygon import area_vectors, following, loop_means
+from drystone.geometry.polyhedron import Faces
+
+FLAT = np.deg2rad(0.1)
+"""[rad] Neighbouring faces that turn by less may be one polygon cut up; chosen, above the noise of
+coordinates stored in single precision."""
+PLANAR = 1e-4
+"""They are one polygon when no corner lies farther from its plane than this share of the block
+size; chosen, so that a finely meshed curve is not flattened."""
+SMOOTH = np.deg2rad(35.0)
+"""[rad] Neighbouring faces that turn by less approximate a curved surface; chosen, a circle of
+eleven strips or more."""
+REENTRANT = np.deg2rad(0.5)
+"""[rad] A block is convex when no edge turns inwards by more; chosen, above the noise of warped
+faces."""
+STRAIGHT = 1e-9
+"""A corner nearer than this share of the block size to the line of its neighbours is no corner."""
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Planar patches of the surfaces of all blocks, ordered by block.
+
+    Letters: p patches, r rings (outline first, then holes), l corners, n blocks.
+
+    Attributes
+    ----------
+    corner : (l, 3) [m], relative to ``origin``
+    ring_start : (r + 1,) corners of each ring
+    first_ring : (p + 1,) rings of each patch
+    owner : (p,) block
+    face : (p,) number of its (first) face in the block
+    normal : (p, 3) outwards
+    centre : (p, 3) [m], mean of the outline's corners
+    area : (p,) [m2]
+    warp : (p,) [m], largest distance of a corner from the plane
+    sag : (p,) [m], distance of the plane from the curved surface that the patch stands for
+    bend : (p,) [rad], angle between the plane and that surface, or the warped one
+    convex : (p,) whether the patch is one convex polygon
+    low, high : (p, 3) [m], bounding box
+    first_patch : (n + 1,) patches of each block
+    size : (n,) [m], six times volume over surface
+    block_convex : (n,)
+    origin : (3,) [m]
+    """
+
+    corner: Floats
+    ring_start: Ints
+    first_ring: Ints
+    owner: Ints
+    face: Ints
+    normal: Floats
+    centre: Floats
+    area: Floats
+    warp: Floats
+    sag: Floats
+    bend: Floats
+    convex: Bools
+    low: Floats
+    high: Floats
+    first_patch: Ints
+    size: Floats
+    block_convex: Bools
+    origin: Floats
+
+    @property
+    def count(self) -> int:
+        """Number of patches."""
+        return len(self.owner)
+
+    @property
+    def corner_start(self) -> Ints:
+        """(p + 1,) corners of each patch, all its rings together."""
+        return self.ring_start[self.first_ring]
+
+
+def patches_of(assembly: Assembly) -> Patches:
+    """Patches of an assembly.
+
+    Faces that continue each other in one plane become one patch, possibly with holes. Coordinates
+    are taken relative to the middle of the assembly, so that its place costs no digits.
+    """
+    faces, origin = _centred(assembly)
+    vectors = area_vectors(faces.point[faces.loop], faces.start)
+    area = np.linalg.norm(vectors, axis=1)
+    surface = np.bincount(faces.owner, area, minlength=len(assembly))
+    size = 6.0 * assembly.volume / surface
+    normal = _unit(vectors, area)
+    edges = half_edges(faces)
+    turn = turn_angles(faces, edges, normal)
+    block_convex = _convex_blocks(faces, edges, turn, len(assembly))
+    group = _coplanar_groups(faces, edges, turn, size)
+    loop, ring_start, ring_patch, face = _rings(faces, edges, group)
+    corner = faces.point[loop]
+    if len(face) < faces.count:
+        corner, ring_start = _without_straight(
+            corner, ring_start, size[faces.owner[face]][ring_patch]
+        )
+    first_ring = np.searchsorted(ring_patch, np.arange(len(face) + 1)).astype(np.intp)
+    ring_vectors = area_vectors(corner, ring_start)
+    vectors = np.add.reduceat(ring_vectors, first_ring[:-1], axis=0)
+    area = np.linalg.norm(vectors, axis=1)
+    normal = _unit(vectors, area)
+    owner = faces.owner[face]
+    centre = loop_means(corner, ring_start)[first_ring[:-1]]
+    start = ring_start[first_ring]
+    of_corner = np.repeat(np.arange(len(face), dtype=np.intp), np.diff(start))
+    height = np.abs(((corner - centre[of_corner]) * normal[of_corner]).sum(axis=1))
+    warp = np.maximum.reduceat(height, start[:-1])
+    sag, bend = _curvature(faces, edges, turn, group, area)
+    width = np.sqrt(np.where(area > 0.0, area, 1.0))
+    first_face = np.searchsorted(faces.owner, np.arange(len(assembly)))
+    return Patches(
+        corner=corner,
+        ring_start=ring_start,
+        first_ring=first_ring,
+        owner=owner,
+        face=face - first_face[owner],
+        normal=normal,
+        centre=centre,
+        area=area,
+        warp=warp,
+        sag=sag,
+        bend=bend + np.arctan2(2.0 * warp, width),
+        convex=_convex_patches(corner, ring_start, ring_patch, normal, len(face)),
+        low=np.minimum.reduceat(corner, start[:-1], axis=0),
+        high=np.maximum.reduceat(corner, start[:-1], axis=0),
+        first_patch=np.searchsorted(owner, np.arange(len(assembly) + 1)).astype(np.intp),
+        size=size,
+        block_convex=block_convex,
+        origin=origin,
+    )
+
+
+def _centred(assembly: Assembly) -> tuple[Faces, Floats]:
+    faces = assembly.faces
+    origin = 0.5 * (faces.point.min(axis=0) + faces.point.max(axis=0))
+    return Faces(faces.point - origin, faces.loop, faces.start, faces.owner), origin
+
+
+def _unit(vectors: Floats, length: Floats) -> Floats:
+    safe = np.where(length > 0.0, length, 1.0)[:, None]
+    unit: Floats = np.where(length[:, None] > 0.0, vectors / safe, 0.0)
+    return unit
+
+
+def _summed(values: Floats, group: Ints, count: int) -> Floats:
+    """Sum (count, 3) of the rows of each group."""
+    columns = [np.bincount(group, values[:, i], minlength=count) for i in range(3)]
+    return np.stack(columns, axis=1).astype(np.float64)
+
+
+def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> Bools:
+    """Locally convex everywhere, and one closed surface without handles (Euler)."""
+    reentrant = np.bincount(faces.owner[edges.face], turn < -REENTRANT, minlength=count)
+    half = np.bincount(faces.owner[edges.face], minlength=count)
+    face = np.bincount(faces.owner, minlength=count)
+    vertex_owner = np.zeros(len(faces.point), dtype=np.intp)
+    vertex_owner[faces.loop] = faces.owner[edges.face]
+    vertex = np.bincount(vertex_owner, minlength=count)
+    convex: Bools = (reentrant == 0) & (2 * vertex - half + 2 * face == 4)
+    return convex
+
+
+def _coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:
+    """Group (f,) of each face, numbered by first face: coplanar neighbours share one."""
+    flat = (edges.twin >= 0) & (np.abs(turn) < FLAT)
+    if not flat.any():
+        return np.arange(faces.count, dtype=np.intp)
+    group = joined_faces(edges, flat, faces.count)
+    many = np.bincount(group)[group] > 1
+    corner_face = edges.face
+    point = faces.point[faces.loop]
+    weight = area_vectors(point, faces.start)
+    total = _summed(weight, group, int(group.max()) + 1)
+    normal = _unit(total, np.linalg.norm(total, axis=1))
+    corner_group = group[corner_face]
+    share = np.bincount(corner_group)
+    middle = _summed(point, corner_group, len(share)) / share[:, None]
+    height = np.abs(((point - middle[corner_group]) * normal[corner_group]).sum(axis=1))
+    worst = np.zeros(len(share))
+    np.maximum.at(worst, corner_group, height)
+    keep = many & (worst[group] <= PLANAR * size[faces.owner])
+    apart = np.where(keep, group, len(share) + np.arange(faces.count))
+    _, first, label = np.unique(apart, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.intp)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[label.ravel()]
+
+
+def _rings(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Vertex loops, their starts, the patch of each ring, the first face of each patch."""
+    number, face = np.unique(group, return_index=True)
+    if len(number) == faces.count:
+        return faces.loop, faces.start, group, face.astype(np.intp)
+    loop, start, owner = outlines(faces, edges, group)
+    vectors = area_vectors(faces.point[loop], start)
+    whole = area_vectors(faces.point[faces.loop], faces.start)
+    total = _summed(whole, group, len(number))
+    hole = -(vectors * total[owner]).sum(axis=1)  # outlines run along their patch, holes against
+    order = np.lexsort((hole, owner))
+    length = np.diff(start)
+    begin = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
+    source = np.repeat(start[order] - begin[:-1], length[order]) + np.arange(len(loop))
+    return loop[source], begin, owner[order], face.astype(np.intp)
+
+
+def _without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats, Ints]:
+    """Rings less the corners on a straight line, left over where faces were merged."""
+    while True:
+        after = following(start)
+        before = np.empty_like(after)
+        before[after] = np.arange(len(after))
+        ring = np.repeat(np.arange(len(start) - 1), np.diff(start))
+        chord = corner[after] - corner[before]
+        length = np.linalg.norm(chord, axis=1)
+        off = np.linalg.norm(np.cross(chord, corner - corner[before]), axis=1)
+        straight = off <= STRAIGHT * size[ring] * length
+        straight &= ~straight[before]  # neighbours one after the other
+        straight &= (np.diff(start) > 3)[ring]
+        if not straight.any():
+            return corner, start
+        lost = np.bincount(ring, straight, minlength=len(start) - 1).astype(np.intp)
+        start = np.concatenate([[0], np.cumsum(np.diff(start) - lost)]).astype(np.intp)
+        corner = corner[~straight]
+
+
+def _curvature(
+    faces: Faces, edges: HalfEdges, turn: Floats, group: Ints, area: Floats
+) -> tuple[Floats, Floats]:
+    """Sag [m] and bend [rad] of each patch as a chord of a smooth surface.
+
+    A strip of width w that turns by t to its neighbours is a chord of a curve that it leaves by
+    w t / 8 in the middle and by the angle t / 2 at its edges. The narrower of two neighbours tells
+    the curve: a chamfer does not make a large face curved.
+    """
+    sag, bend = np.zeros(len(area)), np.zeros(len(area))
+    border = group[edges.face] != group[edges.face[edges.twin]]
+    smooth = np.flatnonzero(border & (edges.twin >= 0) & (np.abs(turn) < SMOOTH))
+    if len(smooth) == 0:
+        return sag, bend
+    here, there = group[edges.face[smooth]], group[edges.face[edges.twin[smooth]]]
+    along = faces.point[faces.loop[edges.after[smooth]]] - faces.point[faces.loop[smooth]]
+    length = np.linalg.norm(along, axis=1)
+    own = np.minimum(area[here] / length, np.sqrt(area[here]))
+    other = np.minimum(area[there] / length, np.sqrt(area[there]))
+    narrow = np.minimum(own, other)
+    angle = np.abs(turn[smooth])
+    np.maximum.at(sag, here, narrow * angle / 8.0)
+    np.maximum.at(bend, here, 0.5 * angle * narrow / own)
+    return sag, bend
+
+
+def _convex_patches(
+    corner: Floats, ring_start: Ints, ring_patch: Ints, normal: Floats, count: int
+) -> Bools:
+    after = following(ring_start)
+    edge = corner[after] - corner
+    ring = np.repeat(np.arange(len(ring_start) - 1), np.diff(ring_start))
+    turn = (np.cross(edge, edge[after]) * normal[ring_patch[ring]]).sum(axis=1)
+    square = (edge * edge).sum(axis=1)
+    inward = turn < -STRAIGHT * (square + square[after])
+    bad = np.bincount(ring_patch[ring], inward, minlength=count)
+    rings = np.bincount(ring_patch, minlength=count)
+    convex: Bools = (bad == 0) & (rings == 1)
+    return convex
+
+
+__all__ = ["Patches", "patches_of"]
