@@ -1,0 +1,131 @@
+"""The verdict does not depend on units, density, place, orientation or numbering."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+from drystone import Assembly, LoadCase, Verdict, models
+from drystone.detection import find_contacts
+from drystone.geometry.frames import rotation_about
+from drystone.stability import check
+
+STABLE, UNSTABLE = Verdict.STABLE, Verdict.UNSTABLE
+ARCH_FRICTION = float(np.tan(np.deg2rad(43.0)))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A model tilted to one side of its limit."""
+
+    name: str
+    model: Assembly
+    friction: float
+    axis: tuple[float, float, float]
+    tilt: float
+    expected: Verdict
+
+
+Y = (0.0, 1.0, 0.0)
+CASES = (
+    Case("block holds", models.incline(0.0), 0.6, Y, 30.9138, STABLE),
+    Case("block slides", models.incline(0.0), 0.6, Y, 31.0138, UNSTABLE),
+    Case("tower leans", models.tower(5), 0.8, Y, 13.986, STABLE),
+    Case("tower topples", models.tower(5), 0.8, Y, 14.086, UNSTABLE),
+    Case("arch leans", models.arch(0.15, 18), ARCH_FRICTION, Y, 7.0, STABLE),
+    Case("arch opens", models.arch(0.15, 18), ARCH_FRICTION, Y, 9.0, UNSTABLE),
+    Case("wedge holds", models.wedge("a"), 0.84, (1.0, 0.0, 0.0), 57.0, STABLE),
+    Case("wedge rises", models.wedge("a"), 0.84, Y, 101.0, UNSTABLE),
+    Case("H falls", models.h_model(), 0.9, Y, 0.0, UNSTABLE),
+)
+
+
+@dataclass(frozen=True)
+class Change:
+    """Another way to write the same model down."""
+
+    scale: float = 1.0
+    density: float = 2400.0
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    turn: float = 0.0
+    move: float = 0.0
+    seed: int | None = None
+
+    def apply(self, case: Case) -> tuple[Assembly, LoadCase]:
+        rotation = rotation_about(np.array(self.axis), self.turn)
+        place = self.move * self.scale * np.array([1.0, -0.7, 0.4])
+        model = case.model.with_density(self.density).transformed(self.scale * rotation, place)
+        if self.seed is not None:
+            order = np.random.default_rng(self.seed).permutation(len(model))
+            model = model.subset(order.tolist())
+        down = rotation_about(np.array(case.axis), case.tilt).T @ np.array([0.0, 0.0, -1.0])
+        return model, LoadCase.gravity(model, direction=rotation @ down)
+
+
+def verdict(case: Case, change: Change) -> Verdict:
+    model, load = change.apply(case)
+    return check(model, find_contacts(model, friction=case.friction).contacts, load).verdict
+
+
+NAMED = {
+    "as it is": Change(),
+    "scaled 0.001": Change(scale=1e-3),
+    "scaled 0.1": Change(scale=0.1),
+    "scaled 10": Change(scale=10.0),
+    "scaled 1000": Change(scale=1e3),
+    "density 1e-6": Change(density=1e-6),
+    "density 1": Change(density=1.0),
+    "far away": Change(move=1e4),
+    "turned": Change(axis=(0.3, -0.5, 0.8), turn=127.0),
+    "upside down": Change(axis=(1.0, 0.0, 0.0), turn=180.0),
+    "renumbered": Change(seed=3),
+}
+
+
+@pytest.mark.parametrize("change", NAMED)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+def test_verdict_does_not_depend_on_how_the_model_is_written_down(case: Case, change: str) -> None:
+    assert verdict(case, NAMED[change]) is case.expected
+
+
+CHANGES = st.builds(
+    Change,
+    scale=st.floats(-3.0, 3.0).map(lambda e: 10.0**e),
+    density=st.floats(-6.0, 4.0).map(lambda e: 10.0**e),
+    axis=st.sampled_from([(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.6, -0.3, 0.7)]),
+    turn=st.floats(-180.0, 180.0),
+    move=st.floats(0.0, 1e4),
+    seed=st.integers(0, 1000),
+)
+
+
+@settings(max_examples=25, derandomize=True, deadline=None)
+@given(case=st.sampled_from(CASES), change=CHANGES)
+def test_verdict_does_not_depend_on_all_of_it_together(case: Case, change: Change) -> None:
+    assert verdict(case, change) is case.expected
+
+
+def limit(case: Case, change: Change, low: float, high: float) -> float:
+    """Tilt limit to 0.05 degree."""
+    while high - low > 0.05:
+        middle = 0.5 * (low + high)
+        tilted = Case(case.name, case.model, case.friction, case.axis, middle, STABLE)
+        if verdict(tilted, change) is STABLE:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [Change(scale=0.1), Change(scale=10.0), Change(density=1.0), Change(seed=2, turn=60.0)],
+)
+def test_tilt_limit_of_a_wedge_does_not_move(change: Change) -> None:
+    """Where a solver with absolute tolerances moves by 50 degrees."""
+    case = next(c for c in CASES if c.name == "wedge holds")
+    assert abs(limit(case, change, 50.0, 70.0) - limit(case, Change(), 50.0, 70.0)) <= 0.1
