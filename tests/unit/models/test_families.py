@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Block, InputError, models
+from drystone.detection import find_contacts
 from drystone.geometry import polyhedron
 from drystone.models.curved import LOWER, RIM, UPPER, resampled
 from tests.oracle import touching_faces
@@ -89,6 +90,23 @@ def test_every_free_block_touches_another(name: str) -> None:
     touched[contacts.block_b] = True
     assert assembly.fixed.any()
     assert touched[assembly.free].all()
+
+
+IN_ONE_PLANE = {"curve": 1, "cube curve short": 4, "cube curve tall": 4}
+"""Pairs of neighbouring strips at the inflections of the published curves, joined to one joint."""
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_detection_finds_the_joints_of_the_family(name: str) -> None:
+    assembly = FAMILIES[name]
+    contacts = find_contacts(assembly, friction=0.6).contacts
+    brute = touching_faces(assembly, 0.6)
+    assert contacts.count == brute.count - IN_ONE_PLANE.get(name, 0)
+    for block in range(len(assembly)):
+        area = [
+            c.area[(c.block_a == block) | (c.block_b == block)].sum() for c in (contacts, brute)
+        ]
+        assert area[0] == pytest.approx(area[1], rel=1e-6)
 
 
 def test_arch_has_the_volume_of_its_chords() -> None:
