@@ -15,9 +15,19 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.errors import InputError
+from drystone.formulations.corner_forces import (
+    Columns,
+    FrictionCone,
+    FrictionRule,
+    force_rows,
+)
 from drystone.geometry.arrays import Floats
-from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, solve_conic
+from drystone.solvers.conic import (
+    ConicOptions,
+    ConicSolution,
+    ConicStatus,
+    solve_conic,
+)
 from drystone.statics import Statics
 
 
@@ -30,61 +40,13 @@ class Objective(enum.Enum):
     """Sum of weighted forces: a vertex of the set of admissible forces, not unique."""
 
 
-class FrictionRule(enum.Enum):
-    """Which normal force carries friction where tension is allowed."""
-
-    PLUS = "friction+"
-    """Compression only: always feasible."""
-    NET = "friction-net"
-    """Compression less tension: may be infeasible."""
-
-
-@dataclass(frozen=True)
-class FrictionCone:
-    """The set of admissible corner forces.
-
-    Attributes
-    ----------
-    sides
-        0 for the exact cone, else the number of sides of a pyramid.
-    circumscribed
-        Pyramid around the cone (claims of impossibility) or inside it (claims of equilibrium).
-
-    Notes
-    -----
-    ``FrictionCone.octagon()`` is the eight-sided circumscribed pyramid of the source: it grants up
-    to 1 / cos(22.5 deg) - 1 = 8.2 % more friction than the coefficient says.
-    """
-
-    sides: int = 0
-    circumscribed: bool = True
-
-    def __post_init__(self) -> None:
-        if self.sides != 0 and self.sides < 3:
-            raise InputError(f"a friction pyramid has {self.sides} sides", remedy="0 or 3 and more")
-
-    @classmethod
-    def exact(cls) -> FrictionCone:
-        """The Coulomb cone itself."""
-        return cls(0)
-
-    @classmethod
-    def octagon(cls) -> FrictionCone:
-        """Eight sides, circumscribed: for reproducing published figures."""
-        return cls(8, circumscribed=True)
-
-    def directions(self) -> tuple[Floats, float]:
-        """Unit outward normals (s, 2) of the pyramid's sides, and their distance from the axis."""
-        angle = 2.0 * np.pi * np.arange(self.sides) / self.sides
-        reach = 1.0 if self.circumscribed else float(np.cos(np.pi / self.sides))
-        return np.stack([np.cos(angle), np.sin(angle)], axis=1), reach
-
-
 @dataclass(frozen=True)
 class Weights:
     """Weights of the objective, per unit of scaled force (squared).
 
-    Values of Kao et al. 2022, section 3: tension is a million times as dear as compression.
+    Values of Kao et al. 2022, section 3: tension is a million times as dear as compression. The
+    price of friction is on the length of the friction force, so that it does not depend on the
+    frame: on its square in the quadratic objective, on itself in the linear one.
     """
 
     compression: float = 1.0
@@ -108,6 +70,23 @@ class EquilibriumSolution:
     tension: Floats
     multiplier: Floats
     raw: ConicSolution
+
+
+@dataclass(frozen=True, eq=False)
+class FactorSolution:
+    """The largest load factor, and the state at it.
+
+    Attributes
+    ----------
+    factor
+        Infinite where the live load never brings it down, minus infinity where no factor can be
+        balanced, NaN where the solver failed.
+    state
+        Forces at the limit; its multiplier is the mechanism.
+    """
+
+    factor: float
+    state: EquilibriumSolution
 
 
 def solve_equilibrium(
@@ -136,74 +115,115 @@ def solve_equilibrium(
     """
     chosen = weights if weights is not None else Weights()
     k = statics.corner_count
-    width = 4 if tension else 3
-    # columns per corner: fn+ (, fn-), fu, fv
-    spread = sparse.kron(sparse.identity(k), _net(tension), format="csr")
-    balance = statics.matrix @ spread
-    rows: list[Any] = [balance]
-    right, cones = [-statics.load.ravel()], {"zero": balance.shape[0]}
-    bearing = [1.0] if not tension else [1.0, 0.0 if rule is FrictionRule.PLUS else -1.0]
-    linear_rows: list[Any] = []
-    if tension or cone.sides:
-        signs = np.zeros((2 if tension else 1, width))
-        signs[range(len(signs)), range(len(signs))] = -1.0
-        linear_rows.append(sparse.kron(sparse.identity(k), signs))
-    if cone.sides:
-        directions, reach = cone.directions()
-        per_friction = np.zeros((cone.sides, width))
-        per_friction[:, : len(bearing)] = -reach * np.array(bearing)
-        slide = np.zeros((cone.sides, width))
-        slide[:, -2:] = directions
-        linear_rows.append(
-            sparse.kron(sparse.diags(statics.friction), per_friction)
-            + sparse.kron(sparse.identity(k), slide)
-        )
-    if linear_rows:
-        stacked = sparse.vstack(linear_rows)
-        rows.append(stacked)
-        right.append(np.zeros(stacked.shape[0]))
-        cones["nonnegative"] = stacked.shape[0]
-    second: tuple[int, ...] = ()
-    if not cone.sides:
-        axis = np.zeros((3, width))
-        axis[0, : len(bearing)] = -np.array(bearing)
-        slide = np.zeros((3, width))
-        slide[1, -2] = slide[2, -1] = -1.0
-        rows.append(
-            sparse.kron(sparse.diags(statics.friction), axis)
-            + sparse.kron(sparse.identity(k), slide)
-        )
-        right.append(np.zeros(3 * k))
-        second = (3,) * k
-    price = np.array(
-        [chosen.compression, *([chosen.tension] if tension else []), *[chosen.friction] * 2]
-    )
+    priced = objective is Objective.LINEAR and chosen.friction > 0.0
+    columns = Columns(tension=tension, rule=rule, priced=priced)
+    rows = force_rows(statics, cone, columns)
+    price = np.zeros(columns.width)
+    price[0] = chosen.compression
+    if tension:
+        price[1] = chosen.tension
     if objective is Objective.QUADRATIC:
+        price[columns.slide] = chosen.friction
         # a trace of weight keeps the friction forces unique where they cost nothing
         cost = np.maximum(price, 1e-6 * chosen.compression)
         quadratic: Any = sparse.diags(np.tile(cost, k))
-        linear = np.zeros(width * k)
+        linear = np.zeros(columns.width * k)
     else:
-        quadratic = sparse.csc_matrix((width * k, width * k))
-        price[-2:] = 0.0  # a signed force has no linear price
+        quadratic = sparse.csc_matrix((columns.width * k, columns.width * k))
+        if priced:
+            price[-1] = chosen.friction
         linear = np.tile(price, k)
-    raw = solve_conic(
-        quadratic,
-        linear,
-        sparse.vstack(rows, format="csc"),
-        np.concatenate(right),
-        Cones(cones["zero"], cones.get("nonnegative", 0), second),
-        options,
-    )
-    x = raw.x.reshape(k, width)
-    pull = np.maximum(0.0, x[:, 1]) if tension else np.zeros(k)
-    force = np.stack([x[:, 0] - (x[:, 1] if tension else 0.0), x[:, -2], x[:, -1]], axis=1)
-    multiplier = raw.z[: balance.shape[0]].reshape(-1, 6)
-    return EquilibriumSolution(force, pull, multiplier, raw)
+    right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
+    raw = solve_conic(quadratic, linear, rows.matrix, right, rows.cones, options)
+    return _unpacked(raw, columns, k, rows.balance)
 
 
-def _net(tension: bool) -> Floats:
-    """Corner force (n, u, v) from the columns of one corner."""
-    if not tension:
-        return np.eye(3)
-    return np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+def solve_load_factor(
+    statics: Statics,
+    live: Floats,
+    *,
+    cone: FrictionCone,
+    options: ConicOptions | None = None,
+) -> FactorSolution:
+    """The largest factor of a live load on top of the load of ``statics`` that can be balanced.
+
+    ::
+
+        maximise  lambda   subject to   A f + p + lambda live = 0,  friction,  no pull
+
+    Parameters
+    ----------
+    statics
+    live : (n, 6)
+        Scaled as ``statics.load`` is.
+    cone
+    options
+
+    Notes
+    -----
+    The multiplier is a collapse mechanism on which the live load does unit work: the kinematic
+    theorem. Source: Livesley 1978; Ferris and Tin-Loi 2001, the associative bound.
+    """
+    k = statics.corner_count
+    columns = Columns()
+    rows = force_rows(statics, cone, columns)
+    column = np.zeros((rows.count, 1))
+    column[: rows.balance, 0] = live.ravel()
+    matrix = sparse.hstack([rows.matrix, sparse.csc_matrix(column)], format="csc")
+    width = columns.width * k + 1
+    cost = np.zeros(width)
+    cost[-1] = -1.0
+    right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
+    raw = solve_conic(sparse.csc_matrix((width, width)), cost, matrix, right, rows.cones, options)
+    forces = _unpacked(raw, columns, k, rows.balance)
+    factor = {
+        ConicStatus.SOLVED: float(raw.x[-1]),
+        ConicStatus.UNBOUNDED: float("inf"),
+        ConicStatus.INFEASIBLE: float("-inf"),
+        ConicStatus.FAILED: float("nan"),
+    }[raw.status]
+    return FactorSolution(factor, forces)
+
+
+def solve_extreme_force(
+    statics: Statics,
+    price: Floats,
+    *,
+    cone: FrictionCone,
+    options: ConicOptions | None = None,
+) -> EquilibriumSolution:
+    """The forces in equilibrium that minimise ``sum(price * force)``: thrust bounds.
+
+    Parameters
+    ----------
+    statics
+    price : (k, 3) per unit of scaled force, local n, u, v
+    cone
+    options
+    """
+    columns = Columns()
+    rows = force_rows(statics, cone, columns)
+    width = columns.width * statics.corner_count
+    right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
+    empty = sparse.csc_matrix((width, width))
+    raw = solve_conic(empty, price.ravel(), rows.matrix, right, rows.cones, options)
+    return _unpacked(raw, columns, statics.corner_count, rows.balance)
+
+
+def _unpacked(raw: ConicSolution, columns: Columns, k: int, balance: int) -> EquilibriumSolution:
+    x = raw.x[: columns.width * k].reshape(k, columns.width)
+    pull = np.maximum(0.0, x[:, 1]) if columns.tension else np.zeros(k)
+    return EquilibriumSolution(x @ columns.net.T, pull, raw.z[:balance].reshape(-1, 6), raw)
+
+
+__all__ = [
+    "EquilibriumSolution",
+    "FactorSolution",
+    "FrictionCone",
+    "FrictionRule",
+    "Objective",
+    "Weights",
+    "solve_equilibrium",
+    "solve_extreme_force",
+    "solve_load_factor",
+]

@@ -22,6 +22,7 @@ class ConicStatus(enum.Enum):
 
     SOLVED = "solved"
     INFEASIBLE = "infeasible"
+    UNBOUNDED = "unbounded"
     FAILED = "failed"
 
 
@@ -122,6 +123,8 @@ def solve_conic(
         status = ConicStatus.SOLVED
     elif name in ("PrimalInfeasible", "AlmostPrimalInfeasible"):
         status = ConicStatus.INFEASIBLE
+    elif name in ("DualInfeasible", "AlmostDualInfeasible"):
+        status = ConicStatus.UNBOUNDED
     else:
         status = ConicStatus.FAILED
     return ConicSolution(
