@@ -27,6 +27,7 @@ from drystone.shells.meshfit import MeshFit, patch_from_mesh, read_surface
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.plans import rectangular_plan, three_legged_plan
+from drystone.shells.samples import SAMPLES, sample_shell
 from drystone.shells.schedule import ScheduleRow, block_frame, schedule, write_schedule
 from drystone.shells.shape import Edge, Seam, Shape
 from drystone.shells.sources import (
@@ -38,6 +39,7 @@ from drystone.shells.sources import (
 )
 
 __all__ = [
+    "SAMPLES",
     "Body",
     "Edge",
     "FlatFace",
@@ -74,6 +76,7 @@ __all__ = [
     "planarise",
     "read_surface",
     "rectangular_plan",
+    "sample_shell",
     "schedule",
     "shape_volume",
     "three_legged_plan",

@@ -163,7 +163,7 @@ def curvatures(patch: Patch, u: Any, v: Any) -> Floats:
     Source: do Carmo 1976, section 3-3.
     """
     u, v = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, np.float64))
-    step = 5.0 * STEP
+    step = STEP
     low_u, high_u = np.clip(u - step, 0.0, 1.0), np.clip(u + step, 0.0, 1.0)
     low_v, high_v = (v - step, v + step)
     if not patch.closed:

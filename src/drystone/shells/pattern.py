@@ -207,8 +207,9 @@ def _centres(u: Floats, v: Floats, cells: list[tuple[int, ...]], *, closed: bool
     start = np.cumsum(length) - length
     base = np.repeat(v[loop[start]], length)
     along = (v[loop] - base + 0.5) % 1.0 - 0.5 + base if closed else v[loop]
-    both = np.add.reduceat(np.stack([u[loop], along], axis=1), start, axis=0)
-    centre: Floats = both / length[:, None]
+    both = np.stack([u[loop], along], axis=1)
+    low, high = np.minimum.reduceat(both, start), np.maximum.reduceat(both, start)
+    centre: Floats = 0.5 * (low + high)
     return centre
 
 

@@ -1,0 +1,231 @@
+import numpy as np
+import pytest
+
+from drystone.errors import InputError
+from drystone.shells import (
+    Body,
+    Edge,
+    Ground,
+    Intrados,
+    Layout,
+    Seam,
+    Shape,
+    Side,
+    barrel_vault,
+    build_shell,
+    cross_vault,
+    dome,
+    pavilion_vault,
+    shape_volume,
+)
+from drystone.shells.materialise import cell_faces
+from drystone.shells.planarise import warps
+
+LAYOUT = Layout(courses=9, blocks=4, wedge=0.2)
+VAULT = build_shell(barrel_vault(6.0, 6.0, 1.732), LAYOUT, Body(thickness=0.3))
+
+
+def joints(shell):
+    return [
+        face
+        for cell, ground in zip(shell.mesh.cells, shell.ground, strict=True)
+        if not ground
+        for face in cell_faces(shell.mesh, shell.pins, cell)[2]
+    ]
+
+
+def matched(shell):
+    """Every side face is had by one block or, turned round, by two."""
+    return {len(users) for users in shell.beside.values()} <= {1, 2}
+
+
+SHELLS = {
+    "cross vault": lambda: build_shell(cross_vault(), Layout(courses=11, width=0.8, wedge=0.1)),
+    "pavilion vault": lambda: build_shell(pavilion_vault(), Layout(courses=5, width=1.0)),
+    "register": lambda: build_shell(
+        dome(), Layout(courses=6, blocks=12), Body(thickness=0.4, register_deg=15.0)
+    ),
+    "straight intrados": lambda: build_shell(
+        dome(), Layout(courses=6, blocks=12, wedge=0.2), Body(intrados=Intrados.STRAIGHT)
+    ),
+    "by course": lambda: build_shell(
+        barrel_vault(), LAYOUT, Body(thickness=np.linspace(0.5, 0.3, 9).tolist())
+    ),
+    "half supported": lambda: build_shell(
+        barrel_vault().supported_on(Edge(0, Side.BOTTOM, 0.0, 0.45), Edge(0, Side.TOP)), LAYOUT
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", SHELLS)
+def test_joints_are_planar_and_shared(kind):
+    shell = SHELLS[kind]()
+    assert shell.planar.reached
+    assert warps(shell.pins.point, joints(shell)).max() < 1e-8
+    assert matched(shell)
+    assert not any(block.repairs for block in shell.assembly.blocks)
+
+
+def test_a_straight_intrados_is_planar():
+    shell = SHELLS["straight intrados"]()
+    low = [
+        cell_faces(shell.mesh, shell.pins, cell)[0]
+        for cell, ground in zip(shell.mesh.cells, shell.ground, strict=True)
+        if not ground
+    ]
+    assert warps(shell.pins.point, low).max() < 1e-8
+
+
+def test_a_register_makes_concave_blocks():
+    shell = SHELLS["register"]()
+    assert max(len(face) for block in shell.assembly.blocks for face in block.faces) == 8
+
+
+def test_a_register_steps_the_bed_joint():
+    shell = SHELLS["register"]()
+    pins = shell.pins
+    stepped = np.flatnonzero(np.diff(pins.start) == 4)
+    first = pins.start[stepped]
+    step = np.linalg.norm(pins.point[first + 2] - pins.point[first + 1], axis=1)
+    assert np.allclose(step, 0.4 * np.tan(np.deg2rad(15.0)), rtol=0.05)
+
+
+def test_volume_is_that_of_the_shell():
+    assert VAULT.volume == pytest.approx(shape_volume(VAULT.shape, 0.3), rel=0.01)
+
+
+def test_volume_of_a_smooth_dome():
+    """Between two spheres, less the eye: a closed form by Cavalieri."""
+    low, high = 5.0 - 0.2, 5.0 + 0.2
+    sine = np.sqrt(1.0 - 0.2**2)  # of the latitude of the eye
+    exact = 2.0 * np.pi / 3.0 * (high**3 - low**3) * sine
+    assert shape_volume(dome(5.0, 1.0), 0.4) == pytest.approx(exact, rel=1e-4)
+
+
+def test_blocks_are_as_thick_as_asked():
+    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=12, blocks=4), Body(thickness=0.3))
+    pins = shell.pins
+    for cell in np.array(shell.mesh.cells, dtype=object)[shell.voussoirs]:
+        low = pins.point[pins.start[list(cell)]]
+        high = pins.point[pins.start[np.array(cell) + 1] - 1]
+        area = np.cross(low[2] - low[0], low[3] - low[1])
+        across = (high - low) @ (area / np.linalg.norm(area))
+        assert abs(across).mean() == pytest.approx(0.3, rel=1e-6)
+
+
+def test_ground_blocks_stand_under_every_springer():
+    roles = np.array([block.metadata["role"] for block in VAULT.assembly.blocks])
+    springer = np.flatnonzero(roles == "springer")
+    assert (VAULT.assembly.fixed == (roles == "ground")).all()
+    pairs = [(f.block_a, f.block_b) for f in VAULT.shared_faces]
+    under = {a for a, b in pairs if VAULT.ground[b] and not VAULT.ground[a]}
+    assert under == set(springer.tolist())
+
+
+def test_springers_may_be_fixed_instead():
+    shell = build_shell(barrel_vault(), LAYOUT, Body(ground=Ground.SPRINGERS))
+    roles = np.array([block.metadata["role"] for block in shell.assembly.blocks])
+    assert (shell.assembly.fixed == (roles == "springer")).all()
+    assert shell.assembly.fixed.any()
+
+
+def test_a_keystone_closes_the_eye():
+    shell = build_shell(dome(keystone=True), Layout(courses=6, blocks=12))
+    stone = shell.assembly.index("keystone")
+    beside = {f.block_a for f in shell.shared_faces if f.block_b == stone}
+    assert {shell.assembly.names[i][:3] for i in beside} == {"c05"}
+    assert len(beside) == 12
+
+
+def test_the_ring_around_an_eye_is_known():
+    shell = build_shell(dome(), Layout(courses=6, blocks=12))
+    ring = [b.name for b in shell.assembly.blocks if b.metadata["role"] == "ring"]
+    assert ring == [f"c05-b{k:02d}" for k in range(12)]
+
+
+def test_metadata_tells_course_and_place():
+    block = VAULT.assembly.blocks[VAULT.assembly.index("c03-b02")]
+    assert dict(block.metadata) == {"course": 3, "position": 2, "patch": 0, "role": "voussoir"}
+
+
+def test_seams_have_no_corner_on_one_side_only():
+    shell = SHELLS["cross vault"]()
+    across = [
+        (a, b)
+        for a, b in ((f.block_a, f.block_b) for f in shell.shared_faces)
+        if not (shell.ground[a] or shell.ground[b])
+        and shell.mesh.of_patch[a] != shell.mesh.of_patch[b]
+    ]
+    assert len(across) >= 4 * 5
+    alone = [face for face, users in shell.beside.items() if len(users) == 1]
+    supported = {frozenset(e) for e in shell.mesh.supported}
+    assert alone
+    assert not supported & set(alone)
+
+
+def test_continuous_courses_across_a_seam_meet():
+    half = barrel_vault(6.0, 3.0).patches[0]
+    moved = type(half)(lambda u, v: half.function(u, v) + np.array([0.0, 3.0, 0.0]), name="second")
+    shape = Shape(
+        (half, moved),
+        (Seam(Edge(0, Side.RIGHT), Edge(1, Side.LEFT)),),
+        tuple(Edge(k, side) for k in (0, 1) for side in (Side.BOTTOM, Side.TOP)),
+    )
+    layouts = (Layout(courses=9, blocks=2), Layout(courses=6, blocks=2))
+    shell = build_shell(shape, layouts, Body(thickness=0.3))
+    assert shell.planar.reached
+    assert matched(shell)
+    assert shell.volume == pytest.approx(shape_volume(shape, 0.3), rel=0.01)
+
+
+def test_sides_that_are_apart_are_no_seam():
+    with pytest.raises(InputError, match="sides of a seam are 6 m apart"):
+        Shape(barrel_vault().patches * 2, (Seam(Edge(0, Side.LEFT), Edge(1, Side.RIGHT)),))
+
+
+def test_a_shell_without_a_support_is_refused():
+    with pytest.raises(InputError, match="shape 'barrel vault': the shell has no support"):
+        build_shell(barrel_vault().supported_on(), LAYOUT)
+
+
+def test_a_thickness_above_the_radius_is_refused():
+    with pytest.raises(InputError, match=r"thickness 1.2 m is larger than the radius .* 1 m"):
+        build_shell(barrel_vault(2.0, 2.0), LAYOUT, Body(thickness=1.2))
+
+
+@pytest.mark.parametrize(
+    ("thickness", "message"),
+    [
+        (0.0, "the thickness is 0.0"),
+        (-0.1, "the thickness is -0.1"),
+        (float("nan"), "the thickness is nan"),
+        ([0.2, 0.3], "2 thicknesses for 9 courses"),
+        (lambda points: points, "thickness has shape"),
+    ],
+)
+def test_an_impossible_thickness_is_refused(thickness, message):
+    with pytest.raises(InputError, match=message):
+        build_shell(barrel_vault(), LAYOUT, Body(thickness=thickness))
+
+
+def test_a_register_too_deep_for_a_course_names_the_block():
+    with pytest.raises(InputError, match="block 'c00-b00': has a face that crosses itself"):
+        build_shell(
+            barrel_vault(), Layout(courses=20, blocks=8), Body(thickness=0.8, register_deg=60.0)
+        )
+
+
+def test_layouts_must_be_one_per_patch():
+    with pytest.raises(InputError, match="2 layouts for 4 patches"):
+        build_shell(cross_vault(), (LAYOUT, LAYOUT))
+
+
+def test_impossible_families_are_refused():
+    with pytest.raises(InputError, match="more than half the span"):
+        barrel_vault(2.0, 2.0, 3.0)
+    with pytest.raises(InputError, match=r"eye of 3\.0 m radius is not above"):
+        dome(2.0, 3.0)
+    with pytest.raises(InputError, match="as wide as the span"):
+        pavilion_vault(2.0, 2.0)
+    with pytest.raises(InputError, match="span is nan"):
+        cross_vault(float("nan"))

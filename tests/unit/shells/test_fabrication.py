@@ -1,0 +1,139 @@
+import csv
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from drystone.errors import InputError
+from drystone.io import read
+from drystone.shells import (
+    Body,
+    Layout,
+    barrel_vault,
+    block_frame,
+    build_shell,
+    flat_faces,
+    own_frame,
+    schedule,
+    write_blocks,
+    write_schedule,
+    write_unrolled,
+)
+
+SHELL = build_shell(
+    barrel_vault(6.0, 6.0, 2.0), Layout(courses=9, blocks=4, wedge=0.2), Body(thickness=0.3)
+)
+
+
+def test_a_block_in_its_own_frame_has_its_centre_at_the_origin():
+    block = own_frame(SHELL, "c03-b02")
+    assert np.allclose(block.centroid, 0.0, atol=1e-12)
+    assert block.volume == pytest.approx(SHELL.assembly.volume[SHELL.assembly.index("c03-b02")])
+
+
+def test_frames_are_right_handed_and_look_out():
+    for i in SHELL.voussoirs.tolist():
+        axes, origin = block_frame(SHELL, i)
+        assert np.allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(axes) > 0.0
+        assert axes[2] @ (origin - [0.0, origin[1], -1.25]) > 0.0  # away from the axis
+
+
+def test_the_schedule_has_a_row_per_voussoir():
+    rows = schedule(SHELL)
+    assert [row.name for row in rows] == [SHELL.assembly.names[i] for i in SHELL.voussoirs]
+    assert sum(row.volume_m3 for row in rows) == pytest.approx(SHELL.volume)
+    assert sum(row.mass_kg for row in rows) == pytest.approx(SHELL.volume * 2400.0)
+
+
+def test_the_corners_of_a_block_turn_once_around():
+    """Sum of the inner angles of a polygon; nearly, since the side faces lean a little."""
+    for row in schedule(SHELL):
+        assert sum(row.corner_deg) == pytest.approx(180.0 * (row.joints - 2), abs=3.0)
+
+
+def test_bed_joints_of_a_plain_vault_are_bevelled_by_half_the_angle_of_a_course():
+    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=9, blocks=4), Body(thickness=0.3))
+    row = next(row for row in schedule(shell) if row.name == "c03-b01")
+    assert sorted({round(angle, 6) for angle in row.bevel_deg}) == [80.0, 90.0]
+
+
+def test_the_schedule_as_csv(tmp_path):
+    write_schedule(SHELL, tmp_path / "schedule.csv")
+    with (tmp_path / "schedule.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(SHELL.voussoirs)
+    row = next(r for r in rows if r["name"] == "c03-b02")
+    i = SHELL.assembly.index("c03-b02")
+    assert float(row["volume_m3"]) == pytest.approx(SHELL.assembly.volume[i], abs=1e-6)
+    assert len(row["bevel_deg"].split()) == int(row["joints"])
+
+
+def test_block_files_hold_one_block_each(tmp_path):
+    paths = write_blocks(SHELL, tmp_path / "blocks")
+    assert len(paths) == len(SHELL.voussoirs)
+    model = read(tmp_path / "blocks" / "c03-b02.obj")
+    assert model.assembly.names == ("c03-b02",)
+    assert model.assembly.volume[0] == pytest.approx(
+        SHELL.assembly.volume[SHELL.assembly.index("c03-b02")], rel=1e-9
+    )
+
+
+def test_flat_faces_keep_lengths_and_areas():
+    i = SHELL.assembly.index("c03-b02")
+    for face in flat_faces(SHELL, i):
+        beside = {SHELL.assembly.names[k] for k in (i,)} | {face.neighbour}
+        solid = [
+            f.corner
+            for f in SHELL.shared_faces
+            if {SHELL.assembly.names[f.block_a], SHELL.assembly.names[f.block_b]} == beside
+        ]
+        lengths = sorted(np.linalg.norm(face.corner - np.roll(face.corner, 1, axis=0), axis=1))
+        assert any(
+            np.allclose(lengths, sorted(np.linalg.norm(c - np.roll(c, 1, axis=0), axis=1)))
+            for c in solid
+        )
+
+
+def test_unrolled_faces_as_svg(tmp_path):
+    write_unrolled(SHELL, tmp_path / "joints.svg", blocks=["c03-b02", "c03-b03"])
+    root = ET.parse(tmp_path / "joints.svg").getroot()
+    name = "{http://www.w3.org/2000/svg}"
+    assert len(root.findall(f".//{name}polygon")) == 12
+    labels = {text.text for text in root.findall(f".//{name}text")}
+    assert "c03-b02 | c03-b03" in labels
+    assert "c03-b03 | c03-b02" in labels
+
+
+def test_unrolled_faces_do_not_overlap(tmp_path):
+    import shapely
+
+    write_unrolled(SHELL, tmp_path / "joints.svg", blocks=["c03-b02", "c04-b01"])
+    root = ET.parse(tmp_path / "joints.svg").getroot()
+    polygons = [
+        shapely.Polygon([tuple(map(float, p.split(","))) for p in element.get("points").split()])
+        for element in root.iter("{http://www.w3.org/2000/svg}polygon")
+    ]
+    assert shapely.unary_union(polygons).area == pytest.approx(sum(p.area for p in polygons))
+
+
+def test_unrolled_faces_as_dxf(tmp_path):
+    write_unrolled(SHELL, tmp_path / "joints.dxf", blocks=["c03-b02"])
+    lines = (tmp_path / "joints.dxf").read_text().split("\n")
+    pairs = list(zip(lines[0::2], lines[1::2], strict=False))
+    assert pairs[0] == ("0", "SECTION")
+    assert pairs[-1] == ("0", "EOF")
+    assert sum(pair == ("0", "POLYLINE") for pair in pairs) == 6
+    assert sum(pair == ("0", "VERTEX") for pair in pairs) == 24
+    assert sum(pair == ("0", "SEQEND") for pair in pairs) == 6
+
+
+def test_another_suffix_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"use .svg or .dxf"):
+        write_unrolled(SHELL, tmp_path / "joints.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_unknown_block_is_refused(tmp_path):
+    with pytest.raises(InputError, match="no block is called 'c99-b00'"):
+        write_unrolled(SHELL, tmp_path / "joints.svg", blocks=["c99-b00"])
