@@ -18,6 +18,8 @@ def check(
     density: options.Density = None,
     units: options.Units = None,
     gravity: options.Gravity = None,
+    gap: options.Gap = None,
+    find_contacts: options.FindContacts = False,
     html: options.Html = None,
     png: options.Png = None,
     strict: Annotated[
@@ -44,6 +46,8 @@ def check(
             density=density,
             units=units,
             gravity=gravity,
+            gap=gap,
+            find_contacts=find_contacts,
         )
         result = verdict.solve(prepared, waiting, time_limit)
         files.write(result, waiting)

@@ -13,7 +13,7 @@ from drystone.cli.waiting import Waiting
 
 
 def demo(
-    friction: options.Friction = 0.6,
+    friction: options.Friction = None,
     folder: Annotated[
         str, typer.Option(help="Folder for drystone-demo.html and drystone-demo.png.")
     ] = ".",
@@ -30,7 +30,7 @@ def demo(
     with Waiting() as waiting:
         waiting.stage("read", "building the vault")
         assembly = vault()
-        contacts, report = found(assembly, 0.6 if friction is None else friction, waiting)
+        contacts, report = found(assembly, friction, waiting)
         prepared = Prepared(assembly, contacts, weight(assembly, None), report, ())
         result = verdict.solve(prepared, waiting, None)
         files.write(result, waiting)

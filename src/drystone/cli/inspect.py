@@ -19,6 +19,7 @@ def inspect(
     model: options.ModelArgument,
     supports: options.Supports = None,
     units: options.Units = None,
+    gap: options.Gap = None,
     everything: Annotated[bool, typer.Option("--all", help="List every block.")] = False,
     as_json: options.Json = False,
 ) -> int:
@@ -34,7 +35,7 @@ def inspect(
         assembly = built.assembly
         if assembly is not None and supports is not None:
             assembly = io.supports.select(assembly, supports)
-        report = None if assembly is None else found(assembly, 0.6, waiting)[1]
+        report = None if assembly is None else found(assembly, None, waiting, gap)[1]
     blocks = [block for block in built.blocks if block is not None]
     fixed = built.fixed if assembly is None else assembly.fixed.tolist()
     data: dict[str, Any] = {
@@ -66,12 +67,12 @@ def inspect(
     if as_json:
         output.emit(data)
     else:
-        _show(data, built.defects, None if report is None else report.summary(), everything)
+        _show(data, built.defects, [] if report is None else report.summary(), everything)
     return 2 if built.defects else 0
 
 
 def _show(
-    data: Mapping[str, Any], defects: tuple[Any, ...], contacts: str | None, everything: bool
+    data: Mapping[str, Any], defects: tuple[Any, ...], contacts: list[str], everything: bool
 ) -> None:
     from rich.markup import escape
     from rich.table import Table
@@ -97,5 +98,5 @@ def _show(
         console.print(f"[red]defect:[/] {escape(str(error))}")
     for note in data["notes"]:
         console.print(f"[yellow]note:[/] {escape(note)}")
-    if contacts:
-        console.print(escape(contacts))
+    for line in contacts:
+        console.print(escape(line))

@@ -36,6 +36,14 @@ Gravity: TypeAlias = Annotated[
     str | None,
     typer.Option(help="Gravity in m/s2: its size, or a vector X,Y,Z (9.81 along -z)."),
 ]
+Gap: TypeAlias = Annotated[
+    float | None,
+    typer.Option(help="Largest gap of a joint, relative to the size of the smaller block (0.005)."),
+]
+FindContacts: TypeAlias = Annotated[
+    bool,
+    typer.Option("--find-contacts", help="Find contacts anew where the file brings some."),
+]
 Html: TypeAlias = Annotated[
     str | None, typer.Option("--html", help="Write a page to look at the answer in a browser.")
 ]

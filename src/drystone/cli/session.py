@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from drystone.loads import LoadCase
 
 
+LISTED = 5
+"""Blocks or pairs named in a warning."""
+
+
 @dataclass(frozen=True)
 class Prepared:
     """Everything that an analysis needs.
@@ -47,6 +51,8 @@ def prepare(
     density: float | None,
     units: str | None,
     gravity: str | None,
+    gap: float | None = None,
+    find_contacts: bool = False,
 ) -> Prepared:
     """Read a model, fix its supports, find its contacts and load it with its weight.
 
@@ -68,10 +74,11 @@ def prepare(
     assembly = supported(model.assembly, supports, path)
     if density is not None:
         assembly = with_density(assembly, density)
-    contacts, report = model.contacts, None
+    contacts, report = None if find_contacts else model.contacts, None
     notes = list(model.notes)
     if contacts is None:
-        contacts, report = found(assembly, 0.6 if friction is None else friction, waiting)
+        contacts, report = found(assembly, friction, waiting, gap)
+        notes += warnings_of(report)
     else:
         notes.append(f"the {contacts.count} interfaces of the file are used")
         contacts = contacts if friction is None else contacts.with_friction(friction)
@@ -105,13 +112,45 @@ def with_density(assembly: Assembly, density: float) -> Assembly:
     return Assembly(blocks, assembly.fixed)
 
 
-def found(assembly: Assembly, friction: float, waiting: Waiting) -> tuple[Contacts, ContactReport]:
-    """The contacts of an assembly and the report of the search."""
-    from drystone.detection import find_contacts
+def found(
+    assembly: Assembly, friction: float | None, waiting: Waiting, gap: float | None = None
+) -> tuple[Contacts, ContactReport]:
+    """The contacts of an assembly and the report of the search.
+
+    Raises
+    ------
+    InputError
+        The gap is not a number between zero and one half.
+    """
+    from drystone.contacts import DEFAULT_FRICTION
+    from drystone.detection import DetectionOptions, find_contacts
 
     waiting.stage("detect", "finding contacts")
-    detection = find_contacts(assembly, friction=friction)
+    options = DetectionOptions() if gap is None else DetectionOptions(gap=gap)
+    detection = find_contacts(
+        assembly, friction=DEFAULT_FRICTION if friction is None else friction, options=options
+    )
     return detection.contacts, detection.report
+
+
+def warnings_of(report: ContactReport) -> list[str]:
+    """What a user must hear of the contact search even when he did not ask for its report."""
+    names = report.names
+    said = []
+    if report.isolated:
+        shown = ", ".join(f"'{names[i]}'" for i in report.isolated[:LISTED])
+        more = len(report.isolated) - LISTED
+        said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
+        said += report.suggestions()
+    deepest = sorted(report.penetrations, key=lambda pair: -pair.depth)
+    said += [
+        f"blocks '{names[pair.block_a]}' and '{names[pair.block_b]}' stand"
+        f" {1e3 * pair.depth:.3g} mm in each other"
+        for pair in deepest[:LISTED]
+    ]
+    if len(deepest) > LISTED:
+        said.append(f"and {len(deepest) - LISTED} more pairs of blocks stand in each other")
+    return said
 
 
 def weight(assembly: Assembly, direction: tuple[float, float, float] | None) -> LoadCase:

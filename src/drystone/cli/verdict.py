@@ -87,7 +87,6 @@ def content(
 ) -> dict[str, Any]:
     """The answer as plain values: forces in N, moments in N m, lengths in m."""
     assembly, contacts = result.assembly, result.contacts
-    report = prepared.report
     inner = dict(result.time_s)
     checking = float(inner.get("check", 0.0))
     return {
@@ -106,7 +105,7 @@ def content(
         "samples": dataclasses.asdict(result.samples),
         "residuals": dataclasses.asdict(result.residuals) if result.residuals else None,
         "largest": largest(result),
-        "notes": [*prepared.notes, *(report.warnings if report is not None else ())],
+        "notes": list(prepared.notes),
         "files": files.written(),
         "time_s": {
             "read": spent.get("read", 0.0),

@@ -13,6 +13,8 @@ from drystone.io import (
     drystone_json_write,
     jsontext,
     obj,
+    ply,
+    stl,
 )
 from drystone.io.build import Built, build, try_blocks
 from drystone.io.draft import Draft, Model
@@ -48,6 +50,8 @@ FORMATS: tuple[Format, ...] = (
         compas_json_write.write_block_model,
     ),
     Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write),
+    Format("stl", "STL", (".stl",), stl.read, stl.write),
+    Format("ply", "PLY", (".ply",), ply.read, ply.write),
 )
 """In order of preference where several share a suffix."""
 
