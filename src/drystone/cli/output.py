@@ -46,7 +46,7 @@ def console() -> Console:
     """Where a person reads the answer."""
     from rich.console import Console  # slow to import
 
-    return Console(highlight=False, soft_wrap=False)
+    return Console(highlight=False, soft_wrap=True)
 
 
 def _finite(value: Any) -> Any:

@@ -1,0 +1,234 @@
+"""What check, inspect and demo answer."""
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drystone import io
+from drystone.assembly import Assembly
+from drystone.cli import main
+from drystone.models import arch, box, incline, tower
+
+Capsys = pytest.CaptureFixture[str]
+
+
+def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:
+    """Exit code and the object of a command with --json; nothing else may be printed."""
+    code = main([*arguments, "--json"])
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.count("\n") == 1
+    return code, json.loads(out)
+
+
+def file(tmp_path: Path, assembly: Assembly, name: str = "model.json") -> str:
+    io.write(assembly, tmp_path / name)
+    return str(tmp_path / name)
+
+
+def boxes(**places: tuple[float, float, float]) -> Assembly:
+    """Unit cubes at given places, the first fixed."""
+    blocks = [box((1.0, 1.0, 1.0), at, name=name) for name, at in places.items()]
+    return Assembly(tuple(blocks), np.arange(len(blocks)) == 0)
+
+
+def test_check_answers_for_a_standing_model(tmp_path: Path, capsys: Capsys) -> None:
+    code, told = answer(capsys, "check", file(tmp_path, tower(3)))
+    assert code == 0
+    assert told["verdict"] == "stable"
+    assert told["method"] == "check"
+    assert (told["blocks"], told["free_blocks"]) == (3, 2)
+    assert (told["interfaces"], told["corners"]) == (2, 8)
+    assert told["falling"] == told["props"] == told["notes"] == told["files"] == []
+    assert told["samples"]["standing"] == told["samples"]["tried"] > 0
+    for key in ("equilibrium", "cone", "complementarity", "alignment"):
+        assert 0.0 <= told["residuals"][key] <= 1e-8
+    assert set(told["time_s"]) == {"read", "detect", "solve", "check"}
+    assert all(seconds >= 0.0 for seconds in told["time_s"].values())
+    assert told["mass"] == pytest.approx(2 * 2400.0)
+    force = told["largest"]["force"]
+    assert force["blocks"] == ["block-0", "block-1"]
+    assert force["normal"] == pytest.approx(2 * 2400.0 * 9.81)
+
+
+def test_check_names_the_blocks_that_fall_and_what_would_hold_them(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    model = boxes(base=(0, 0, 0), good=(0.1, 0, 1), bad=(0.9, 0, 2))
+    code, told = answer(capsys, "check", file(tmp_path, model))
+    assert code == 1
+    assert told["verdict"] == "unstable"
+    assert told["falling"] == ["bad"]
+    (prop,) = told["props"]
+    assert prop["block"] == "bad"
+    assert prop["force"][2] > 0.0
+    assert len(prop["moment"]) == 3
+
+
+def test_a_block_that_touches_nothing_falls_and_is_named(tmp_path: Path, capsys: Capsys) -> None:
+    code, told = answer(capsys, "check", file(tmp_path, boxes(base=(0, 0, 0), lone=(5, 5, 5))))
+    assert code == 1
+    assert told["falling"] == ["lone"]
+    assert any("touching nothing" in note and "'lone'" in note for note in told["notes"])
+
+
+def test_blocks_that_interpenetrate_are_warned_of_with_the_depth(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    model = boxes(base=(0, 0, 0), on=(0, 0, 1), deep=(0, 0, 1.8))
+    _, told = answer(capsys, "check", file(tmp_path, model))
+    (note,) = [note for note in told["notes"] if "in each other" in note]
+    assert "'on' and 'deep'" in note
+    assert "200 mm" in note
+
+
+@pytest.mark.parametrize(("friction", "code"), [("0.5", 0), ("0.3", 1)])
+def test_the_exit_code_follows_the_verdict(
+    tmp_path: Path, capsys: Capsys, friction: str, code: int
+) -> None:
+    model = file(tmp_path, incline(21.8))
+    assert answer(capsys, "check", model, "--friction", friction)[0] == code
+
+
+@pytest.mark.parametrize(
+    ("gravity", "verdict"),
+    [("9.81", "stable"), ("1.62", "stable"), ("4.8,0,-9.81", "stable"), ("5,0,-9.81", "unstable")],
+)
+def test_gravity_has_a_size_and_a_direction(
+    tmp_path: Path, capsys: Capsys, gravity: str, verdict: str
+) -> None:
+    """With a friction of one half, a cube slides once gravity leans by more than 1 in 2."""
+    arguments = ("check", file(tmp_path, tower(2)), "--gravity", gravity, "--friction", "0.5")
+    assert answer(capsys, *arguments)[1]["verdict"] == verdict
+
+
+def test_density_and_units_scale_the_mass_and_not_the_verdict(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    path = tmp_path / "model.json"
+    blocks = [
+        {"name": b.name, "vertices": b.vertices.tolist(), "faces": b.faces, "fixed": bool(f)}
+        for b, f in zip(*(lambda a: (a.blocks, a.fixed))(tower(2)), strict=True)
+    ]
+    path.write_text(json.dumps({"blocks": blocks}), encoding="utf-8")
+    code, told = answer(capsys, "check", str(path), "--density", "1000", "--units", "cm")
+    assert (code, told["verdict"]) == (0, "stable")
+    assert told["mass"] == pytest.approx(1e-3)
+
+
+def test_supports_of_the_command_line_replace_those_of_the_file(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    model = file(tmp_path, tower(3))
+    told = answer(capsys, "check", model, "--supports", "block-2,block-1")[1]
+    assert told["free_blocks"] == 1
+    assert told["falling"] == ["block-0"]
+
+
+def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    from drystone.detection import find_contacts
+    from drystone.loads import LoadCase
+
+    assembly = tower(2)
+    contacts = find_contacts(assembly, friction=0.9).contacts
+    push = LoadCase.gravity(assembly) + LoadCase.point_load(assembly, 1, (1.5e4, 0, 0))
+    saved = io.Model(assembly, contacts, (dataclasses.replace(push, name="push"),))
+    io.write(saved, tmp_path / "model.json")
+    model = str(tmp_path / "model.json")
+    _, told = answer(capsys, "check", model)
+    assert told["notes"] == [
+        "the 1 interfaces of the file are used",
+        "the load case 'push' of the file is used",
+    ]
+    assert told["largest"]["utilisation"]["utilisation"] == pytest.approx(
+        1.5e4 / (0.9 * 2400 * 9.81)
+    )
+    assert answer(capsys, "check", model, "--friction", "0.6")[0] == 1
+    _, told = answer(capsys, "check", model, "--find-contacts", "--gravity", "9.81")
+    assert told["notes"] == []
+    assert told["largest"]["utilisation"]["utilisation"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_check_writes_the_page_and_the_figure(tmp_path: Path, capsys: Capsys) -> None:
+    page, figure = tmp_path / "page.html", tmp_path / "figure.svg"
+    model = file(tmp_path, tower(2))
+    _, told = answer(capsys, "check", model, "--html", str(page), "--png", str(figure))
+    assert told["files"] == [str(page), str(figure)]
+    assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert "<svg" in figure.read_text(encoding="utf-8")
+
+
+def test_check_tells_a_person_the_same(tmp_path: Path, capsys: Capsys) -> None:
+    model = boxes(base=(0, 0, 0), good=(0.1, 0, 1), bad=(0.9, 0, 2))
+    assert main(["check", file(tmp_path, model)]) == 1
+    out, err = capsys.readouterr()
+    assert err == ""
+    for words in ("UNSTABLE", "falls: 1 block", "bad", "prop force [N]", "3 blocks (2 free"):
+        assert words in out
+    assert main(["check", file(tmp_path, tower(2))]) == 0
+    out, _ = capsys.readouterr()
+    for words in ("STABLE", "largest force", "block-0 - block-1", "23,544.0", "read", "solve"):
+        assert words in out
+
+
+def test_strict_wants_a_model_that_stands_whatever_the_stiffness() -> None:
+    from drystone.cli.verdict import exit_code, is_sensitive
+    from drystone.contacts import Contacts
+    from drystone.loads import LoadCase
+    from drystone.results import Result, Samples, Verdict
+
+    assembly = tower(2)
+    load = LoadCase.gravity(assembly)
+
+    def result(verdict: Verdict, tried: int, standing: int) -> Result:
+        samples = Samples(tried, standing)
+        return Result("check", verdict, assembly, Contacts.empty(), load, samples=samples)
+
+    robust = result(Verdict.STABLE, 5, 5)
+    sensitive = result(Verdict.STABLE, 5, 2)
+    assert [is_sensitive(robust), is_sensitive(sensitive)] == [False, True]
+    assert [exit_code(robust, strict=True), exit_code(sensitive, strict=True)] == [0, 1]
+    assert [exit_code(robust, strict=False), exit_code(sensitive, strict=False)] == [0, 0]
+    for verdict in (Verdict.UNSTABLE, Verdict.UNDECIDED, Verdict.EQUILIBRIUM_EXISTS):
+        assert exit_code(result(verdict, 5, 5), strict=False) == 1
+
+
+def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsys) -> None:
+    code, told = answer(capsys, "inspect", file(tmp_path, arch()))
+    assert code == 0
+    assert len(told["blocks"]) == len(arch())
+    assert told["volume"] == pytest.approx(float(arch().volume.sum()))
+    assert told["defects"] == []
+    assert told["contacts"]["pairs"] == len(arch()) - 1
+    assert main(["inspect", file(tmp_path, arch()), "--supports", "lowest"]) == 0
+    out, _ = capsys.readouterr()
+    assert f"{len(arch())} blocks, 2 of them fixed" in out
+    assert "--all lists every block" in out
+
+
+def test_demo_checks_a_vault_and_draws_it(tmp_path: Path, capsys: Capsys) -> None:
+    code, told = answer(capsys, "demo", "--folder", str(tmp_path))
+    assert (code, told["verdict"]) == (0, "stable")
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {"drystone-demo.html", "drystone-demo.png"}
+    assert (tmp_path / "drystone-demo.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_interrupted_check_writes_nothing(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: Any, **__: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("drystone.stability.check", interrupted)
+    model = file(tmp_path, tower(2))
+    code = main(["check", model, "--html", str(tmp_path / "page.html")])
+    out, err = capsys.readouterr()
+    assert (code, out, err) == (130, "", "drystone: interrupted; nothing was written\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
