@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.geometry import polygon
+from drystone.geometry import boxes, polygon
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
@@ -21,6 +21,8 @@ CONVEX = 1e-9
 SIDE = 2.0
 """An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
 the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
+MANY_PAIRS = 2_000_000
+"""Pairs of a vertex and a face looked at together, chosen: some hundred MB at most."""
 BATCH = 2_000
 """Edges or vertices compared at a time with all faces near them, chosen: bounds the memory."""
 
@@ -92,7 +94,7 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     for: a face whose outline crosses itself; an edge that pierces a face; a vertex that lies on a
     face, or an edge that crosses another, without belonging to it.
     """
-    concave = [i for i in range(len(vertices)) if not is_convex(vertices[i], faces[i])]
+    concave = np.flatnonzero(~convex_bodies(vertices, faces)).tolist()
     if not concave:
         return []
     surface = _surface([vertices[i] for i in concave], [faces[i] for i in concave])
@@ -109,17 +111,40 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     return [SelfContact(concave[body], what) for body, what in sorted(found.items())]
 
 
-def is_convex(vertices: Floats, faces: Sequence[Loop]) -> bool:
-    """Whether no vertex lies above the plane of a face, within :data:`CONVEX`.
+def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
+    """Whether no vertex of a body lies above the plane of a face of it, within :data:`CONVEX`.
 
     A body with so many faces that the question costs more than it saves is taken for concave.
+
+    Parameters
+    ----------
+    vertices
+        Per body (v, 3) [m].
+    faces
+        Per body its loops, oriented outwards.
     """
-    if len(vertices) * len(faces) > 4_000_000:
-        return False
-    normal, middle = _planes(stack_faces([vertices], [faces]))
-    size = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
-    height = (vertices - vertices[0]) @ normal.T - ((middle - vertices[0]) * normal).sum(axis=1)
-    return bool(height.max(initial=0.0) <= CONVEX * size)
+    convex = np.zeros(len(vertices), dtype=bool)
+    pairs = np.array([len(v) * len(f) for v, f in zip(vertices, faces, strict=True)])
+    small = np.flatnonzero(pairs <= MANY_PAIRS)
+    batch = np.cumsum(pairs[small]) // MANY_PAIRS
+    for bodies in np.split(small, np.flatnonzero(np.diff(batch)) + 1):
+        if len(bodies):
+            part = bodies.tolist()
+            convex[bodies] = _convex_batch([vertices[i] for i in part], [faces[i] for i in part])
+    return convex
+
+
+def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
+    placed = [(v - v[0]) / np.linalg.norm(v.max(axis=0) - v.min(axis=0)) for v in vertices]
+    stacked = stack_faces(placed, faces)
+    normal, middle = _planes(stacked)
+    count = np.array([len(v) for v in vertices])
+    first = np.cumsum(count) - count
+    face, vertex = boxes.expand(first[stacked.owner], count[stacked.owner])
+    height = ((stacked.point[vertex] - middle[face]) * normal[face]).sum(axis=1)
+    highest = np.zeros(len(vertices))
+    np.maximum.at(highest, stacked.owner[face], height)
+    return highest <= CONVEX
 
 
 def _planes(faces: Faces) -> tuple[Floats, Floats]:

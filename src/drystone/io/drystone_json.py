@@ -87,6 +87,9 @@ def _shape(field: Field) -> Shape:
 
 
 def _loop(face: Field, count: int) -> list[int]:
+    corners = face.value
+    if isinstance(corners, list) and all(type(c) is int and 0 <= c < count for c in corners):
+        return corners
     loop = [corner.integer() for corner in face.elements()]
     for i, corner in enumerate(loop):
         if not 0 <= corner < count:
