@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
-from drystone.detection.candidates import Pairs, facing_patches, near_blocks, slack
-from drystone.detection.interfaces import Interfaces, from_pieces
+from drystone.detection.candidates import Pairs, block_boxes, facing_patches, near_blocks, slack
+from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.freeform import merge_slivers
+from drystone.detection.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.misses import dropped, judge, misses
 from drystone.detection.nearest import uncovered
-from drystone.detection.options import DetectionOptions
+from drystone.detection.options import DetectionOptions, EdgeContacts
 from drystone.detection.overlap import overlaps, planes_between, widths, within
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.penetration import penetrations
 from drystone.detection.report import ContactReport, Missed, Reason
+from drystone.geometry.arrays import Ints
 from drystone.geometry.coincidence import duplicates
 
 SAME = 1e-6
@@ -82,10 +85,18 @@ def find_contacts(
     patches = patches_of(assembly)
     pairs = near_blocks(patches, options)
     found, missed = _face_contacts(patches, pairs, options)
-    found = found.ordered()
+    found = merge_slivers(found, options.merge)
+    near = _pairs_for_edges(patches, pairs, found, options)
+    lines, undirected = edge_contacts(assembly, patches, near, options)
+    by_edge = set(zip(lines.block_a.tolist(), lines.block_b.tolist(), strict=True))
+    missed = [
+        replace(miss, joined=miss.joined or (miss.block_a, miss.block_b) in by_edge)
+        for miss in missed
+    ]
+    found = joined([found, lines]).ordered()
     return Detection(
         found.contacts(patches.origin, friction),
-        _report(assembly, patches, pairs, found, missed, options),
+        _report(assembly, patches, pairs, found, missed, undirected, options),
     )
 
 
@@ -110,18 +121,35 @@ def _face_contacts(
     return from_pieces(patches, planes, found, judgement.partial), missed
 
 
+def _pairs_for_edges(
+    patches: Patches, pairs: Pairs, found: Interfaces, options: DetectionOptions
+) -> Pairs:
+    """Near pairs for which contacts along edges and in corners are looked for."""
+    a, b = pairs
+    count = len(patches.size)
+    apart = ~np.isin(a * count + b, found.block_a * count + found.block_b)
+    if options.edges is EdgeContacts.NEVER:
+        apart[:] = False
+    elif options.edges is EdgeContacts.ISOLATED:
+        alone = np.ones(count, dtype=bool)
+        alone[found.block_a] = alone[found.block_b] = False
+        apart &= alone[a] | alone[b]
+    return a[apart], b[apart]
+
+
 def _report(
     assembly: Assembly,
     patches: Patches,
     pairs: Pairs,
     found: Interfaces,
     missed: list[Missed],
+    undirected: Ints,
     options: DetectionOptions,
 ) -> ContactReport:
     touched = np.zeros(len(assembly), dtype=bool)
     touched[found.block_a] = touched[found.block_b] = True
     a, b = pairs
-    joined = np.isin(a * len(assembly) + b, found.block_a * len(assembly) + found.block_b)
+    together = np.isin(a * len(assembly) + b, found.block_a * len(assembly) + found.block_b)
     most = np.maximum.reduceat(slack(patches, options), patches.first_patch[:-1])
     tolerance = options.gap * np.minimum(patches.size[a], patches.size[b]) + most[a] + most[b]
     return ContactReport(
@@ -139,13 +167,25 @@ def _report(
         clipped=found.clipped,
         merged=found.merged,
         missed=tuple(missed),
+        undirected=tuple((a, b) for a, b in undirected.tolist()),
         isolated=tuple(np.flatnonzero(~touched).tolist()),
-        penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(joined), tolerance),
-        duplicates=tuple(duplicates([block.vertices for block in assembly.blocks], SAME)),
+        penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(together), tolerance),
+        duplicates=_duplicates(assembly, patches, pairs),
         repairs=tuple(
             (i, what) for i, block in enumerate(assembly.blocks) for what in block.repairs
         ),
     )
+
+
+def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tuple[int, int], ...]:
+    """Pairs of blocks with the same vertices; only those with the same box are compared."""
+    a, b = pairs
+    low, high = block_boxes(patches)
+    apart = np.maximum(np.abs(low[a] - low[b]), np.abs(high[a] - high[b])).max(axis=1)
+    alike = apart <= SAME * patches.size[a]
+    blocks = np.unique(np.concatenate([a[alike], b[alike]])).tolist()
+    twins = duplicates([assembly.blocks[i].vertices for i in blocks], SAME)
+    return tuple((blocks[i], blocks[j]) for i, j in twins)
 
 
 __all__ = ["Detection", "find_contacts"]

@@ -48,6 +48,9 @@ class DetectionOptions:
         Faces farther from planar than this share of the block size join nothing.
     sliver
         Overlaps narrower than this (twice the area over the perimeter) are dropped.
+    merge
+        Interfaces narrower than this share of a neighbour of the same two blocks are merged into
+        it, where a curved joint is meshed differently on its two sides.
     search
         Pairs up to this far apart are reported as near misses, with the gap that would join them.
     edges
@@ -63,6 +66,7 @@ class DetectionOptions:
     angle: float = 2.0
     warp: float = 0.1
     sliver: float = 1e-4
+    merge: float = 0.2
     search: float = 0.05
     edges: EdgeContacts = EdgeContacts.ISOLATED
 
@@ -72,6 +76,7 @@ class DetectionOptions:
             ("angle", 45.0),
             ("warp", 0.5),
             ("sliver", 0.5),
+            ("merge", 1.0),
             ("search", 0.5),
         ):
             value = float(getattr(self, name))

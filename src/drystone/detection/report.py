@@ -26,7 +26,6 @@ class Reason(StrEnum):
     WARP = "too warped"
     SLIVER = "overlap too narrow"
     HIDDEN = "another block lies between"
-    DIRECTION = "edge meets edge, no direction of contact"
 
 
 @dataclass(frozen=True)
@@ -77,7 +76,8 @@ class ContactReport:
         Of the blocks.
     options
     block_a, block_b, face_a, face_b : (m,)
-        Blocks and (first) faces of each interface.
+        Blocks and (first) faces of each interface; -1 where the block touches with an edge or a
+        corner.
     kind : (m,)
         3 for an area, 2 for a line, 1 for a point.
     area : (m,) [m2]
@@ -93,6 +93,8 @@ class ContactReport:
         Number of pieces that were merged into the interface.
     missed
         Near misses.
+    undirected
+        Pairs that meet along parallel edges or in corners, where no direction can be told.
     isolated
         Blocks that touch nothing.
     penetrations
@@ -117,6 +119,7 @@ class ContactReport:
     clipped: Bools
     merged: Ints
     missed: tuple[Missed, ...]
+    undirected: tuple[tuple[int, int], ...]
     isolated: tuple[int, ...]
     penetrations: tuple[Penetration, ...]
     duplicates: tuple[tuple[int, int], ...]
@@ -146,11 +149,17 @@ class ContactReport:
                     f"raise {knob} from {getattr(self.options, knob):g} to {value:g}{unit}"
                     f" to join {_count(len(needed), 'more pair')}"
                 )
-        deep = {(m.block_a, m.block_b) for m in apart if m.reason is Reason.OVERLAP}
-        if deep:
-            said.append(f"{_count(len(deep), 'pair')} overlap: move the blocks apart in the model")
-        if self.isolated and not said:
-            said.append("nothing is near the isolated blocks: is a block missing, or the unit?")
+        if self.penetrations:
+            pairs = _count(len(self.penetrations), "pair")
+            said.append(f"{pairs} of blocks overlap: move them apart in the model")
+        explained = {i for pair in self.undirected for i in pair}
+        explained |= {i for p in self.penetrations for i in (p.block_a, p.block_b)}
+        explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
+        lost = [self.names[i] for i in self.isolated if i not in explained]
+        if lost:
+            said.append(
+                f"nothing is near {self._list(lost)}: is a block missing, or in other units?"
+            )
         return tuple(said)
 
     def summary(self) -> list[str]:
@@ -176,6 +185,12 @@ class ContactReport:
                 f" {_count(int(many.sum()), 'interface')}"
             )
         lines += self._missed_lines()
+        if self.undirected:
+            shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
+            lines.append(
+                f"{_count(len(shown), 'pair')} not joined, edge meets edge and the direction of"
+                f" contact is open: {self._list(shown)}"
+            )
         if self.isolated:
             lines.append(
                 f"{_count(len(self.isolated), 'block')} touch nothing:"
@@ -221,14 +236,14 @@ class ContactReport:
         return {
             "options": {
                 key: getattr(self.options, key)
-                for key in ("gap", "angle", "warp", "sliver", "search")
+                for key in ("gap", "angle", "warp", "sliver", "merge", "search")
             }
             | {"edges": str(self.options.edges)},
             "pairs": self.pair_count,
             "interfaces": [
                 {
                     "blocks": [name[a], name[b]],
-                    "faces": [int(self.face_a[i]), int(self.face_b[i])],
+                    "faces": [_face(self.face_a[i]), _face(self.face_b[i])],
                     "kind": {3: "area", 2: "line", 1: "point"}[int(self.kind[i])],
                     "area": float(self.area[i]),
                     "gap": float(self.gap[i]),
@@ -255,6 +270,7 @@ class ContactReport:
                 }
                 for m in self.missed
             ],
+            "undirected": [[name[a], name[b]] for a, b in self.undirected],
             "isolated": [name[i] for i in self.isolated],
             "penetrations": [
                 {"blocks": [name[p.block_a], name[p.block_b]], "depth": p.depth}
@@ -268,6 +284,11 @@ class ContactReport:
 
 def _count(number: int, noun: str) -> str:
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
+def _face(number: Any) -> int | None:
+    """A face number; none for the side of a contact that is an edge or a corner."""
+    return int(number) if number >= 0 else None
 
 
 def _mm(length: float) -> str:
