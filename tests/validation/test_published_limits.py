@@ -1,0 +1,128 @@
+"""Published tilt limits: Kao 2023, dissertation, ETH Zurich; Kao et al. 2022.
+
+Pairs of verdicts 0.2 degree inside and outside of a figure given to a tenth, and on both sides of a
+figure given in whole degrees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from drystone import Assembly, CheckOptions, LoadCase, RBEOptions, Verdict, models
+from drystone.detection import find_contacts
+from drystone.formulations.equilibrium import FrictionCone
+from drystone.stability import check, solve_rbe
+
+Axis = tuple[float, float, float]
+X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)
+
+
+def sides(
+    judge: Callable[[LoadCase], Verdict], model: Assembly, axis: Axis, below: float, above: float
+) -> list[Verdict]:
+    return [judge(LoadCase.tilt(model, axis, angle)) for angle in (below, above)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "friction", "dem"),
+    [
+        ("a", X, 0.20, 21.8),
+        ("a", Y, 0.20, 71.3),
+        ("a", XY30, 0.20, 24.8),
+        ("a", X, 0.84, 59.2),
+        ("a", Y, 0.84, 100.0),
+        ("a", XY30, 0.84, 62.7),
+        ("b", X, 0.20, 21.8),
+        ("b", XY30, 0.20, 24.8),
+        ("b", Y, 0.84, 109.1),
+        ("c", X, 0.20, 13.0),
+        ("c", Y, 0.20, 41.3),
+        ("c", XY30, 0.20, 14.9),
+        ("c", Y, 0.84, 64.5),
+        ("d", X, 0.20, 13.0),
+        ("d", Y, 0.20, 41.3),
+        ("d", XY30, 0.20, 14.9),
+        ("d", X, 0.84, 44.1),
+        ("d", Y, 0.84, 70.0),
+    ],
+)
+def test_wedges_with_uniform_stiffness_tilt_as_far_as_discrete_elements(
+    kind: str, axis: Axis, friction: float, dem: float
+) -> None:
+    model = models.wedge(kind)  # type: ignore[arg-type]
+    contacts = find_contacts(model, friction=friction).contacts
+    options = CheckOptions(samples=0)
+
+    def judge(load: LoadCase) -> Verdict:
+        return check(model, contacts, load, options=options).verdict
+
+    found = sides(judge, model, axis, dem - 0.2, dem + 0.2)
+    assert found == [Verdict.STABLE, Verdict.UNSTABLE]
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "friction", "rbe"),
+    [
+        ("a", X, 0.20, 25),
+        ("a", XY30, 0.20, 28),
+        ("b", X, 0.20, 25),
+        ("c", X, 0.20, 13),
+        ("c", XY30, 0.20, 15),
+        ("d", X, 0.84, 50),
+        ("c", XY30, 0.84, 51),
+        ("d", XY30, 0.84, 54),
+    ],
+)
+def test_wedges_with_the_octagon_balance_to_the_published_whole_degree(
+    kind: str, axis: Axis, friction: float, rbe: int
+) -> None:
+    model = models.wedge(kind)  # type: ignore[arg-type]
+    contacts = find_contacts(model, friction=friction).contacts
+    options = RBEOptions(cone=FrictionCone.octagon(), tension=False)
+
+    def judge(load: LoadCase) -> Verdict:
+        return solve_rbe(model, contacts, load, options=options).verdict
+
+    found = sides(judge, model, axis, rbe, rbe + 1)
+    assert found == [Verdict.EQUILIBRIUM_EXISTS, Verdict.UNSTABLE]
+
+
+@pytest.mark.parametrize(
+    ("axis", "below", "above"),
+    [((0.0, 1.0, 0.0), 8, 9), ((0.0, -1.0, 0.0), 53, 54), ((1.0, 1.0, 0.0), 11, 12.5)],
+)
+def test_curved_joints_tilt_to_the_published_whole_degree(
+    axis: Axis, below: float, above: float
+) -> None:
+    model = models.curve_three_blocks()
+    contacts = find_contacts(model, friction=0.84).contacts
+
+    def judge(load: LoadCase) -> Verdict:
+        return check(model, contacts, load).verdict
+
+    assert sides(judge, model, axis, below, above) == [Verdict.STABLE, Verdict.UNSTABLE]
+
+
+@pytest.mark.parametrize(("height", "stands"), [("short", (60, 50, 70)), ("tall", (37, 34, 48))])
+def test_hooded_blocks_stand_well_inside_the_published_limits(
+    height: str, stands: tuple[float, float, float]
+) -> None:
+    model = models.cube_curve(height)  # type: ignore[arg-type]
+    contacts = find_contacts(model, friction=0.84).contacts
+    axes = ((-1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (1.0, -1.0, 0.0))
+    for axis, angle in zip(axes, stands, strict=True):
+        assert check(model, contacts, LoadCase.tilt(model, axis, angle)).verdict is Verdict.STABLE
+
+
+@pytest.mark.parametrize(
+    ("length", "friction", "angle"),
+    [("short", 0.84, 39), ("short", 0.10, 5), ("long", 0.84, 53), ("long", 0.10, 9)],
+)
+def test_hooked_plank_stands_to_the_published_angle(
+    length: str, friction: float, angle: float
+) -> None:
+    model = models.concave(length)  # type: ignore[arg-type]
+    contacts = find_contacts(model, friction=friction).contacts
+    assert check(model, contacts, LoadCase.tilt(model, Y, angle)).verdict is Verdict.STABLE
