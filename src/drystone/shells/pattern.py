@@ -68,8 +68,9 @@ def lay_pattern(courses: Courses, joints: Sequence[Floats], *, wedge: Wedge = 0.
         Per course the positions of its head joints along v.
     wedge
         Positive: where a course above has a head joint the bed line rises, where the course below
-        has one it sinks, and each block sits in the valley between two others. Negative turns it
-        round.
+        has one it sinks; blocks are hexagons, and each sits in the valley between two others. The
+        half blocks of an open end taper inwards then and hold by friction only. Negative turns it
+        round: blocks are waisted, and none can be pulled out of an open end.
 
     Raises
     ------

@@ -27,8 +27,8 @@ SAMPLES: Mapping[str, Mapping[int, Sample]] = MappingProxyType(
     {
         "barrel": {
             40: Sample(Layout(courses=9, blocks=4, wedge=0.2), 0.3),
-            400: Sample(Layout(courses=20, blocks=20, wedge=0.2), 0.3),
-            4000: Sample(Layout(courses=50, blocks=80, wedge=0.2), 0.2),
+            400: Sample(Layout(courses=27, blocks=15, wedge=0.2), 0.3),
+            4000: Sample(Layout(courses=85, blocks=47, wedge=0.2), 0.2),
         },
         "dome": {
             40: Sample(Layout(courses=4, blocks=10, wedge=0.2), 0.4),
@@ -36,9 +36,9 @@ SAMPLES: Mapping[str, Mapping[int, Sample]] = MappingProxyType(
             4000: Sample(Layout(courses=50, blocks=80, wedge=0.2), 0.4),
         },
         "freeform": {
-            40: Sample(Layout(courses=5, width=1.3, wedge=0.1), 0.2),
-            400: Sample(Layout(courses=16, width=0.35, wedge=0.1), 0.2),
-            4000: Sample(Layout(courses=50, width=0.11, wedge=0.1), 0.1),
+            40: Sample(Layout(courses=5, width=1.3, wedge=-0.1), 0.2),
+            400: Sample(Layout(courses=16, width=0.35, wedge=-0.1), 0.2),
+            4000: Sample(Layout(courses=50, width=0.11, wedge=-0.1), 0.1),
         },
         "form-found": {
             40: Sample(Layout(courses=6, width=1.0, wedge=0.2), 0.2),

@@ -1,0 +1,154 @@
+"""Four shells from a surface to a verdict: blocks that fit, joints that are found, what stands."""
+
+import numpy as np
+import pytest
+
+from drystone.detection import DetectionOptions, find_contacts
+from drystone.geometry import polygon
+from drystone.geometry.polyhedron import edge_defects
+from drystone.loads import LoadCase
+from drystone.results import Verdict
+from drystone.shells import (
+    SAMPLES,
+    Body,
+    Edge,
+    Ground,
+    Layout,
+    Shape,
+    Side,
+    build_shell,
+    patch_from_function,
+    rectangular_plan,
+    sample_shell,
+    shape_volume,
+)
+from drystone.shells.planarise import warps
+from drystone.stability import CheckOptions, check
+
+TIGHTEST = DetectionOptions(gap=1e-6)
+QUICK = CheckOptions(samples=1)
+
+SHELLS = {kind: sample_shell(kind, 40) for kind in SAMPLES}
+FOUND = {kind: find_contacts(s.assembly, options=TIGHTEST) for kind, s in SHELLS.items()}
+
+
+@pytest.fixture(params=SAMPLES)
+def kind(request):
+    return request.param
+
+
+def shared_areas(shell):
+    """Area of the faces that each pair of blocks shares, as they were made."""
+    areas = {}
+    for face in shell.shared_faces:
+        start = np.array([0, len(face.corner)])
+        area = float(np.linalg.norm(polygon.area_vectors(face.corner, start)))
+        pair = frozenset((face.block_a, face.block_b))
+        areas[pair] = areas.get(pair, 0.0) + area
+    return areas
+
+
+def test_every_block_is_closed_and_has_a_volume(kind):
+    for block in SHELLS[kind].assembly.blocks:
+        assert edge_defects(block.faces) == ([], [], True)
+        assert block.volume > 0.0
+        assert not block.repairs
+
+
+def test_no_two_blocks_stand_in_each_other(kind):
+    assert FOUND[kind].report.penetrations == ()
+    assert FOUND[kind].report.isolated == ()
+
+
+def test_every_joint_is_planar(kind):
+    shell = SHELLS[kind]
+    sides = [tuple(range(len(f.corner))) for f in shell.shared_faces]
+    worst = max(
+        float(warps(f.corner, [side])[0]) for f, side in zip(shell.shared_faces, sides, strict=True)
+    )
+    assert worst <= 1e-6 * shell.assembly.size.min()
+    assert shell.planar.warp_after <= 1e-6
+
+
+def test_every_joint_is_found_at_the_tightest_tolerance_with_its_area(kind):
+    made = shared_areas(SHELLS[kind])
+    contacts = FOUND[kind].contacts
+    found = {}
+    pairs = zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
+    for pair, area in zip(pairs, contacts.area.tolist(), strict=True):
+        found[frozenset(pair)] = found.get(frozenset(pair), 0.0) + area
+    assert set(found) == set(made)
+    for pair, area in made.items():
+        assert found[pair] == pytest.approx(area, rel=1e-6)
+
+
+def test_the_blocks_have_the_volume_of_the_shell(kind):
+    shell = SHELLS[kind]
+    thickness = SAMPLES[kind][40].thickness
+    assert shell.volume == pytest.approx(shape_volume(shell.shape, thickness), rel=0.01)
+
+
+def test_blocks_stay_near_the_surface(kind):
+    assert SHELLS[kind].planar.drift < 0.15
+    assert SHELLS[kind].fitted < 0.06
+
+
+def test_the_shells_stand(kind):
+    shell = SHELLS[kind]
+    result = check(shell.assembly, FOUND[kind].contacts, options=QUICK)
+    assert result.verdict is Verdict.STABLE
+    assert result.residuals.largest <= 1e-8
+
+
+def test_the_plan_of_the_form_found_shell_does_not_stand_flat():
+    layout = SAMPLES["form-found"][40].layout
+    flat = build_shell(rectangular_plan(6.0, 5.0), layout, Body(thickness=0.2))
+    contacts = find_contacts(flat.assembly, options=TIGHTEST).contacts
+    assert check(flat.assembly, contacts, options=QUICK).verdict is Verdict.UNSTABLE
+
+
+def test_a_hooked_dome_is_concave_and_stands():
+    shell = build_shell(
+        SHELLS["dome"].shape,
+        Layout(courses=5, blocks=8),
+        Body(thickness=0.4, register_deg=12.0),
+    )
+    found = find_contacts(shell.assembly, options=TIGHTEST)
+    assert found.report.penetrations == ()
+    pairs = [frozenset(p) for p in zip(found.contacts.block_a, found.contacts.block_b, strict=True)]
+    assert max(pairs.count(pair) for pair in pairs) == 3  # both halves of the bed, and the step
+    made = sum(shared_areas(shell).values())
+    assert float(found.contacts.area.sum()) == pytest.approx(made, rel=1e-6)
+    assert check(shell.assembly, found.contacts, options=QUICK).verdict is Verdict.STABLE
+
+
+def single_block(wedge):
+    """One block of a straight wall on the course below: assembly and contacts."""
+
+    def wall(u, v):
+        return np.stack([3.0 * v, 0.0 * u, 0.8 * u], axis=-1)
+
+    shape = Shape((patch_from_function(wall, name="wall"),), supports=(Edge(0, Side.BOTTOM),))
+    layout = Layout(courses=2, blocks=5, wedge=wedge)
+    shell = build_shell(shape, layout, Body(thickness=0.2, ground=Ground.SPRINGERS))
+    below = [name for name in shell.assembly.names if name.startswith("c00")]
+    assembly = shell.assembly.subset([*below, "c01-b02"])
+    return assembly, find_contacts(assembly, friction=0.84, options=TIGHTEST).contacts
+
+
+def leans(wedge, angle):
+    assembly, contacts = single_block(wedge)
+    tilt = LoadCase.tilt(assembly, (1.0, 0.0, 0.0), angle)
+    return check(assembly, contacts, tilt, options=QUICK).verdict is Verdict.STABLE
+
+
+def test_a_plain_block_leans_until_its_weight_leaves_the_bed():
+    """Thickness 0.2 m by height 0.4 m: atan(1/2) = 26.565 degrees."""
+    assert leans(0.0, 26.5)
+    assert not leans(0.0, 26.65)
+
+
+@pytest.mark.parametrize(("wedge", "angle"), [(0.1, 28.5), (0.2, 31.5), (0.3, 35.0)])
+def test_a_wedge_lets_a_block_lean_farther(wedge, angle):
+    assert leans(wedge, angle)
+    assert not leans(wedge - 0.1, angle)
