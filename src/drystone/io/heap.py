@@ -9,14 +9,24 @@ import numpy as np
 from drystone.errors import FormatError
 from drystone.geometry import coincidence, soup
 from drystone.geometry.arrays import Floats
-from drystone.geometry.polyhedron import Loop
+from drystone.geometry.merge import merge_coplanar
+from drystone.geometry.polyhedron import Loop, edge_defects
 from drystone.io.draft import Shape
 
 
 def shapes_of(
-    vertices: Floats, faces: Sequence[Sequence[int]], where: str, tolerance: float, stem: str
+    vertices: Floats,
+    faces: Sequence[Sequence[int]],
+    where: str,
+    tolerance: float,
+    stem: str,
+    *,
+    split: bool = True,
 ) -> tuple[list[Shape], list[str]]:
     """A shape for each solid in a heap of faces, and what was done to find them.
+
+    Vertices that coincide become one, faces without area go, solids are told apart, and coplanar
+    neighbours are merged into polygons.
 
     Parameters
     ----------
@@ -25,10 +35,11 @@ def shapes_of(
     where
         The file, for errors.
     tolerance
-        Vertices nearer than this share of the extent of all are one, and triangles of no greater
-        height are slivers.
+        Distance that counts as none, relative to the extent of all vertices.
     stem
         The solids are called ``stem-0``, ``stem-1``; a single one ``stem``.
+    split
+        Otherwise everything is one shape.
     """
     if not np.isfinite(vertices).all():
         bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
@@ -41,22 +52,34 @@ def shapes_of(
     notes = []
     if merged:
         notes.append(f"{merged} coincident vertices merged")
-    gone = len(faces) - len(loops) + slivers
-    if gone:
-        notes.append(f"{gone} faces without area left out")
-    solids = soup.split_solids(vertices, kept)
+    if len(faces) > len(loops) or slivers:
+        notes.append(f"{len(faces) - len(loops) + slivers} faces without area left out")
+    solids = soup.split_solids(vertices, kept) if split else [list(range(len(kept)))]
     if len(solids) > 1:
         notes.append(f"one heap of faces split into {len(solids)} solids")
+    bodies = [_own_vertices(vertices, [kept[i] for i in solid]) for solid in solids]
+    closed = [edge_defects(loops) == ([], [], True) for _, loops in bodies]
+    polygons = iter(
+        merge_coplanar(
+            [points for (points, _), good in zip(bodies, closed, strict=True) if good],
+            [loops for (_, loops), good in zip(bodies, closed, strict=True) if good],
+            tolerance,
+        )
+    )
     shapes = []
-    for number, solid in enumerate(solids):
+    for number, (solid, (points, own), good) in enumerate(zip(solids, bodies, closed, strict=True)):
         name = stem if len(solids) == 1 else f"{stem}-{number}"
-        shapes.append(shape_of(vertices, [kept[i] for i in solid], name, f"face {solid[0]}"))
+        shapes.append(Shape(name, points, next(polygons) if good else own, f"face {solid[0]}"))
     return shapes, notes
+
+
+def _own_vertices(vertices: Floats, loops: Sequence[Loop]) -> tuple[Floats, list[Loop]]:
+    """Only the vertices that the loops use, in their order."""
+    used = sorted({corner for loop in loops for corner in loop})
+    position = {corner: i for i, corner in enumerate(used)}
+    return vertices[used], [tuple(position[corner] for corner in loop) for loop in loops]
 
 
 def shape_of(vertices: Floats, loops: Sequence[Loop], name: str, where: str) -> Shape:
     """A shape with only the vertices that its faces use, in their order."""
-    used = sorted({corner for loop in loops for corner in loop})
-    position = {corner: i for i, corner in enumerate(used)}
-    faces = [[position[corner] for corner in loop] for loop in loops]
-    return Shape(name, vertices[used], faces, where=where)
+    return Shape(name, *_own_vertices(vertices, loops), where)

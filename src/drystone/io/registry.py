@@ -11,6 +11,7 @@ from drystone.io import (
     compas_json_write,
     drystone_json,
     drystone_json_write,
+    glb,
     jsontext,
     obj,
     ply,
@@ -52,6 +53,7 @@ FORMATS: tuple[Format, ...] = (
     Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write),
     Format("stl", "STL", (".stl",), stl.read, stl.write),
     Format("ply", "PLY", (".ply",), ply.read, ply.write),
+    Format("glb", "glTF 2.0, binary", (".glb",), glb.read, glb.write),
 )
 """In order of preference where several share a suffix."""
 
