@@ -85,6 +85,16 @@ class Block:
         set_(self, "volume", volume)
         set_(self, "centroid", centroid)
 
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"metadata": dict(self.metadata)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A block from another process is as read-only as its original."""
+        self.__dict__.update(state | {"metadata": MappingProxyType(state["metadata"])})
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray):
+                frozen(value)
+
     volume: float = field(init=False, repr=False)
     """[m3]"""
     centroid: Floats = field(init=False, repr=False)

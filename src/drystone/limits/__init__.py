@@ -1,0 +1,43 @@
+"""Limits: how far tilt, load, friction, thickness and imperfection can go."""
+
+from drystone.limits.families import Family, Friction, LoadFactor, Parametric, Shrunk, Tilt
+from drystone.limits.limits import (
+    Limit,
+    LimitOptions,
+    limit_friction,
+    limit_load,
+    limit_shrink,
+    limit_thickness,
+    limit_tilt,
+)
+from drystone.limits.polar import TiltSweep, tilt_sweep
+from drystone.limits.search import Bracket, Check, Evaluation
+from drystone.limits.thrust import ThrustBounds, thrust_bounds
+from drystone.limits.tolerance import Imperfections, Tolerance, imperfect, tolerance
+
+__all__ = [
+    "Bracket",
+    "Check",
+    "Evaluation",
+    "Family",
+    "Friction",
+    "Imperfections",
+    "Limit",
+    "LimitOptions",
+    "LoadFactor",
+    "Parametric",
+    "Shrunk",
+    "ThrustBounds",
+    "Tilt",
+    "TiltSweep",
+    "Tolerance",
+    "imperfect",
+    "limit_friction",
+    "limit_load",
+    "limit_shrink",
+    "limit_thickness",
+    "limit_tilt",
+    "thrust_bounds",
+    "tilt_sweep",
+    "tolerance",
+]

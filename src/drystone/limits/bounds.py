@@ -1,0 +1,106 @@
+"""Convex bounds: how far equilibrium with friction reaches, whatever the prestress.
+
+Rigid-block equilibrium is necessary for standing, so these limits are never on the safe side of the
+full verdict. They treat friction as associative: sliding joints open (Livesley 1978).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.formulations.equilibrium import (
+    FrictionCone,
+    Objective,
+    solve_load_factor,
+)
+from drystone.geometry.arrays import Floats
+from drystone.limits.families import Family, LoadFactor, Tilt
+from drystone.limits.search import Bracket, Search
+from drystone.loads import LoadCase
+from drystone.results import Result
+from drystone.stability import RBEOptions, solve_rbe
+from drystone.statics import Statics, build_statics
+
+WIDEST = 1e-3
+"""Where our own checks confirm a state on either side of a limit found in one solve no closer than
+this share of it, it is bisected instead."""
+
+
+def rbe(cone: FrictionCone, assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """Whether any forces balance the load; nothing is said about tension."""
+    options = RBEOptions(cone=cone, objective=Objective.LINEAR, tension=False)
+    return solve_rbe(assembly, contacts, load, options=options)
+
+
+def bisected_bound(
+    family: Family, start: float, end: float, *, width: float, cone: FrictionCone
+) -> Bracket:
+    """The limit of equilibrium between a value where it is expected and one where it is not."""
+    return Search(family, partial(rbe, cone)).run(start, end, width=width, scan=1).bracket
+
+
+def load_factor_bound(
+    family: LoadFactor, upper: float, *, width: float, cone: FrictionCone
+) -> Bracket:
+    """The limit of equilibrium from one conic program, with checked states on both sides."""
+    factor = _factor(family.assembly, family.contacts, family.dead, family.live, cone)
+    return _confirmed(family, factor, 0.0, upper, width, cone)
+
+
+def tilt_bound(family: Tilt, upper: float, *, width: float, cone: FrictionCone) -> Bracket:
+    """The limit of equilibrium under tilt.
+
+    A load normal to the axis turns in a plane, where those loads that can be balanced form a
+    convex cone: its rim is found quarter by quarter, as the largest factor of the load turned
+    by 90 degrees on top of the load. Any other load is bisected.
+    """
+    if not family.is_planar():
+        return bisected_bound(family, 0.0, upper, width=width, cone=cone)
+    angle = float("inf")
+    for quarter in np.arange(0.0, upper, 90.0).tolist():
+        here, next_ = family.turned(quarter), family.turned(quarter + 90.0)
+        factor = _factor(family.assembly, family.contacts, here, next_, cone)
+        if factor < np.inf:
+            angle = quarter + float(np.rad2deg(np.arctan(factor)))
+            break
+    return _confirmed(family, angle, 0.0, upper, width, cone)
+
+
+def _factor(
+    assembly: Assembly, contacts: Contacts, dead: LoadCase, live: LoadCase, cone: FrictionCone
+) -> float:
+    active = ~(assembly.fixed[contacts.block_a] & assembly.fixed[contacts.block_b])
+    statics = build_statics(assembly, contacts.select(active), dead)
+    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone).factor
+
+
+def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
+    """Wrenches (n, 6) of the free blocks in the units of a dimensionless problem."""
+    wrench = load.wrench[statics.free] / statics.force_unit
+    return np.concatenate([wrench[:, :3], wrench[:, 3:] / statics.length[:, None]], axis=1)
+
+
+def _confirmed(
+    family: Family, value: float, start: float, end: float, width: float, cone: FrictionCone
+) -> Bracket:
+    """A bracket around a value that a solver claims, closed by checked answers at both sides."""
+    search = Search(family, partial(rbe, cone))
+    if value >= end:
+        verdict = search.stands(end)
+        if verdict is True:
+            return Bracket(stands=end, standing=search.results[end])
+    elif value >= start:
+        reach = 0.5 * width
+        while reach <= max(0.5 * width, WIDEST * (end - start)):
+            low, high = max(start, value - reach), min(end, value + reach)
+            if search.stands(low) is True and search.stands(high) is False:
+                return Bracket(low, high, search.results[low], search.results[high])
+            reach *= 4.0
+    return search.run(start, end, width=width, scan=1).bracket
+
+
+__all__ = ["bisected_bound", "load_factor_bound", "rbe", "scaled_wrench", "tilt_bound"]

@@ -1,0 +1,228 @@
+"""Where does a verdict change? Scan, then bisect, never taking it to be monotone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.limits.families import Family
+from drystone.loads import LoadCase
+from drystone.results import Result, Samples, Verdict
+
+Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
+"""Any function that answers whether an assembly stands."""
+
+STANDS = {
+    Verdict.STABLE: True,
+    Verdict.EQUILIBRIUM_EXISTS: True,
+    Verdict.UNSTABLE: False,
+    Verdict.UNDECIDED: None,
+}
+"""Whether a verdict counts as standing; ``None`` counts as neither."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One value that was tried."""
+
+    value: float
+    verdict: Verdict
+    samples: Samples = field(default_factory=Samples)
+
+
+@dataclass(frozen=True, eq=False)
+class Bracket:
+    """Both sides of a limit.
+
+    Attributes
+    ----------
+    stands
+        The last value that stands; ``None`` where none was found.
+    falls
+        The first value beyond it that falls; ``None`` where all that were tried stand.
+    standing, falling
+        The states there; the falling one has the mechanism.
+    """
+
+    stands: float | None = None
+    falls: float | None = None
+    standing: Result | None = None
+    falling: Result | None = None
+
+    @property
+    def value(self) -> float | None:
+        """The limit: the middle of the bracket, or ``None`` where a side is missing."""
+        if self.stands is None or self.falls is None:
+            return None
+        return 0.5 * (self.stands + self.falls)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search found.
+
+    Attributes
+    ----------
+    bracket
+        Around the first change of the verdict, seen from the start.
+    islands
+        Values beyond it between which the structure stands again, as far as they were tried.
+    evaluations
+        In ascending order of the value.
+    """
+
+    bracket: Bracket
+    islands: tuple[tuple[float, float], ...]
+    evaluations: tuple[Evaluation, ...]
+
+
+class Search:
+    """A search along one family; remembers what was tried.
+
+    Parameters
+    ----------
+    family
+    check
+    executor
+        Works on the values of a scan side by side.
+    """
+
+    def __init__(self, family: Family, check: Check, executor: Executor | None = None) -> None:
+        self.family = family
+        self.check = check
+        self.executor = executor
+        self.results: dict[float, Result] = {}
+
+    def stands(self, value: float) -> bool | None:
+        """Whether the structure stands at a value."""
+        self.evaluate([value])
+        return STANDS[self.results[value].verdict]
+
+    def evaluate(self, values: Iterable[float]) -> None:
+        """Try values that were not tried yet."""
+        new = [value for value in dict.fromkeys(values) if value not in self.results]
+        task = partial(evaluate, self.family, self.check)
+        if self.executor is None or len(new) < 2:
+            answers: Iterable[Result] = map(task, new)
+        else:
+            answers = self.executor.map(task, new)
+        self.results.update(zip(new, answers, strict=True))
+
+    def run(
+        self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
+    ) -> Found:
+        """Bracket the first change of the verdict on the way from ``start`` to ``end``.
+
+        Parameters
+        ----------
+        start
+            Where the structure is expected to stand.
+        end
+            Either above or below it.
+        width
+            Of the bracket, where no value between is undecided.
+        scan
+            Number of steps of the scan; 1 tries the two ends only.
+        beyond
+            Proof of falling just beyond ``end``: closes the bracket when all up to it stand.
+        """
+        grid = np.linspace(start, end, max(scan, 1) + 1).tolist()
+        self.evaluate(grid)
+        held = [self.stands(value) for value in grid]
+        first = next((i for i, stands in enumerate(held) if stands is not True), len(grid))
+        if first == len(grid):
+            falls = None if beyond is None else beyond.falls
+            falling = None if beyond is None else beyond.falling
+            bracket = Bracket(grid[-1], falls, self.results[grid[-1]], falling)
+            return self._found(bracket, ())
+        fallen = next((i for i, s in enumerate(held) if i >= first and s is False), None)
+        if first == 0:
+            at = None if fallen is None else grid[fallen]
+            bracket = Bracket(None, at, None, None if at is None else self.results[at])
+            return self._found(bracket, _runs(grid, held, 0))
+        if fallen is None:
+            falls = None if beyond is None else beyond.falls
+            inside, outside = self._close(grid[first - 1], falls, grid[first:], width)
+        else:
+            inside, outside = self._close(grid[first - 1], grid[fallen], grid[first:fallen], width)
+        falling = None
+        if outside is not None:
+            proof = None if beyond is None else beyond.falling
+            falling = self.results.get(outside, proof)
+        bracket = Bracket(inside, outside, self.results[inside], falling)
+        return self._found(bracket, _runs(grid, held, first))
+
+    def _close(
+        self, inside: float, outside: float | None, doubtful: list[float], width: float
+    ) -> tuple[float, float | None]:
+        """Bisect between a value that stands and one that falls.
+
+        Undecided values between them, in order from the inside, are closed in from both sides.
+        """
+        doubtful = list(doubtful)
+        while True:
+            near = doubtful[0] if doubtful else outside
+            gaps = [] if near is None else [(inside, near)]
+            if doubtful and outside is not None:
+                gaps.append((doubtful[-1], outside))
+            low, high = max(gaps, key=lambda gap: abs(gap[1] - gap[0]))
+            middle = 0.5 * (low + high)
+            if abs(high - low) <= width or middle in (low, high):
+                return inside, outside
+            stands = self.stands(middle)
+            if low == inside:
+                if stands is True:
+                    inside = middle
+                elif stands is False:
+                    outside, doubtful = middle, []
+                else:
+                    doubtful.insert(0, middle)
+            elif stands is True:
+                inside, doubtful = middle, []
+            elif stands is False:
+                outside = middle
+            else:
+                doubtful.append(middle)
+
+    def _found(self, bracket: Bracket, islands: tuple[tuple[float, float], ...]) -> Found:
+        return Found(
+            bracket,
+            islands,
+            tuple(
+                Evaluation(value, result.verdict, result.samples)
+                for value, result in sorted(self.results.items())
+            ),
+        )
+
+
+def evaluate(family: Family, check: Check, value: float) -> Result:
+    """The answer at one value of a family."""
+    problem = family(value)
+    return check(problem.assembly, problem.contacts, problem.load)
+
+
+def _runs(
+    grid: Sequence[float], held: Sequence[bool | None], first: int
+) -> tuple[tuple[float, float], ...]:
+    """Ends of the runs of standing values after position ``first``."""
+    runs: list[tuple[float, float]] = []
+    previous = False
+    for value, stands in zip(grid[first:], held[first:], strict=True):
+        if stands is True:
+            runs.append((runs.pop()[0] if previous else value, value))
+        previous = stands is True
+    return tuple(runs)
+
+
+def plain(bracket: Bracket | None) -> dict[str, Any] | None:
+    """A bracket as plain values."""
+    if bracket is None:
+        return None
+    return {"stands": bracket.stands, "falls": bracket.falls, "value": bracket.value}

@@ -1,0 +1,144 @@
+"""Thrust bounds: the least and the most that a structure can push on a support."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.checks import check_forces
+from drystone.contacts import Contacts
+from drystone.errors import InputError
+from drystone.formulations.equilibrium import (
+    EquilibriumSolution,
+    FrictionCone,
+    solve_extreme_force,
+)
+from drystone.geometry.arrays import Floats
+from drystone.geometry.frames import unit
+from drystone.limits.families import resting
+from drystone.loads import LoadCase
+from drystone.results import Result, Verdict
+from drystone.solvers.conic import ConicStatus
+from drystone.statics import build_statics
+
+CHECKED = 1e-6
+"""Largest residual of a state of equilibrium that is reported, dimensionless."""
+
+
+@dataclass(frozen=True, eq=False)
+class ThrustBounds:
+    """Least and largest thrust on a block along a direction.
+
+    Attributes
+    ----------
+    block
+    direction : (3,) unit
+    least, most : [N]
+        NaN where there is no equilibrium at all; infinite where prestress has no bound.
+    least_state, most_state
+        Results with the forces, where they exist.
+    """
+
+    block: str
+    direction: Floats
+    least: float
+    most: float
+    least_state: Result | None
+    most_state: Result | None
+
+
+def thrust_bounds(
+    assembly: Assembly,
+    contacts: Contacts,
+    block: int | str,
+    direction: Any,
+    load: LoadCase | None = None,
+    *,
+    cone: FrictionCone | None = None,
+) -> ThrustBounds:
+    """The least and the largest force that the others exert on a block along a direction.
+
+    One conic program each. Source: Heyman 1966, minimum and maximum thrust.
+
+    Parameters
+    ----------
+    assembly, contacts
+    block
+        Any block, usually a support.
+    direction : (3,)
+    load
+        Self-weight when left out.
+    cone
+        Exact when left out.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import arch
+    >>> assembly = arch(0.2, 10)
+    >>> contacts = drystone.find_contacts(assembly, friction=0.8).contacts
+    >>> bounds = thrust_bounds(assembly, contacts, "springer-right", (1.0, 0.0, 0.0))
+    >>> bounds.least < bounds.most
+    True
+    """
+    which = int(assembly.indices([block])[0])
+    along = unit(direction, "direction")
+    case = resting(assembly, load)
+    touching = (contacts.block_a == which) | (contacts.block_b == which)
+    if not touching.any():
+        raise InputError(f"block '{assembly.names[which]}' touches nothing", remedy="name another")
+    active = ~(assembly.fixed[contacts.block_a] & assembly.fixed[contacts.block_b])
+    part = contacts.select(active)
+    statics = build_statics(assembly, part, case)
+    corner = part.interface
+    sign = (part.block_b == which).astype(np.float64) - (part.block_a == which)
+    price = sign[corner][:, None] * np.einsum("kij,j->ki", part.frame[corner], along)
+    chosen = cone if cone is not None else FrictionCone.exact()
+
+    def extreme(sense: float) -> tuple[float, Result | None]:
+        solution = solve_extreme_force(statics, sense * price, cone=chosen)
+        if solution.raw.status is ConicStatus.UNBOUNDED:
+            return -sense * float("inf"), None
+        state = _state(assembly, contacts, case, active, solution, statics.force_unit)
+        if state is None:
+            return float("nan"), None
+        return statics.force_unit * float((price * solution.force).sum()), state
+
+    least, most = extreme(1.0), extreme(-1.0)
+    return ThrustBounds(assembly.names[which], along, least[0], most[0], least[1], most[1])
+
+
+def _state(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase,
+    active: np.ndarray,
+    solution: EquilibriumSolution,
+    force_unit: float,
+) -> Result | None:
+    """The state as a result, when it passes our own checks."""
+    if solution.raw.status is not ConicStatus.SOLVED:
+        return None
+    force = np.zeros((contacts.corner_count, 3))
+    force[active[contacts.interface]] = force_unit * solution.force
+    residuals = check_forces(assembly, contacts, load, force)
+    if residuals.equilibrium > CHECKED or residuals.tension > CHECKED:
+        return None
+    return Result(
+        method="rbe",
+        verdict=Verdict.EQUILIBRIUM_EXISTS,
+        assembly=assembly,
+        contacts=contacts,
+        load=load,
+        message="an extreme of the forces that balance the loads",
+        force=force,
+        residuals=residuals,
+        solver=solution.raw.solver,
+        iterations=solution.raw.iterations,
+    )
+
+
+__all__ = ["ThrustBounds", "thrust_bounds"]

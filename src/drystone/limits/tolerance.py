@@ -1,0 +1,210 @@
+"""How much imperfection a structure bears: random joints, and the share of them that stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from drystone import stability
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.errors import InputError
+from drystone.geometry.arrays import Floats
+from drystone.geometry.frames import rotation_about
+from drystone.geometry.polygon import following
+from drystone.limits.families import resting
+from drystone.limits.search import Check
+from drystone.loads import LoadCase
+from drystone.progress import Progress
+from drystone.results import Verdict
+
+
+@dataclass(frozen=True)
+class Imperfections:
+    """What is drawn at random; independent for every joint.
+
+    Attributes
+    ----------
+    friction
+        Lowest and highest coefficient, uniform between; ``None`` leaves it.
+    corner_loss
+        Probability that a corner of a joint has broken off.
+    loss_reach
+        How far a broken corner reaches along its two edges, as a share of them; up to one half.
+    offset
+        Standard deviation of the shift of a joint within its plane, by the root of its area.
+    tilt_deg : [degrees]
+        Standard deviation of the turn of a joint about each of two axes in its plane.
+    """
+
+    friction: tuple[float, float] | None = None
+    corner_loss: float = 0.0
+    loss_reach: float = 0.25
+    offset: float = 0.0
+    tilt_deg: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.friction is not None:
+            low, high = self.friction
+            if not 0.0 <= low <= high < float("inf"):
+                raise InputError(
+                    f"friction from {low} to {high}", remedy="give the lower one first, from zero"
+                )
+        for name, top in (("corner_loss", 1.0), ("loss_reach", 0.5)):
+            if not 0.0 <= getattr(self, name) <= top:
+                raise InputError(f"{name} is {getattr(self, name)}", remedy=f"give 0 to {top:g}")
+        for name in ("offset", "tilt_deg"):
+            if not 0.0 <= getattr(self, name) < float("inf"):
+                raise InputError(f"{name} is {getattr(self, name)}", remedy="give zero or more")
+
+
+@dataclass(frozen=True, eq=False)
+class Tolerance:
+    """The share of imperfect structures that stand.
+
+    Attributes
+    ----------
+    verdicts
+        Of every draw, in order.
+    share
+        Of draws that stand.
+    interval
+        Of the true share, at the confidence level.
+    confidence
+    """
+
+    verdicts: tuple[Verdict, ...]
+    share: float
+    interval: tuple[float, float]
+    confidence: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "draws": len(self.verdicts),
+            "standing": sum(v is Verdict.STABLE for v in self.verdicts),
+            "undecided": sum(v is Verdict.UNDECIDED for v in self.verdicts),
+            "share": self.share,
+            "interval": list(self.interval),
+            "confidence": self.confidence,
+        }
+
+
+def tolerance(
+    assembly: Assembly,
+    contacts: Contacts,
+    imperfections: Imperfections,
+    load: LoadCase | None = None,
+    *,
+    draws: int = 100,
+    seed: int = 0,
+    confidence: float = 0.95,
+    check: Check = stability.check,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Tolerance:
+    """Draw imperfect joints and count how many of the structures stand.
+
+    Parameters
+    ----------
+    assembly, contacts
+    imperfections
+    load
+        Self-weight when left out.
+    draws, seed
+        The same seed gives the same draws, with any executor.
+    confidence
+        Level of the interval (Clopper and Pearson 1934, exact for any number of draws).
+    check
+        Any function that answers whether an assembly stands. An undecided draw does not count as
+        standing.
+    executor
+        Works on the draws side by side.
+    progress
+    """
+    if draws < 1:
+        raise InputError(f"{draws} draws", remedy="give one or more")
+    if not 0.0 < confidence < 1.0:
+        raise InputError(f"confidence is {confidence}", remedy="give a share between 0 and 1")
+    task = partial(_draw, assembly, contacts, imperfections, resting(assembly, load), check)
+    seeds = np.random.SeedSequence(seed).spawn(draws)
+    answers: Iterable[Verdict] = map(task, seeds) if executor is None else executor.map(task, seeds)
+    verdicts: list[Verdict] = []
+    for verdict in answers:
+        verdicts.append(verdict)
+        if progress is not None:
+            progress("draws", len(verdicts), draws)
+    standing = sum(verdict in (Verdict.STABLE, Verdict.EQUILIBRIUM_EXISTS) for verdict in verdicts)
+    interval = stats.binomtest(standing, draws).proportion_ci(confidence, method="exact")
+    return Tolerance(
+        tuple(verdicts), standing / draws, (float(interval.low), float(interval.high)), confidence
+    )
+
+
+def _draw(
+    assembly: Assembly,
+    contacts: Contacts,
+    imperfections: Imperfections,
+    load: LoadCase,
+    check: Check,
+    seed: np.random.SeedSequence,
+) -> Verdict:
+    return check(assembly, imperfect(contacts, imperfections, seed), load).verdict
+
+
+def imperfect(
+    contacts: Contacts, imperfections: Imperfections, seed: int | np.random.SeedSequence
+) -> Contacts:
+    """One draw of imperfect joints."""
+    rng = np.random.default_rng(seed)
+    m = contacts.count
+    friction = contacts.friction
+    if imperfections.friction is not None:
+        friction = rng.uniform(*imperfections.friction, m)
+    lost = rng.random(contacts.corner_count) < imperfections.corner_loss
+    point, interface = _chipped(contacts, lost, imperfections.loss_reach)
+    size = np.sqrt(contacts.area)
+    slide = imperfections.offset * size[:, None] * rng.standard_normal((m, 2))
+    point = point + np.einsum("mi,mij->mj", slide, contacts.frame[:, 1:])[interface]
+    frame = contacts.frame
+    turn = imperfections.tilt_deg * rng.standard_normal((m, 2))
+    if imperfections.tilt_deg > 0.0:
+        axis = np.einsum("mi,mij->mj", turn, frame[:, 1:])
+        angle = np.linalg.norm(turn, axis=1)
+        turns = np.array([rotation_about(a, t) for a, t in zip(axis, angle, strict=True)])
+        frame = frame @ np.swapaxes(turns, 1, 2)
+        arm = point - contacts.centroid[interface]
+        point = contacts.centroid[interface] + np.einsum("kij,kj->ki", turns[interface], arm)
+    changed = replace(contacts, frame=frame, friction=friction, point=point, interface=interface)
+    return replace(changed, area=np.where(contacts.area > 0.0, _areas(changed), 0.0))
+
+
+def _areas(contacts: Contacts) -> Floats:
+    total = np.zeros(contacts.count)
+    np.add.at(total, contacts.interface, contacts.tributary)
+    return total
+
+
+def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats, np.ndarray]:
+    """Corners with some of them cut off: two new ones on the edges beside each."""
+    after = following(contacts.start)
+    before = np.empty_like(after)
+    before[after] = np.arange(len(after))
+    here = contacts.point
+    polygonal = np.diff(contacts.start)[contacts.interface] > 2
+    cut = lost & polygonal
+    pieces = np.where(cut, 2, 1)
+    point = np.repeat(here, pieces, axis=0)
+    first = np.cumsum(pieces) - pieces
+    point[first[cut]] = here[cut] + reach * (here[before[cut]] - here[cut])
+    point[first[cut] + 1] = here[cut] + reach * (here[after[cut]] - here[cut])
+    return point, np.repeat(contacts.interface, pieces)
+
+
+__all__ = ["Imperfections", "Tolerance", "imperfect", "tolerance"]
