@@ -1,7 +1,17 @@
 """drystone: does a structure of loose blocks stand by contact and friction alone?
 
-The names below are the public API. Each is loaded when it is first asked for, so that
-``import drystone`` does no work and pulls in no solver, plotting or CAD package.
+The names below are the public API: types, errors, and the main job from a file to a picture. Each
+is loaded when it is first asked for, so that ``import drystone`` does no work and pulls in no
+solver, plotting or CAD package. Model families are in :mod:`drystone.models`, voussoirs from a
+surface in :mod:`drystone.shells`, and every option and report beside the function that takes or
+gives it.
+
+>>> import drystone
+>>> from drystone.models import tower
+>>> assembly = tower(3)
+>>> contacts = drystone.find_contacts(assembly, friction=0.6).contacts
+>>> drystone.check(assembly, contacts).verdict
+<Verdict.STABLE: 'stable'>
 """
 
 from importlib import import_module
@@ -11,11 +21,16 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly as Assembly
     from drystone.assembly import Block as Block
     from drystone.contacts import Contacts as Contacts
+    from drystone.detection import DetectionOptions as DetectionOptions
+    from drystone.detection import find_contacts as find_contacts
     from drystone.errors import DrystoneError as DrystoneError
     from drystone.errors import FormatError as FormatError
     from drystone.errors import InputError as InputError
     from drystone.errors import MissingDependency as MissingDependency
     from drystone.errors import SolverError as SolverError
+    from drystone.io import Model as Model
+    from drystone.io import read as read
+    from drystone.io import write as write
     from drystone.loads import LoadCase as LoadCase
     from drystone.results import Residuals as Residuals
     from drystone.results import Result as Result
@@ -24,6 +39,8 @@ if TYPE_CHECKING:
     from drystone.stability import RBEOptions as RBEOptions
     from drystone.stability import check as check
     from drystone.stability import solve_rbe as solve_rbe
+    from drystone.view import save_figure as save_figure
+    from drystone.view import save_page as save_page
 
 __version__ = "0.1.0"
 
@@ -32,18 +49,25 @@ _HOME = {
     "Block": "assembly",
     "CheckOptions": "stability",
     "Contacts": "contacts",
+    "DetectionOptions": "detection",
     "DrystoneError": "errors",
     "FormatError": "errors",
     "InputError": "errors",
     "LoadCase": "loads",
     "MissingDependency": "errors",
+    "Model": "io",
     "RBEOptions": "stability",
     "Residuals": "results",
     "Result": "results",
     "SolverError": "errors",
     "Verdict": "results",
     "check": "stability",
+    "find_contacts": "detection",
+    "read": "io",
+    "save_figure": "view",
+    "save_page": "view",
     "solve_rbe": "stability",
+    "write": "io",
 }
 """The module that each public name lives in."""
 

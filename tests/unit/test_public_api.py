@@ -1,0 +1,92 @@
+"""What ``import drystone`` offers: its names, what they say of themselves, and that it is true."""
+
+import ast
+import doctest
+import importlib
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import drystone
+
+PACKAGE = Path(drystone.__file__).parent
+MODULES = sorted(
+    ".".join(("drystone", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(
+        ".__init__"
+    )
+    for path in PACKAGE.rglob("*.py")
+    if path.name != "__main__.py"
+)
+
+
+def source(module: str) -> str:
+    """Text of a module, found without importing it."""
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    return file.read_text(encoding="utf-8")
+
+
+WITH_EXAMPLES = [module for module in MODULES if ">>> " in source(module)]
+
+
+def declared(tree: ast.Module) -> dict[str, str]:
+    """Home of each name that ``drystone/__init__.py`` imports for type checkers."""
+    (block,) = [
+        node
+        for node in tree.body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    ]
+    return {
+        alias.asname or alias.name: node.module or ""
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+
+def test_all_is_what_is_visible() -> None:
+    """In a fresh interpreter: other tests import modules, which then are visible as well."""
+    code = "import drystone; print(*(n for n in dir(drystone) if not n.startswith('_')))"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == sorted(drystone.__all__)
+
+
+def test_a_star_import_brings_every_public_name() -> None:
+    names: dict[str, object] = {}
+    exec("from drystone import *", names)
+    assert set(drystone.__all__) <= set(names)
+
+
+def test_type_checkers_see_the_same_names_in_the_same_places() -> None:
+    homes = declared(ast.parse(source("drystone")))
+    assert set(homes) == set(drystone.__all__)
+    for name, module in homes.items():
+        assert getattr(drystone, name) is getattr(importlib.import_module(module), name)
+
+
+def test_an_unknown_name_is_refused() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'chek'"):
+        drystone.chek  # noqa: B018
+
+
+@pytest.mark.parametrize("name", drystone.__all__)
+def test_every_public_name_says_what_it_is(name: str) -> None:
+    """In its own words: a docstring that is inherited, or made by dataclass, says nothing."""
+    value = getattr(drystone, name)
+    words = value.__dict__.get("__doc__") if inspect.isclass(value) else value.__doc__
+    assert words
+    assert not words.startswith(f"{name}(")
+
+
+@pytest.mark.parametrize("module", WITH_EXAMPLES)
+def test_examples_in_docstrings_are_true(module: str) -> None:
+    result = doctest.testmod(importlib.import_module(module), verbose=False)
+    assert result.attempted > 0
+    assert result.failed == 0
+
+
+def test_there_are_examples() -> None:
+    assert len(WITH_EXAMPLES) > 20
