@@ -1,0 +1,63 @@
+"""What a block needs at the least, from its own equilibrium with everything around it held.
+
+A block that has no equilibrium when all its neighbours hold still has none when they may move as
+well. That settles many stages at the price of one block, and gives a lower bound on the help that
+any order needs: where two blocks need each other, whichever comes first is propped, or both come
+together.
+"""
+
+from __future__ import annotations
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.loads import LoadCase
+from drystone.results import Result, Verdict
+from drystone.sequence.stages import Model, Stage, members
+from drystone.stability import RBEOptions, solve_rbe
+
+
+def balance(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """Rigid-block equilibrium alone: necessary for standing."""
+    return solve_rbe(assembly, contacts, load, options=RBEOptions(tension=False))
+
+
+class LocalBalance:
+    """Single blocks among held neighbours; remembers."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = Model(model.assembly, model.contacts, model.load, balance)
+        self._known: dict[tuple[int, int], bool] = {}
+
+    def holds(self, block: int, placed: int) -> bool:
+        """Whether contact forces from what is in place, all of it held, can balance a block."""
+        around = self.model.neighbours[block] & placed
+        key = (block, around)
+        if key not in self._known:
+            answer = self.model.solve(Stage(around | 1 << block, around))
+            self._known[key] = answer.verdict is not Verdict.UNSTABLE
+        return self._known[key]
+
+    def unbalanced(self, blocks: int, placed: int) -> tuple[int, ...]:
+        """Those of some blocks that have no equilibrium among what is in place."""
+        return tuple(b for b in members(blocks) if not self.holds(b, placed))
+
+    def helpless_pairs(self) -> tuple[int, ...]:
+        """Disjoint pairs of blocks, as bits, of which at least one needs help in any order."""
+        free = self.model.everything
+        pairs = []
+        for block in members(free):
+            if not free >> block & 1:
+                continue
+            for other in members(self.model.neighbours[block] & free):
+                if self._needs(block, other) and self._needs(other, block):
+                    pairs.append(1 << block | 1 << other)
+                    free &= ~pairs[-1]
+                    break
+        return tuple(pairs)
+
+    def _needs(self, block: int, other: int) -> bool:
+        """Whether a block has no equilibrium without a neighbour, all others being there."""
+        return not self.holds(block, self.model.everything & ~(1 << other))
+
+
+__all__ = ["LocalBalance", "balance"]

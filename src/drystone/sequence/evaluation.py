@@ -1,0 +1,293 @@
+"""Many stages at once: remembered by part, on any executor, resumed from a checkpoint."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import logging
+import pickle
+import time
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from drystone.errors import FormatError
+from drystone.io.files import PathLike, write_bytes
+from drystone.results import Verdict
+from drystone.sequence.stages import Answer, Model, Stage
+
+ExecutorFactory: TypeAlias = Callable[[], Executor]
+"""Starts workers; called again when one of them died and took the executor with it."""
+
+FORMAT, VERSION = "drystone-stages", 1
+SAVE_EVERY_S = 10.0
+"""Between two writes of the checkpoint. Chosen: what a user does not mind losing."""
+REVIVALS = 5
+"""Times that workers are started anew before the work is done here. Chosen: a worker that dies
+more often than this dies of the work."""
+
+_log = logging.getLogger(__name__)
+
+
+class Evaluator:
+    """Answers about stages of one model.
+
+    Parameters
+    ----------
+    model
+    executor
+        An executor, or a function that starts one; without it, the work is done here. One that was
+        started by the function is shut down at the end, a given one is left alone.
+    checkpoint
+        File that keeps every answer; when it exists and belongs to this model, work goes on from
+        there.
+
+    Attributes
+    ----------
+    solved
+        Parts that were checked, as against remembered ones.
+    solve_s
+        Time spent on them, from here.
+
+    Raises
+    ------
+    FormatError
+        The checkpoint belongs to another model, or cannot be read.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        executor: Executor | ExecutorFactory | None = None,
+        checkpoint: PathLike | None = None,
+    ) -> None:
+        self.model = model
+        self.solved = 0
+        self.solve_s = 0.0
+        self._known: dict[Stage, Answer] = {}
+        self._factory = None if isinstance(executor, Executor) else executor
+        self._executor = executor if isinstance(executor, Executor) else None
+        self._revivals = 0
+        self._file = None if checkpoint is None else Path(checkpoint)
+        self._saved = time.monotonic()
+        if self._file is not None and self._file.exists():
+            self._known = read_checkpoint(self._file, model)
+
+    @functools.cached_property
+    def _payload(self) -> bytes:
+        return pickle.dumps(self.model)
+
+    @property
+    def batch(self) -> int:
+        """How many stages are worth asking for at once."""
+        if self._executor is None and self._factory is None:
+            return 1
+        return int(getattr(self._start(), "_max_workers", None) or 2)
+
+    def __enter__(self) -> Evaluator:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.save()
+        if self._factory is not None and self._executor is not None:
+            self._executor.shutdown(wait=kind is None, cancel_futures=True)
+            self._executor = None
+
+    def answer(self, stage: Stage, *, forces: bool = False) -> Answer:
+        """Whether a stage stands; with ``forces``, checked again if they were not kept."""
+        return self.answers([stage], forces=forces)[0]
+
+    def answers(self, stages: Sequence[Stage], *, forces: bool = False) -> list[Answer]:
+        """Whether each of some stages stands."""
+        parts = [self.model.parts(stage) for stage in stages]
+        wanted = dict.fromkeys(part for some in parts for part in some)
+        missing = [part for part in wanted if not self._has(part, forces)]
+        if missing:
+            began = time.perf_counter()
+            for part, found in self._solve(missing):
+                self._known[part] = found
+                self.solved += 1
+                if time.monotonic() - self._saved > SAVE_EVERY_S:
+                    self.save()
+            self.solve_s += time.perf_counter() - began
+        return [
+            self.model.combine(stage, (self._known[part] for part in some))
+            for stage, some in zip(stages, parts, strict=True)
+        ]
+
+    def save(self) -> None:
+        """Write the checkpoint, if there is one."""
+        self._saved = time.monotonic()
+        if self._file is not None:
+            write_checkpoint(self._file, self.model, self._known)
+
+    def _has(self, part: Stage, forces: bool) -> bool:
+        known = self._known.get(part)
+        return known is not None and not (forces and known.stands and not len(known.corner))
+
+    def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, Answer]]:
+        left = list(parts)
+        while left and len(parts) > 1 and (self._executor or self._factory):
+            try:
+                futures = [self._submit(part) for part in left]
+                for future in futures:
+                    yield left[0], future.result()
+                    del left[0]
+            except (BrokenExecutor, ConnectionError) as error:
+                self._revive(error)
+        for part in left:
+            yield part, self.model.solve(part)
+
+    def _start(self) -> Executor | None:
+        if self._executor is None and self._factory is not None:
+            self._executor = self._factory()
+        return self._executor
+
+    def _submit(self, part: Stage) -> Future[Answer]:
+        executor = self._start()
+        if executor is None:
+            raise BrokenExecutor("no workers are left")
+        return executor.submit(solve_remote, self._payload, part)
+
+    def _revive(self, error: BaseException) -> None:
+        """After a worker died: new ones where we can start them, else we go on alone."""
+        self._revivals += 1
+        _log.warning("a worker died (%s); its stages are checked again", error)
+        if self._factory is not None and self._executor is not None:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+        self._executor = None
+        if self._revivals > REVIVALS:
+            self._factory = None
+
+
+def solve_remote(payload: bytes, part: Stage) -> Answer:
+    """The verdict on one part in a worker, which unpacks the model once."""
+    return _unpacked(payload).solve(Stage(*part))
+
+
+@functools.lru_cache(maxsize=2)
+def _unpacked(payload: bytes) -> Model:
+    model = pickle.loads(payload)
+    if not isinstance(model, Model):
+        raise TypeError(f"a worker was sent a {type(model).__name__}")
+    return model
+
+
+def fingerprint(model: Model) -> str:
+    """What tells one model from another: geometry, contacts, friction, load, and the judge."""
+    digest = hashlib.sha256()
+    contacts, assembly = model.contacts, model.assembly
+    for array in (
+        assembly.fixed, assembly.centroid, assembly.mass, contacts.block_a, contacts.block_b,
+        contacts.frame, contacts.friction, contacts.point, contacts.interface, model.load.wrench,
+    ):  # fmt: skip
+        digest.update(np.ascontiguousarray(array).tobytes())
+    judge = model.judge
+    digest.update(repr(getattr(judge, "__qualname__", judge)).encode())
+    return digest.hexdigest()
+
+
+def write_checkpoint(path: Path, model: Model, known: dict[Stage, Answer]) -> None:
+    """Keep answers, without their forces, as JSON; written aside and renamed."""
+    data = {
+        "format": FORMAT,
+        "version": VERSION,
+        "model": fingerprint(model),
+        "parts": [
+            {
+                "placed": f"{part.placed:x}",
+                "held": f"{part.held:x}",
+                "verdict": found.verdict.name,
+                "message": found.message,
+                "falling": list(found.falling),
+                "reaction": {str(b): wrench.tolist() for b, wrench in found.reaction.items()},
+                "used": found.used,
+            }
+            for part, found in known.items()
+        ],
+    }
+    write_bytes(path, json.dumps(data).encode("ascii"))
+
+
+def read_checkpoint(path: Path, model: Model) -> dict[Stage, Answer]:
+    """The answers that a checkpoint holds.
+
+    Raises
+    ------
+    FormatError
+        It cannot be read, or belongs to another model.
+    """
+    try:
+        data = json.loads(path.read_bytes())
+        if data["format"] != FORMAT or data["version"] != VERSION:
+            raise FormatError("is no checkpoint of this version", where=str(path))
+        if data["model"] != fingerprint(model):
+            raise FormatError(
+                "the checkpoint belongs to another model",
+                where=str(path),
+                remedy="name another file, or remove this one",
+            )
+        return {_stage(record): _answer(record) for record in data["parts"]}
+    except FormatError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise FormatError(
+            "the checkpoint cannot be read", where=str(path), remedy="remove it to start anew"
+        ) from error
+
+
+def _stage(record: Any) -> Stage:
+    return Stage(int(record["placed"], 16), int(record["held"], 16))
+
+
+def _answer(record: Any) -> Answer:
+    return Answer(
+        Verdict[record["verdict"]],
+        str(record["message"]),
+        tuple(int(b) for b in record["falling"]),
+        {int(b): np.array(wrench, dtype=np.float64) for b, wrench in record["reaction"].items()},
+        float(record["used"]),
+    )
+
+
+@dataclass(frozen=True)
+class LocalWorkers:
+    """Starts worker processes on this machine: an :data:`ExecutorFactory`.
+
+    Attributes
+    ----------
+    count
+    """
+
+    count: int
+
+    def __call__(self) -> Executor:
+        """Start them."""
+        import multiprocessing
+        from concurrent.futures import ProcessPoolExecutor
+
+        # spawned, not forked: numerical libraries keep threads, which a fork would tear
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(self.count, mp_context=context)
+
+
+__all__ = [
+    "Evaluator",
+    "ExecutorFactory",
+    "LocalWorkers",
+    "read_checkpoint",
+    "solve_remote",
+    "write_checkpoint",
+]

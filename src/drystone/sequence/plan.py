@@ -1,0 +1,282 @@
+"""A plan: the steps of an assembly, the state of every block, the props, and what they carry."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from drystone.geometry.arrays import Floats
+from drystone.results import Verdict
+from drystone.sequence.stages import Answer, Model, members
+
+
+class Status(enum.Enum):
+    """How a block gets to its place."""
+
+    SUPPORT = "support"
+    """It is there from the beginning."""
+    FREE = "free"
+    """Placed alone; stands at once."""
+    HELD = "held"
+    """Placed together with its partners: one is put down while hands hold the others."""
+    PROPPED = "propped"
+    """Needs scaffolding for some stages."""
+    IMPOSSIBLE = "impossible"
+    """Cannot be put in at all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """Blocks that are placed between two stages that stand by themselves or by their props.
+
+    Attributes
+    ----------
+    blocks
+        In the order in which they are put in; all but the last are held until the last is in.
+    motion : (b, 3) unit
+        Direction in which each of them is moved into place.
+    props
+        Blocks that are propped once the step is done.
+    placed
+        All free blocks in place, as bits.
+    answer
+        Of the stage at the end of the step.
+    during
+        Answers while blocks are held, one after each block but the last.
+    """
+
+    blocks: tuple[int, ...]
+    motion: Floats
+    props: tuple[int, ...]
+    placed: int
+    answer: Answer
+    during: tuple[Answer, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Prop:
+    """Scaffolding under one block.
+
+    Attributes
+    ----------
+    block
+    first, last
+        Steps, counted from 0, after which it is in place; ``last`` is the last of all where the
+        complete structure does not stand without it.
+    wrench : (6,) [N, N m]
+        The largest that it supplies, about the block's centroid.
+    """
+
+    block: int
+    first: int
+    last: int
+    wrench: Floats
+
+    @property
+    def stages(self) -> int:
+        """For how many stages it is needed."""
+        return self.last - self.first + 1
+
+    @property
+    def force(self) -> float:
+        """[N], the size of its largest force."""
+        return float(np.linalg.norm(self.wrench[:3]))
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """An order of assembly.
+
+    Attributes
+    ----------
+    model
+    complete
+        Answer of the complete structure, without props.
+    steps
+        Empty when nothing was planned.
+    impossible
+        Blocks that cannot be put in, and why; they are taken to be there from the beginning.
+    message
+        For a person.
+    proved
+        Whether no other order needs fewer props, or as many and fewer simultaneous placements.
+    solved
+        Checks of connected parts that were made; ``solve_s`` is the time that they took.
+    """
+
+    model: Model
+    complete: Answer
+    steps: tuple[Step, ...] = ()
+    impossible: Mapping[int, str] = field(default_factory=dict)
+    message: str = ""
+    proved: bool = False
+    solved: int = 0
+    solve_s: float = 0.0
+
+    def __bool__(self) -> bool:
+        raise TypeError("a plan is neither true nor false; ask for its counts or its verdict")
+
+    @property
+    def verdict(self) -> Verdict:
+        """Of the plan: STABLE when every stage stands, with the props that it names."""
+        if not self.steps:
+            return self.complete.verdict
+        answers = [a for step in self.steps for a in (*step.during, step.answer)]
+        return next((a.verdict for a in answers if not a.stands), Verdict.STABLE)
+
+    @cached_property
+    def order(self) -> tuple[str, ...]:
+        """Names in the order of assembly."""
+        names = self.model.assembly.names
+        return tuple(names[b] for step in self.steps for b in step.blocks)
+
+    @cached_property
+    def step_of(self) -> Mapping[int, int]:
+        """Step that places each block."""
+        return {b: i for i, step in enumerate(self.steps) for b in step.blocks}
+
+    @cached_property
+    def props(self) -> tuple[Prop, ...]:
+        """All scaffolding, in the order in which it is needed."""
+        out = []
+        for block in dict.fromkeys(b for step in self.steps for b in step.props):
+            when = [i for i, step in enumerate(self.steps) if block in step.props]
+            found = [
+                answer.reaction[block]
+                for i in when
+                for answer in (*self.steps[i].during, self.steps[i].answer)
+                if block in answer.reaction
+            ]
+            out.append(Prop(block, when[0], when[-1], max(found, key=_size)))
+        return tuple(out)
+
+    @cached_property
+    def status(self) -> tuple[Status, ...]:
+        """(n,) of each block."""
+        fixed = self.model.assembly.fixed
+        propped = {prop.block for prop in self.props}
+        held = {b for step in self.steps if len(step.blocks) > 1 for b in step.blocks}
+
+        def of(block: int) -> Status:
+            if fixed[block]:
+                return Status.SUPPORT
+            if block in self.impossible:
+                return Status.IMPOSSIBLE
+            if block in propped:
+                return Status.PROPPED
+            return Status.HELD if block in held else Status.FREE
+
+        return tuple(of(block) for block in range(len(fixed)))
+
+    def partners(self, block: int) -> tuple[int, ...]:
+        """Blocks that are placed together with this one."""
+        step = self.step_of.get(block)
+        together = () if step is None else self.steps[step].blocks
+        return tuple(b for b in together if b != block)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of blocks of each status; nothing is known of blocks that were not planned."""
+        known = self.status if self.steps or self.impossible else ()
+        return {one.value: sum(s is one for s in known) for one in Status}
+
+    @property
+    def drop(self) -> float:
+        """[m], how far the work goes down again from one placement to the next, summed."""
+        return drop_of(self.model, [b for step in self.steps for b in step.blocks])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values: counts, order, steps, blocks, props."""
+        names = self.model.assembly.names
+        return {
+            "verdict": self.verdict.value,
+            "complete": self.complete.verdict.value,
+            "message": self.message,
+            "proved": self.proved,
+            "counts": self.counts,
+            "drop_m": self.drop,
+            "order": list(self.order),
+            "steps": [self._step(i) for i in range(len(self.steps))],
+            "blocks": [
+                {
+                    "block": names[b],
+                    "status": self.status[b].value,
+                    "step": self.step_of.get(b),
+                    "partners": [names[p] for p in self.partners(b)],
+                    "why": self.impossible.get(b, ""),
+                }
+                for b in range(len(names))
+                if self.steps or b in self.impossible
+            ],
+            "props": [
+                {
+                    "block": names[prop.block],
+                    "first_step": prop.first,
+                    "last_step": prop.last,
+                    "stages": prop.stages,
+                    "at": self.model.assembly.centroid[prop.block].tolist(),
+                    "force": prop.wrench[:3].tolist(),
+                    "moment": prop.wrench[3:].tolist(),
+                }
+                for prop in self.props
+            ],
+            "checks": self.solved,
+            "solve_s": self.solve_s,
+        }
+
+    def _step(self, number: int) -> dict[str, Any]:
+        step = self.steps[number]
+        names = self.model.assembly.names
+        return {
+            "step": number,
+            "blocks": [names[b] for b in step.blocks],
+            "status": [self.status[b].value for b in step.blocks],
+            "motion": step.motion.tolist(),
+            "propped": [names[b] for b in step.props],
+            "verdict": step.answer.verdict.value,
+            "friction_used": step.answer.used,
+        }
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A table with a row per block in the order of assembly: stage, block, status, prop."""
+        names = self.model.assembly.names
+        prop = {one.block: one for one in self.props}
+        return [
+            {
+                "stage": number + 1,
+                "block": names[block],
+                "status": self.status[block].value,
+                "with": " ".join(names[p] for p in self.partners(block)),
+                "prop_force_N": prop[block].force if block in prop else 0.0,
+                "prop_stages": prop[block].stages if block in prop else 0,
+                "propped_now": len(step.props),
+                "friction_used": step.answer.used,
+            }
+            for number, step in enumerate(self.steps)
+            for block in step.blocks
+        ]
+
+
+def drop_of(model: Model, order: Sequence[int]) -> float:
+    """[m], how far the work goes down again in an order of placement, summed."""
+    height = model.height[list(order)]
+    return float(np.maximum(0.0, -np.diff(height)).sum()) if len(height) > 1 else 0.0
+
+
+def placed_before(plan: Plan, number: int) -> int:
+    """Blocks in place before a step begins, as bits."""
+    if number > 0:
+        return plan.steps[number - 1].placed
+    return plan.steps[0].placed & ~sum(1 << b for b in plan.steps[0].blocks)
+
+
+def _size(wrench: Floats) -> float:
+    return float(np.linalg.norm(wrench[:3]))
+
+
+__all__ = ["Plan", "Prop", "Status", "Step", "drop_of", "members", "placed_before"]

@@ -1,0 +1,263 @@
+"""Plans: check the complete structure, take it apart, and tell how to put it together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.io.files import PathLike
+from drystone.loads import LoadCase
+from drystone.progress import Progress
+from drystone.sequence.evaluation import Evaluator, ExecutorFactory
+from drystone.sequence.exact import search_exactly
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.plan import Plan, Step
+from drystone.sequence.rules import Bound, Rules, bind
+from drystone.sequence.search import Found, Node, Search, SearchOptions
+from drystone.sequence.stages import Answer, Check, Model, Stage, check_once, mask_of, members
+
+EFFORT = 2000
+"""Checks without progress, times free blocks, before the planner gives in and holds or props.
+Chosen: 250 for 8 blocks, where all stages can be seen, 30 for a dome of 60."""
+
+POLISHED = 8
+"""Props of one stage that are tried one by one whether they are needed there."""
+
+
+@dataclass(frozen=True)
+class PlanOptions:
+    """Options of :func:`plan`.
+
+    Attributes
+    ----------
+    rules
+    exact
+        Search all orders: for models of up to 14 free blocks.
+    patience
+        Checks without getting further before blocks are held or propped; left out, 2000 by the
+        number of free blocks. Infinite: the answer is proved to need the fewest props.
+    width
+        Blocks tried for removal at each stage. Chosen: the ends of a course and some beyond.
+    anyway
+        Plan although the complete structure does not stand; props then stay for good.
+    """
+
+    rules: Rules = field(default_factory=Rules)
+    exact: bool = False
+    patience: float | None = None
+    width: int = 16
+    anyway: bool = False
+
+
+def plan(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase | None = None,
+    *,
+    options: PlanOptions | None = None,
+    check: Check = check_once,
+    executor: Executor | ExecutorFactory | None = None,
+    checkpoint: PathLike | None = None,
+    progress: Progress | None = None,
+) -> Plan:
+    """In which order to assemble, what to hold, what to prop.
+
+    Blocks are taken away from the complete structure such that what remains stands; the order of
+    assembly is the reverse. A stage is the set of blocks in place, and each is given the full
+    verdict.
+
+    Parameters
+    ----------
+    assembly
+    contacts
+        Of the complete assembly.
+    load
+        Gravity along -z when left out.
+    options
+    check
+        The verdict on a stage.
+    executor
+        Where stages are checked: an executor, or a function that starts one and is called again
+        when it breaks. The plan does not depend on it.
+    checkpoint
+        File to go on from after an interruption.
+    progress
+
+    Returns
+    -------
+    Plan
+        Without steps when the complete structure does not stand.
+
+    Raises
+    ------
+    InputError
+        Rules that contradict themselves or name unknown blocks, no hand, no support.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> from drystone.detection import find_contacts
+    >>> assembly = tower(4)
+    >>> found = plan(assembly, find_contacts(assembly).contacts)
+    >>> found.order
+    ('block-1', 'block-2', 'block-3')
+    >>> found.counts["free"]
+    3
+    """
+    chosen = options if options is not None else PlanOptions()
+    case = load if load is not None else LoadCase.gravity(assembly)
+    model = Model(assembly, contacts, case, check)
+    removal = RemovalTest(model)
+    bound = bind(chosen.rules, model, removal)
+    with Evaluator(model, executor=executor, checkpoint=checkpoint) as evaluator:
+        complete = evaluator.answer(Stage(model.everything))
+        if not complete.stands and not chosen.anyway:
+            falling = ", ".join(assembly.names[b] for b in complete.falling[:6])
+            return Plan(
+                model,
+                complete,
+                message="the complete structure does not stand"
+                + (f": {falling} fall; {complete.message}" if falling else f"; {complete.message}"),
+                solved=evaluator.solved,
+                solve_s=evaluator.solve_s,
+            )
+        planner = _Planner(evaluator, bound, removal, chosen, progress)
+        return planner.run(complete)
+
+
+class _Planner:
+    """Search, then the plan that follows from the stages found."""
+
+    def __init__(
+        self,
+        evaluator: Evaluator,
+        bound: Bound,
+        removal: RemovalTest,
+        options: PlanOptions,
+        progress: Progress | None,
+    ) -> None:
+        self.evaluator = evaluator
+        self.model = evaluator.model
+        self.bound = bound
+        self.removal = removal
+        self.options = options
+        self.progress = progress
+
+    def run(self, complete: Answer) -> Plan:
+        free = self.model.everything.bit_count()
+        patience = self.options.patience
+        if patience is None:
+            patience = max(4.0, EFFORT / max(1, free))
+        whole = self.options.exact or math.isinf(patience)
+        search = Search(
+            self.evaluator,
+            self.bound,
+            self.removal,
+            SearchOptions(patience, 2**30 if whole else self.options.width),
+            bounded=whole and not self.options.exact,
+            progress=self.progress,
+        )
+        root = Node(self.model.everything, 0)
+        if not complete.stands:
+            root = replace(search.prop(root, complete), cost=(0, 0))
+        found = search_exactly(search, root) if self.options.exact else search.run(root)
+        return self.describe(complete, found)
+
+    def describe(self, complete: Answer, found: Found) -> Plan:
+        path = found.path[::-1]
+        active = self.active_props(path)
+        steps = []
+        for number in range(1, len(path)):
+            steps.append(self.step(path[number - 1], path[number], active[number]))
+            if self.progress is not None:
+                self.progress("verifying stages", number, len(path) - 1)
+        impossible = {b: self.bound.reasons[b] for b in members(self.bound.core)}
+        return Plan(
+            self.model,
+            complete,
+            tuple(steps),
+            impossible,
+            _message(complete, steps, impossible),
+            found.proved and not impossible,
+            self.evaluator.solved,
+            self.evaluator.solve_s,
+        )
+
+    def active_props(self, path: Sequence[Node]) -> list[int]:
+        """Props at each stage, in the order of assembly: from first to last need, no longer."""
+        needed = [self.needed(node) for node in path]
+        ever = 0
+        for mask in needed:
+            ever |= mask
+        active = [0] * len(path)
+        for block in members(ever):
+            when = [i for i, mask in enumerate(needed) if mask >> block & 1]
+            for i in range(when[0], when[-1] + 1):
+                active[i] |= 1 << block
+        answers = self.evaluator.answers(
+            [Stage(n.placed, a) for n, a in zip(path, active, strict=True)]
+        )
+        return [
+            mask if answer.stands else least
+            for mask, answer, least in zip(active, answers, needed, strict=True)
+        ]
+
+    def needed(self, node: Node) -> int:
+        """Props of a stage without which it falls, tried one by one where there are few."""
+        if not node.props or self.evaluator.answer(Stage(node.placed)).stands:
+            return 0
+        mask = node.props
+        if mask.bit_count() <= POLISHED:
+            for block in members(mask):
+                if self.evaluator.answer(Stage(node.placed, mask & ~(1 << block))).stands:
+                    mask &= ~(1 << block)
+        return mask
+
+    def step(self, before: Node, after: Node, props: int) -> Step:
+        """Assembly from one stage to the next; the group of the search left in reverse."""
+        blocks = before.group[::-1]
+        during = []
+        placed = before.placed
+        for number, block in enumerate(blocks[:-1]):
+            placed |= 1 << block
+            held = mask_of(blocks[: number + 1])
+            stage = Stage(placed, held | (props | before.props) & placed)
+            during.append(self.evaluator.answer(stage, forces=True))
+        placed = before.placed
+        motion = []
+        for block in blocks:
+            way = self.removal.freedom(block, placed).preferred
+            motion.append(-(way if way is not None else self.model.up))
+            placed |= 1 << block
+        answer = self.evaluator.answer(Stage(after.placed, props), forces=True)
+        return Step(
+            blocks,
+            np.array(motion).reshape(-1, 3),
+            tuple(members(props)),
+            after.placed,
+            answer,
+            tuple(during),
+        )
+
+
+def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]) -> str:
+    if not steps:
+        return "no block can be taken out" if impossible else "nothing is to be placed"
+    unsure = sum(not step.answer.stands for step in steps)
+    words = []
+    if not complete.stands:
+        words.append("the complete structure does not stand without its props")
+    if impossible:
+        words.append(f"{len(impossible)} blocks cannot be put in")
+    if unsure:
+        words.append(f"{unsure} stages could not be shown to stand")
+    return "; ".join(words) or "every stage stands"
+
+
+__all__ = ["PlanOptions", "plan"]

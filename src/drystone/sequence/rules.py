@@ -1,0 +1,236 @@
+"""What a plan must respect: hands, payload, what comes first, in which order to try."""
+
+from __future__ import annotations
+
+import enum
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drystone.errors import InputError
+from drystone.geometry.arrays import Floats, Ints
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.stages import Model, mask_of, members
+
+COURSE = re.compile(r"^[A-Za-z]+[-_]?(\d+)[-_.]")
+"""Names such as ``c06-b03`` tell their course."""
+
+
+class Order(enum.Enum):
+    """In which order blocks are tried for removal; assembly runs the other way."""
+
+    COURSE = "course"
+    """The last course first: by name (``c06-b03``), else by the number of joints to a support."""
+    TOP = "top"
+    """The highest first."""
+    BOUNDARY = "boundary"
+    """The farthest from a support first."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Limits and wishes.
+
+    Attributes
+    ----------
+    hands
+        Hands or robots: one places a block, the others may hold one each meanwhile.
+    payload : [kg]
+        Of each of them; heavier blocks need several, heavier props are scaffolding.
+    before
+        Pairs of names: the first is placed before the second.
+    reach
+        Groups of names: every block of a group is placed before any of the next. Blocks that are
+        not named come when they like.
+    order
+        Or a list of names in the order of assembly, which is then followed where it can be. Blocks
+        that are not named are placed first.
+    """
+
+    hands: int = 2
+    payload: float = float("inf")
+    before: Sequence[tuple[str, str]] = ()
+    reach: Sequence[Sequence[str]] = ()
+    order: Order | Sequence[str] = Order.COURSE
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """Rules as they bind one model.
+
+    Attributes
+    ----------
+    rules
+    after : per block the set of blocks that must be placed later
+    rank : (n,) lower is removed earlier
+    lifters : (n,) hands that a block needs
+    core
+        Free blocks that can never be taken out, and so never put in, and why.
+    """
+
+    rules: Rules
+    after: tuple[int, ...]
+    rank: Ints
+    lifters: Ints
+    core: int
+    reasons: Mapping[int, str] = field(default_factory=dict)
+
+    def allows(self, block: int, placed: int) -> bool:
+        """Whether a block may leave before the others that are in place."""
+        return not self.after[block] & placed
+
+
+def bind(rules: Rules, model: Model, removal: RemovalTest) -> Bound:
+    """Check rules against a model.
+
+    Raises
+    ------
+    InputError
+        No hand, a payload that is not positive, unknown names, contradictory precedence.
+    """
+    if rules.hands < 1 or int(rules.hands) != rules.hands:
+        raise InputError(f"{rules.hands} hands", where="hands", remedy="one places a block")
+    if not rules.payload > 0.0:
+        raise InputError(f"is {rules.payload} kg", where="payload", remedy="give more than zero")
+    after = _after(rules, model)
+    lifters = np.maximum(1, np.ceil(model.assembly.mass / rules.payload * (1.0 - 1e-12)))
+    lifters = lifters.astype(np.intp)
+    core, reasons = _locked(model, removal, after, lifters, rules.hands)
+    return Bound(rules, after, removal_rank(rules.order, model), lifters, core, reasons)
+
+
+def removal_rank(order: Order | Sequence[str], model: Model) -> Ints:
+    """Place (n,) of each block in the order of removal; ties go against the numbering."""
+    n = len(model.assembly)
+    index = np.arange(n)
+    if isinstance(order, Order):
+        height = np.round(model.height / float(model.assembly.size.mean()), 6)
+        keys = {
+            Order.TOP: (-index, -height),
+            Order.COURSE: (-index, -courses(model)),
+            Order.BOUNDARY: (-index, -height, -distances(model)),
+        }[order]
+    else:
+        named = model.assembly.indices(order)
+        if len(np.unique(named)) != len(named):
+            raise InputError("the order names a block twice", remedy="name each block once")
+        place = np.full(n, -1)
+        place[named] = np.arange(len(named))
+        keys = (-index, -place)
+    rank = np.empty(n, dtype=np.intp)
+    rank[np.lexsort(keys)] = index
+    return rank
+
+
+def courses(model: Model) -> Floats:
+    """Course (n,) of each block, from its name, or the number of joints between it and a support.
+
+    Names tell where all supports come before all other courses; a vault that springs from its first
+    and its last course is counted from both sides.
+    """
+    found = [COURSE.match(name) for name in model.assembly.names]
+    number = np.array([float(match[1]) if match else -1.0 for match in found])
+    free = ~model.assembly.fixed
+    if (number[free] < 0.0).any() or number[~free].max() > number[free].min(initial=np.inf):
+        return distances(model)
+    return number
+
+
+def distances(model: Model) -> Floats:
+    """Joints (n,) to pass from each block to the nearest support; infinity where none is met."""
+    out = np.full(len(model.assembly), np.inf)
+    out[model.assembly.fixed] = 0.0
+    frontier = mask_of(i for i in model.assembly.free.tolist() if model.grounds[i])
+    seen, step = 0, 0
+    while frontier:
+        step += 1
+        out[list(members(frontier))] = step
+        seen |= frontier
+        near = 0
+        for block in members(frontier):
+            near |= model.neighbours[block]
+        frontier = near & ~seen
+    return out
+
+
+def _after(rules: Rules, model: Model) -> tuple[int, ...]:
+    assembly = model.assembly
+    after = [0] * len(assembly)
+    pairs = [(assembly.index(first), assembly.index(then)) for first, then in rules.before]
+    groups = [assembly.indices(group).tolist() for group in rules.reach]
+    if len({b for group in groups for b in group}) != sum(map(len, groups)):
+        raise InputError("a block is named in two groups", where="reach", remedy="name it once")
+    later = 0
+    for group in reversed(groups):
+        for block in group:
+            after[block] |= later & model.everything
+        later |= mask_of(group)
+    for first, then in pairs:
+        if assembly.fixed[then] and not assembly.fixed[first]:
+            raise InputError(
+                f"'{assembly.names[first]}' cannot come before '{assembly.names[then]}', which is "
+                "a support",
+                where="before",
+                remedy="supports are there from the beginning",
+            )
+        after[first] |= (1 << then) & model.everything
+    cycle = _cycle(after, model.everything)
+    if cycle:
+        names = " before ".join(f"'{assembly.names[b]}'" for b in cycle)
+        raise InputError(
+            f"the precedence contradicts itself: {names}",
+            where="before",
+            remedy="drop one of these",
+        )
+    return tuple(after)
+
+
+def _cycle(after: Sequence[int], blocks: int) -> list[int]:
+    """A cycle of "comes before", first block repeated at its end; empty where there is none."""
+    left = blocks
+    while True:
+        last = mask_of(b for b in members(left) if not after[b] & left)
+        if not last:
+            break
+        left &= ~last
+    if not left:
+        return []
+    path = [next(members(left))]
+    while True:
+        following = next(members(after[path[-1]] & left))
+        if following in path:
+            return [*path[path.index(following) :], following]
+        path.append(following)
+
+
+def _locked(
+    model: Model, removal: RemovalTest, after: Sequence[int], lifters: Ints, hands: int
+) -> tuple[int, dict[int, str]]:
+    """What is left when every block that can leave has left, whatever falls.
+
+    Fewer blocks in place block and forbid less, so the order does not matter.
+    """
+    left = model.everything
+    waiting = left
+    while waiting:
+        block = next(members(waiting))
+        waiting &= ~(1 << block)
+        if lifters[block] > hands or after[block] & left or not removal.free(block, left):
+            continue
+        left &= ~(1 << block)
+        waiting |= left & model.neighbours[block]
+        waiting |= mask_of(b for b in members(left) if after[b] >> block & 1)
+    reasons = {}
+    for block in members(left):
+        if lifters[block] > hands:
+            reasons[block] = f"too heavy: it needs {lifters[block]} hands of this payload"
+        elif not removal.free(block, left):
+            reasons[block] = "its joints block every translation"
+        else:
+            reasons[block] = "must be placed before blocks that are there already"
+    return left, reasons
+
+
+__all__ = ["Bound", "Order", "Rules", "bind", "courses", "distances", "removal_rank"]

@@ -1,0 +1,357 @@
+"""Best-first search over stages, backwards from the complete structure.
+
+A state is a stage and the props that were spent on it. Its cost is lexicographic: props, then
+simultaneous placements. States wait unchecked; the cheapest and, among those, the one with the
+fewest blocks left is checked next, so that without trouble the search walks straight down.
+
+Where a stage falls, every cure moves or holds one of the blocks that fall: a mechanism that leaves
+a block at rest is still one when that block is held or gone. So the ways on are, for each falling
+block, to take it away as well (it is placed together with the others), or to prop it.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from drystone.progress import Progress
+from drystone.results import Verdict
+from drystone.sequence.bounds import LocalBalance
+from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.rules import Bound
+from drystone.sequence.stages import Answer, Stage, mask_of, members
+
+Cost: TypeAlias = tuple[int, int]
+"""Props, and blocks placed together with another one."""
+
+STANDARD_GRAVITY = 9.81
+"""[m/s2], to compare what a hand holds with its payload."""
+
+PRUNED = 8
+"""Props that a forced move tries to do without again, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A stage on the way.
+
+    Attributes
+    ----------
+    placed, props
+        Bits; props are always among the placed blocks.
+    group
+        Blocks that left since the last stage that stood, in the order in which they leave.
+    cost
+    parent
+        That stage.
+    """
+
+    placed: int
+    props: int
+    group: tuple[int, ...] = ()
+    cost: Cost = (0, 0)
+    parent: Node | None = None
+
+    @property
+    def stage(self) -> Stage:
+        """What is to be checked."""
+        return Stage(self.placed, self.props)
+
+    def path(self) -> list[Node]:
+        """From the complete structure to here."""
+        out: list[Node] = [self]
+        while out[-1].parent is not None:
+            out.append(out[-1].parent)
+        return out[::-1]
+
+
+@dataclass(frozen=True)
+class SearchOptions:
+    """How hard to search.
+
+    Attributes
+    ----------
+    patience
+        Checks without getting further down before the best state so far is forced on with held
+        blocks or props. Infinite: never, the answer is proved to be the best.
+    width
+        Blocks that are tried for removal from one stage, the first ones in the order.
+    """
+
+    patience: float = float("inf")
+    width: int = 2**30
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search ended with.
+
+    Attributes
+    ----------
+    path
+        Stages that stand, from the complete one to the core.
+    proved
+        Whether no cheaper one exists.
+    """
+
+    path: list[Node]
+    proved: bool
+
+
+class Search:
+    """One search; see the module.
+
+    Parameters
+    ----------
+    evaluator
+    bound
+    removal
+    options
+    bounded
+        Guide the search by a lower bound of the cost that is left.
+    """
+
+    def __init__(
+        self,
+        evaluator: Evaluator,
+        bound: Bound,
+        removal: RemovalTest,
+        options: SearchOptions,
+        *,
+        bounded: bool = False,
+        progress: Progress | None = None,
+    ) -> None:
+        self.evaluator = evaluator
+        self.model = evaluator.model
+        self.bound = bound
+        self.removal = removal
+        self.options = options
+        self.local = LocalBalance(self.model)
+        self.pairs = self.local.helpless_pairs() if bounded else ()
+        self.progress = progress
+        self.heap: list[tuple[Cost, int, int, int, Node]] = []
+        self.pushed = 0
+        self.rounds = 0
+
+    def run(self, root: Node) -> Found:
+        """Search from a stage that stands down to the core."""
+        closed: dict[tuple[int, int, frozenset[int]], Cost] = {}
+        proved = self.options.width >= len(self.model.assembly)
+        best = root
+        waited = 0
+        self.push([root])
+        while self.heap:
+            node = heapq.heappop(self.heap)[-1]
+            before = self.evaluator.solved
+            answer = self.look(node)
+            waited += self.evaluator.solved - before
+            stands = answer.stands and self.can_hold(node)
+            key = (node.placed, node.props, frozenset(() if stands else node.group))
+            if key in closed and closed[key] <= node.cost:
+                continue
+            closed[key] = node.cost
+            if stands:
+                if node.placed & ~self.bound.core == 0:
+                    return Found(node.path(), proved)
+                if node.placed.bit_count() < best.placed.bit_count():
+                    best, waited = node, 0
+                    self.report(node)
+                self.push(self.removals(node))
+            else:
+                self.push(self.cures(node, answer))
+            if waited > self.options.patience or not self.heap:
+                proved = False
+                best = self.force(best)
+                waited = 0
+                self.report(best)
+                if best.placed & ~self.bound.core == 0:
+                    return Found(best.path(), proved)
+                self.heap.clear()
+                self.push(self.removals(best))
+        return Found(best.path(), False)
+
+    def report(self, node: Node) -> None:
+        """Tell how far down the best stage is."""
+        if self.progress is not None:
+            total = (self.model.everything & ~self.bound.core).bit_count()
+            left = (node.placed & ~self.bound.core).bit_count()
+            self.progress("planning", total - left, total)
+
+    def look(self, node: Node) -> Answer:
+        """The answer of a node; with workers, those that are likely next are asked for too.
+
+        Neighbours of what just left that cannot be balanced settle it without a check.
+        """
+        near = 0
+        for block in node.group:
+            near |= self.model.neighbours[block]
+        loose = self.local.unbalanced(near & node.placed & ~node.props, node.placed)
+        if loose:
+            return Answer(Verdict.UNSTABLE, "cannot be balanced", loose)
+        stages = [node.stage]
+        batch = self.evaluator.batch
+        if batch > 1:
+            stages += [entry[-1].stage for entry in heapq.nsmallest(batch - 1, self.heap)]
+        return self.evaluator.answers(stages)[0]
+
+    def push(self, nodes: list[Node]) -> None:
+        """Let nodes wait; earlier ones of a later call are looked at first."""
+        self.rounds += 1
+        for node in nodes:
+            self.pushed += 1
+            count = node.placed.bit_count()
+            entry = (self.estimate(node), count, -self.rounds, self.pushed, node)
+            heapq.heappush(self.heap, entry)
+
+    def estimate(self, node: Node) -> Cost:
+        """A lower bound of the cost of any way through a node."""
+        left = sum(1 for pair in self.pairs if pair & node.placed == pair and not pair & node.props)
+        props, together = node.cost
+        if self.bound.rules.hands == 1:
+            return props + left, together
+        return props, together + left
+
+    def candidates(self, placed: int) -> Iterator[int]:
+        """Blocks that may and can leave, in the order of removal."""
+        rank = self.bound.rank
+        for block in sorted(members(placed & ~self.bound.core), key=lambda b: int(rank[b])):
+            if self.bound.allows(block, placed) and self.removal.free(block, placed):
+                yield block
+
+    def removals(self, node: Node) -> list[Node]:
+        """Stages with one block less, none of them with blocks in the air if that can be helped."""
+        out: list[Node] = []
+        hanging: list[Node] = []
+        for block in self.candidates(node.placed):
+            bit = 1 << block
+            one = Node(node.placed & ~bit, node.props & ~bit, (block,), node.cost, parent=node)
+            air = self.model.floating(one.placed) & ~self.model.floating(node.placed)
+            (hanging if air else out).append(one)
+            if len(out) >= self.options.width:
+                break
+        return out or hanging
+
+    def cures(self, node: Node, answer: Answer) -> list[Node]:
+        """A falling block leaves too, or is propped."""
+        falling = self.falling(node, answer)
+        props, together = node.cost
+        out = [
+            replace(
+                node,
+                placed=node.placed & ~(1 << q),
+                group=(*node.group, q),
+                cost=(props, together + 1),
+            )
+            for q in falling
+            if self.can_join(node, q)
+        ]
+        out += [
+            replace(node, props=node.props | 1 << p, cost=(props + 1, together)) for p in falling
+        ]
+        return out
+
+    def falling(self, node: Node, answer: Answer) -> list[int]:
+        """Blocks among which a cure is, first to leave first; those around the gap if unknown."""
+        mask = mask_of(answer.falling) & node.placed & ~node.props
+        if not mask:
+            near = 0
+            for block in node.group:
+                near |= self.model.neighbours[block]
+            mask = near & node.placed & ~node.props or node.placed & ~node.props
+        return sorted(members(mask), key=lambda b: int(self.bound.rank[b]))
+
+    def can_join(self, node: Node, block: int) -> bool:
+        """Whether there are hands enough, and a way out, for one more block of a group."""
+        if not node.group or block in members(self.bound.core):
+            return False
+        if int(self.bound.lifters[[*node.group, block]].sum()) > self.bound.rules.hands:
+            return False
+        if not self.bound.allows(block, node.placed) or not self.removal.free(block, node.placed):
+            return False
+        return not self.model.floating(node.placed & ~(1 << block))
+
+    def can_hold(self, node: Node) -> bool:
+        """Whether a group can be placed block by block, hands holding those that are in."""
+        if len(node.group) < 2 or node.parent is None:
+            return True
+        load, mass = self.model.load.wrench, self.model.assembly.mass
+        for stage in self.held_stages(node):
+            answer = self.evaluator.answer(stage)
+            if not answer.stands:
+                return False
+            for block in node.group:
+                if block not in answer.reaction:
+                    continue
+                weight = float(np.linalg.norm(load[block, :3])) / float(mass[block])
+                limit = self.bound.rules.payload * float(self.bound.lifters[block])
+                force = float(np.linalg.norm(answer.reaction[block][:3]))
+                if force > (1.0 + 1e-6) * limit * (weight or STANDARD_GRAVITY):
+                    return False
+        return True
+
+    def held_stages(self, node: Node) -> list[Stage]:
+        """Stages within a step, backwards: after each block but the last has left."""
+        placed = node.placed | mask_of(node.group)
+        out = []
+        for number, block in enumerate(node.group[:-1]):
+            placed &= ~(1 << block)
+            out.append(Stage(placed, node.props | mask_of(node.group[number + 1 :])))
+        return out
+
+    def force(self, node: Node) -> Node:
+        """One step further down from a stage that stands, with held blocks, else with props."""
+        tries = self.removals(node)[: max(1, min(self.options.width, 4))]
+        answers = [self.look(one) for one in tries]
+        for one, answer in zip(tries, answers, strict=True):
+            if answer.stands:
+                return one
+        for one, answer in zip(tries, answers, strict=True):
+            grown = self.grow(one, answer)
+            if grown is not None:
+                return grown
+        few = min(range(len(tries)), key=lambda i: len(answers[i].falling) or len(tries))
+        return self.prop(tries[few], answers[few])
+
+    def grow(self, node: Node, answer: Answer) -> Node | None:
+        """The group with all that falls, if hands can do that."""
+        while not answer.stands:
+            joining = [q for q in self.falling(node, answer) if self.can_join(node, q)]
+            if not joining:
+                return None
+            props, together = node.cost
+            node = replace(
+                node,
+                placed=node.placed & ~(1 << joining[0]),
+                group=(*node.group, joining[0]),
+                cost=(props, together + 1),
+            )
+            answer = self.evaluator.answer(node.stage)
+        return node if self.can_hold(node) else None
+
+    def prop(self, node: Node, answer: Answer) -> Node:
+        """Props until it stands: under what falls beside the gap, else under all that falls."""
+        near = 0
+        for block in node.group:
+            near |= self.model.neighbours[block]
+        given = node.props
+        while not answer.stands and node.props != node.placed:
+            falling = mask_of(self.falling(node, answer))
+            node = replace(node, props=node.props | (falling & near or falling))
+            near = 0
+            answer = self.evaluator.answer(node.stage)
+        added = node.props & ~given
+        if added.bit_count() <= PRUNED:
+            for block in members(added):
+                fewer = replace(node, props=node.props & ~(1 << block))
+                if self.evaluator.answer(fewer.stage).stands:
+                    node = fewer
+        props, together = node.cost
+        return replace(node, cost=(props + (node.props & ~given).bit_count(), together))
+
+
+__all__ = ["Cost", "Found", "Node", "Search", "SearchOptions"]

@@ -1,0 +1,136 @@
+"""Plans of models whose answer is known."""
+
+import numpy as np
+import pytest
+
+from drystone.assembly import Assembly
+from drystone.detection import find_contacts
+from drystone.errors import InputError
+from drystone.models import arch, box, corbelled_wall, tower
+from drystone.results import Verdict
+from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
+
+
+def planned(assembly: Assembly, friction: float = 0.6, **options: object) -> Plan:
+    contacts = find_contacts(assembly, friction=friction).contacts
+    return plan(assembly, contacts, options=PlanOptions(**options))  # type: ignore[arg-type]
+
+
+def test_a_stack_is_built_from_below_block_by_block():
+    found = planned(tower(5))
+    assert found.order == ("block-1", "block-2", "block-3", "block-4")
+    assert found.counts["free"] == 4
+    assert found.verdict is Verdict.STABLE
+    assert found.proved
+    assert found.drop == 0.0
+
+
+def test_every_block_is_put_in_from_above_in_a_stack():
+    found = planned(tower(3))
+    for step in found.steps:
+        np.testing.assert_allclose(step.motion, [[0.0, 0.0, -1.0]], atol=1e-12)
+
+
+def test_an_arch_with_one_hand_needs_centring_under_all_but_springers_and_key():
+    # bed joints of 7 voussoirs dip 0, 25.7, 51.4, 77.1 degrees; friction 0.4 holds 21.8
+    found = planned(arch(0.3, 7), 0.4, rules=Rules(hands=1))
+    status = dict(zip(found.model.assembly.names, found.status, strict=True))
+    propped = {name for name, one in status.items() if one is Status.PROPPED}
+    free = {name for name, one in status.items() if one is Status.FREE}
+    assert len(propped) == 4
+    assert {"voussoir-00", "voussoir-06"} < free
+    assert found.order[-1] in free
+    assert all(prop.force > 0.0 and prop.stages >= 1 for prop in found.props)
+    assert found.verdict is Verdict.STABLE
+
+
+def test_two_hands_spare_an_arch_some_centring():
+    one = planned(arch(0.3, 7), 0.4, rules=Rules(hands=1))
+    two = planned(arch(0.3, 7), 0.4, rules=Rules(hands=2))
+    assert two.counts["propped"] < one.counts["propped"]
+    assert two.counts["held"] > 0
+
+
+def test_a_prop_of_one_block_carries_what_the_block_weighs():
+    # a plank beside its support, on nothing: only a prop holds it until the cantilever's tail is on
+    base = box((1.0, 1.0, 1.0), name="base")
+    plank = box((2.0, 1.0, 0.2), (0.0, 0.0, 1.0), name="plank")
+    tail = box((0.9, 1.0, 1.0), (0.0, 0.0, 1.2), name="tail")
+    tip = box((0.2, 1.0, 0.2), (1.8, 0.0, 1.2), name="tip")
+    model = Assembly((base, plank, tail, tip), np.array([True, False, False, False]))
+    found = planned(model, rules=Rules(hands=1, before=[("tip", "tail")]))
+    assert found.counts["propped"] == 1
+    (prop,) = found.props
+    assert prop.force > 0.0
+    assert found.order[-1] == "tail"
+
+
+def test_a_corbelled_wall_needs_no_help():
+    found = planned(corbelled_wall(4, 3))
+    assert found.counts["free"] == len(found.model.assembly.free)
+
+
+def test_what_does_not_stand_is_not_planned_unless_asked():
+    leaning = Assembly(
+        (box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 1.0), (0.7, 0.0, 1.0), name="top")),
+        np.array([True, False]),
+    )
+    refused = planned(leaning)
+    assert refused.steps == ()
+    assert refused.verdict is Verdict.UNSTABLE
+    assert "does not stand" in refused.message
+    assert "top" in refused.message
+    anyway = planned(leaning, anyway=True)
+    assert [prop.block for prop in anyway.props] == [1]
+    assert "without its props" in anyway.message
+
+
+def test_precedence_is_kept():
+    model = Assembly(
+        tuple(box((1.0, 1.0, 1.0), (1.5 * i, 0.0, z), name=f"{n}{i}")
+              for n, z in (("base", 0.0), ("top", 1.0)) for i in range(3)),
+        np.arange(6) < 3,
+    )  # fmt: skip
+    free = planned(model, rules=Rules(before=[("top2", "top0"), ("top0", "top1")]))
+    assert free.order == ("top2", "top0", "top1")
+    reach = planned(model, rules=Rules(reach=[["top1"], ["top2", "top0"]]))
+    assert reach.order[0] == "top1"
+    given = planned(model, rules=Rules(order=["top1", "top0", "top2"]))
+    assert given.order == ("top1", "top0", "top2")
+
+
+@pytest.mark.parametrize("order", list(Order))
+def test_every_order_ends_with_every_block_placed(order):
+    found = planned(corbelled_wall(3, 2), rules=Rules(order=order))
+    assert sorted(found.order) == sorted(
+        found.model.assembly.names[b] for b in found.model.assembly.free
+    )
+    assert found.verdict is Verdict.STABLE
+
+
+@pytest.mark.parametrize(
+    ("rules", "words"),
+    [
+        (Rules(hands=0), "0 hands"),
+        (Rules(payload=0.0), "payload"),
+        (Rules(before=[("block-1", "block-9")]), "no block is called 'block-9'"),
+        (Rules(before=[("block-1", "block-2"), ("block-2", "block-1")]), "contradicts itself"),
+        (Rules(before=[("block-1", "block-0")]), "which is a support"),
+        (Rules(reach=[["block-1"], ["block-1"]]), "two groups"),
+        (Rules(order=["block-1", "block-1"]), "twice"),
+    ],
+)
+def test_contradictory_rules_are_refused_in_one_line(rules, words):
+    with pytest.raises(InputError, match=words):
+        planned(tower(3), rules=rules)
+
+
+def test_a_block_too_heavy_for_all_hands_is_impossible():
+    found = planned(tower(3), rules=Rules(hands=1, payload=1000.0))
+    assert found.counts["impossible"] == 2
+    assert "too heavy" in found.impossible[2]
+
+
+def test_a_plan_is_neither_true_nor_false():
+    with pytest.raises(TypeError, match="verdict"):
+        bool(planned(tower(2)))
