@@ -18,6 +18,7 @@ from drystone.cli import output
 from drystone.cli.check import check
 from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
+from drystone.cli.shell import shell
 from drystone.errors import DrystoneError, MissingDependency
 
 USAGE_ERROR: Any = typer.BadParameter.__bases__[0]
@@ -52,7 +53,7 @@ def _program(
     """Does a structure of loose blocks stand by contact and friction alone?"""
 
 
-for _command in (check, inspect, demo):
+for _command in (check, inspect, demo, shell):
     app.command()(_command)
 
 

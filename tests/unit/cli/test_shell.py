@@ -1,0 +1,115 @@
+"""What ``drystone shell`` builds, writes and refuses."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drystone import io
+from drystone.cli import main
+
+Capsys = pytest.CaptureFixture[str]
+DOME = ("shell", "dome", "--courses", "4", "--blocks", "8", "--thickness", "0.4")
+
+
+def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:
+    code = main([*arguments, "--json"])
+    out, err = capsys.readouterr()
+    assert err == ""
+    return code, json.loads(out)
+
+
+def test_shell_builds_checks_and_writes(tmp_path: Path, capsys: Capsys) -> None:
+    model, table = tmp_path / "dome.json", tmp_path / "dome.csv"
+    flat, folder = tmp_path / "dome.svg", tmp_path / "blocks"
+    code, told = answer(
+        capsys,
+        *DOME,
+        *("--out", str(model), "--schedule", str(table), "--unrolled", str(flat)),
+        *("--block-files", str(folder)),
+    )
+    assert code == 0
+    assert told["verdict"] == "stable"
+    assert told["shell"]["voussoirs"] == 32
+    assert told["shell"]["ground_blocks"] == 8
+    assert told["shell"]["planar"] is True
+    assert told["shell"]["warp_after"] < 1e-6
+    assert len(told["files"]) == 4
+    assert len(io.read(model).assembly) == 40
+    with table.open() as file:
+        assert len(list(csv.DictReader(file))) == 32
+    assert flat.read_text().startswith("<svg")
+    assert len(list(folder.iterdir())) == 32
+
+
+def test_shell_tells_a_person_what_was_built(capsys: Capsys) -> None:
+    assert main(list(DOME)) == 0
+    out = capsys.readouterr().out
+    assert "STABLE" in out
+    assert "32 voussoirs in 4 courses, 8 ground blocks" in out
+
+
+def test_a_form_is_found_for_a_plan(capsys: Capsys) -> None:
+    code, told = answer(
+        capsys, "shell", "free-edge", "--courses", "5", "--width", "1.2", "--wedge", "0.2"
+    )
+    assert code == 0
+    assert told["notes"][0].startswith("form found in")
+
+
+def test_a_mesh_file_is_a_surface(tmp_path: Path, capsys: Capsys) -> None:
+    angle, y = np.meshgrid(np.linspace(0, np.pi, 13), np.linspace(0, 4, 9), indexing="ij")
+    points = np.stack([-2 * np.cos(angle), y, 2 * np.sin(angle)], axis=-1).reshape(-1, 3)
+    n = np.arange(13 * 9).reshape(13, 9) + 1
+    quads = np.stack([n[:-1, :-1], n[:-1, 1:], n[1:, 1:], n[1:, :-1]], axis=-1).reshape(-1, 4)
+    lines = [f"v {x} {y} {z}" for x, y, z in points.tolist()]
+    lines += ["f " + " ".join(map(str, quad)) for quad in quads.tolist()]
+    path = tmp_path / "barrel.obj"
+    path.write_text("\n".join(lines))
+    _, told = answer(
+        capsys,
+        *("shell", str(path), "--courses", "9", "--blocks", "3", "--supports", "left,right"),
+        *("--thickness", "0.4"),
+    )
+    assert "mm from the patch" in told["notes"][0]
+    assert told["shell"]["voussoirs"] == 31
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("bogus", ["surface 'bogus' is not known", "three-vaults"]),
+        ("missing.obj", ["missing.obj", "no such file"]),
+        ("dome --eye 7", ["an eye of 3.5 m radius"]),
+        ("dome --eye -1", ["--eye", "number above zero"]),
+        ("dome --blocks 2", ["course 0", "2 blocks in a course are too few"]),
+        ("barrel --wedge 0.7", ["block 'c00-b00'", "inside out"]),
+        ("barrel --thickness 8", ["larger than the radius of curvature 3 m"]),
+        ("barrel --rise 5", ["more than half the span"]),
+        ("barrel --supports left", ["--supports", "mesh files"]),
+        ("barrel --partial some", ["--partial", "a number or auto"]),
+        ("barrel --partial 1", ["no side is longer"]),
+        ("barrel --courses 0", ["one or more courses"]),
+        ("barrel --courses 4 --course-height 1", ["--courses and --course-height"]),
+        ("barrel --blocks 4 --width 1", ["--blocks and --width"]),
+        ("barrel --out shell.doc", ["--out", "shell.json"]),
+        ("barrel --register 80", ["crosses itself"]),
+    ],
+)
+def test_bad_input_is_one_line(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: Capsys,
+    arguments: str,
+    words: list[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["shell", *arguments.split()]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert all(word in err for word in words)
+    assert not list(tmp_path.iterdir())
