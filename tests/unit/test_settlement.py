@@ -1,0 +1,114 @@
+"""Supports that move: which way the load goes and which joints open."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, InputError, Verdict
+from drystone.limits import thrust_bounds
+from drystone.models import arch, box, tower, wall
+from drystone.settlement import Settlement, SettlementOptions, settle
+from drystone.virtual import to_edge
+from tests.oracle import touching_faces
+
+
+def beam() -> Assembly:
+    """A beam of 4 m on three equal supports."""
+    feet = [box((0.2, 1.0, 0.2), (x, 0.0, 0.0), n) for n, x in (("a", 0), ("b", 1.9), ("c", 3.8))]
+    return Assembly((*feet, box((4.0, 1.0, 0.2), (0.0, 0.0, 0.2), "beam"))).with_fixed("abc")
+
+
+def settled(assembly: Assembly, block: str, motion: tuple[float, ...]) -> Settlement:
+    answer = settle(assembly, touching_faces(assembly, 0.6), {block: motion})
+    assert answer.result.verdict is Verdict.STABLE
+    return answer
+
+
+def reactions(answer: Settlement) -> list[float]:
+    """Normal forces at the three feet, by the weight of the beam."""
+    result = answer.result
+    normal = result.resultants().normal
+    weight = result.assembly.mass[result.assembly.free].sum() * 9.81
+    return [float(normal[result.contacts.block_a == i].sum() / weight) for i in range(3)]
+
+
+@pytest.mark.parametrize("drop", [-0.01, 0.01])
+def test_settlement_changes_nothing_where_the_forces_are_determinate(drop: float) -> None:
+    # two beams end to end over three supports, each on two knife edges
+    feet = beam().blocks[:3]
+    beams = [box((1.99, 1.0, 0.2), (x, 0.0, 0.2), f"beam-{x:g}") for x in (0.0, 2.01)]
+    assembly = Assembly((*feet, *beams)).with_fixed("abc")
+    edges = to_edge(touching_faces(assembly, 0.6), (1.0, 0.0, 0.0))
+    answer = settle(assembly, edges, {"b": (0.0, 0.0, drop)})
+    assert answer.result.verdict is Verdict.STABLE
+    left = (1.99 - 0.995) / (1.99 - 0.2)
+    right = (4.0 - 3.005) / (4.0 - 2.1)
+    expected = [left, 1.0 - left + right, 1.0 - right]
+    np.testing.assert_allclose(np.array(reactions(answer)) * 2.0, expected, atol=1e-6)
+    assert len(answer.open_joints()) == 0
+
+
+def test_a_stiff_beam_leaves_the_support_that_goes_down() -> None:
+    answer = settled(beam(), "b", (0.0, 0.0, -0.01))
+    assert reactions(answer) == pytest.approx([0.5, 0.0, 0.5], abs=1e-6)
+    assert answer.open_joints().tolist() == [1]
+
+
+def test_a_stiff_beam_rides_on_the_support_that_comes_up() -> None:
+    answer = settled(beam(), "b", (0.0, 0.0, 0.01))
+    assert reactions(answer) == pytest.approx([0.0, 1.0, 0.0], abs=1e-6)
+    assert answer.open_joints().tolist() == [0, 2]
+
+
+@pytest.mark.parametrize(("move", "which"), [(0.01, "least"), (-0.01, "most")])
+def test_spreading_supports_bring_an_arch_to_its_least_thrust_and_closing_to_its_largest(
+    move: float, which: str
+) -> None:
+    assembly = arch(0.2, 20)
+    contacts = touching_faces(assembly, 0.7)
+    bounds = thrust_bounds(assembly, contacts, "springer-right", (1.0, 0.0, 0.0))
+    answer = settle(assembly, contacts, {"springer-right": (move, 0.0, 0.0)})
+    assert answer.result.verdict is Verdict.STABLE
+    resultants = answer.result.resultants()
+    foot = contacts.block_b == assembly.index("springer-right")
+    assert resultants.force[foot][0, 0] == pytest.approx(getattr(bounds, which), rel=2e-3)
+
+
+def test_friction_of_a_settled_wall_is_coulomb_and_opposes_the_slide() -> None:
+    assembly = wall(4, 4)
+    answer = settle(assembly, touching_faces(assembly, 0.6), {"c00-b01": (0.0, 0.0, -0.01)})
+    residuals = answer.result.residuals
+    assert residuals is not None
+    assert residuals.largest < 1e-6
+    assert len(answer.open_joints()) > 0
+
+
+def test_stiffness_tells_how_much_of_a_settlement_the_blocks_follow() -> None:
+    whole = beam()
+    contacts = touching_faces(whole, 0.6)
+    soft = settle(
+        whole, contacts, {"b": (0.0, 0.0, -0.01)}, options=SettlementOptions(compliance=10.0)
+    )
+    # three springs of four corners each, stiffness 1 / 10 per corner, the middle one let down by 1
+    assert reactions(soft)[1] == pytest.approx(1.0 / 3.0 - 2.0 / 3.0 * 4.0 / 10.0, abs=1e-6)
+
+
+def test_a_structure_without_equilibrium_is_undecided() -> None:
+    slope = tower(2).transformed([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
+    answer = settle(slope, touching_faces(slope, 0.3), {0: (0.0, 0.0, -0.01)})
+    assert answer.result.verdict is Verdict.UNDECIDED
+    assert "balance" in answer.result.message
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        ({"block-1": (0.0, 0.0, 1.0)}, "'block-1' is not fixed"),
+        ({"block-0": (0.0, 0.0, 0.0)}, "no support moves"),
+        ({"block-0": (0.0, 1.0)}, "3 or 6 finite numbers"),
+        ({"other": (0.0, 0.0, 1.0)}, "no block is called"),
+    ],
+)
+def test_motions_that_cannot_be_used_are_refused(motion, words) -> None:  # type: ignore[no-untyped-def]
+    assembly = tower(2)
+    with pytest.raises(InputError, match=words):
+        settle(assembly, touching_faces(assembly, 0.6), motion)
