@@ -1,0 +1,30 @@
+"""A dome with an eye, its blocks hooked over the ring below, on springers that are fixed.
+
+python examples/dome.py
+"""
+
+from pathlib import Path
+
+from drystone.detection import find_contacts
+from drystone.results import Result
+from drystone.shells import Body, Ground, Layout, build_shell, dome, write_schedule
+from drystone.stability import check
+from drystone.view import save_page
+
+
+def main(folder: Path = Path()) -> Result:
+    """Build, check, and write the page and the schedule."""
+    shape = dome(radius=4.0, oculus=0.8)
+    layout = Layout(courses=7, width=1.1)
+    body = Body(thickness=0.35, register_deg=10.0, ground=Ground.SPRINGERS)
+    shell = build_shell(shape, layout, body)
+    contacts = find_contacts(shell.assembly, friction=0.6).contacts
+    result = check(shell.assembly, contacts)
+    save_page(result, folder / "dome.html")
+    write_schedule(shell, folder / "dome.csv")
+    print(f"{len(shell.voussoirs)} voussoirs, {contacts.count} joints: {result.verdict.value}")
+    return result
+
+
+if __name__ == "__main__":
+    main()
