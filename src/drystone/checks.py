@@ -66,6 +66,8 @@ def check_forces(
     load: LoadCase,
     force: Floats,
     displacement: Floats | None = None,
+    *,
+    prop: Floats | None = None,
 ) -> Residuals:
     """Residuals of a claim of equilibrium, with a compatible motion when one is given.
 
@@ -74,9 +76,13 @@ def check_forces(
     force : (k, 3) [N], local n, u, v, on block b
     displacement : (n, 6) [m, rad], optional
         Virtual motion of the blocks; fixed blocks rest.
+    prop : (n, 6) [N, N m], optional
+        What props supply to the blocks.
     """
     free = ~assembly.fixed
     total, scale = unbalanced_wrench(assembly, contacts, load, force)
+    if prop is not None:
+        total = total + np.concatenate([prop[:, :3], prop[:, 3:] / assembly.size[:, None]], axis=1)
     equilibrium = float((np.linalg.norm(total[free], axis=1) / scale[free]).max(initial=0.0))
     if not contacts.corner_count:
         return Residuals(equilibrium=equilibrium)

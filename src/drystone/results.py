@@ -46,6 +46,8 @@ class Residuals:
         Largest product of normal force and opening.
     alignment
         Largest component of friction that does not act against the displacement.
+    overlap
+        Largest difference of the overlaps of pressed corners, by their mean (eq. 5.6 only).
     """
 
     equilibrium: float = 0.0
@@ -53,11 +55,19 @@ class Residuals:
     cone: float = 0.0
     complementarity: float = 0.0
     alignment: float = 0.0
+    overlap: float = 0.0
 
     @property
     def largest(self) -> float:
         """The worst of them."""
-        return max(self.equilibrium, self.tension, self.cone, self.complementarity, self.alignment)
+        return max(
+            self.equilibrium,
+            self.tension,
+            self.cone,
+            self.complementarity,
+            self.alignment,
+            self.overlap,
+        )
 
 
 @dataclass(frozen=True)
@@ -115,7 +125,9 @@ class Result:
     prop : (n, 6) [N, N m]
         Wrench that a prop would have to supply to each block.
     falling
-        Positions of the blocks that fall.
+        Positions of the blocks that fall; in the penalty form those that need help, neediest first.
+    eta
+        Largest displacement of a corner by the common overlap, where eq. 5.6 is met.
     """
 
     method: str
@@ -132,6 +144,7 @@ class Result:
     falling: tuple[int, ...] = ()
     samples: Samples = field(default_factory=Samples)
     residuals: Residuals | None = None
+    eta: float | None = None
     options: Any = None
     solver: str = ""
     iterations: int = 0

@@ -12,7 +12,7 @@ Power is conserved: ``wrench . motion`` in scaled numbers is power / (W D).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +21,7 @@ from scipy import sparse
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.geometry.frames import skew
 from drystone.loads import LoadCase
 
@@ -103,6 +103,11 @@ class Statics:
         )
 
     @cached_property
+    def matrix_by_column(self) -> sparse.csc_matrix:
+        """The same matrix, for taking columns."""
+        return self.matrix.tocsc()
+
+    @cached_property
     def matrix_transposed(self) -> sparse.csr_matrix:
         """A^T (3 k, 6 n): corner displacements from block motions."""
         return self.matrix.T.tocsr()
@@ -116,6 +121,23 @@ class Statics:
         """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
         result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
         return result
+
+    def at_corners(self, corners: Bools) -> Statics:
+        """The same blocks and loads with some of the corners (k,) only."""
+        chosen = {
+            name: getattr(self, name)[corners]
+            for name in (
+                "block_a",
+                "block_b",
+                "lever_a",
+                "lever_b",
+                "frame",
+                "friction",
+                "tributary",
+                "interface",
+            )
+        }
+        return replace(self, **chosen)
 
     # -- back to physical numbers -------------------------------------------------------------
     def physical_force(self, force: Floats) -> Floats:

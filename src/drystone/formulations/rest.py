@@ -20,29 +20,22 @@ rigid-block analysis, Kao et al. 2022, eq. 5.6.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
-from drystone.formulations.friction import FrictionLaw, FrictionResponse, SlipLength, StickSlip
+from drystone.errors import SolverError
+from drystone.formulations.compliance import Compliance, corner_load, wrench_size
+from drystone.formulations.friction import FrictionResponse
+from drystone.formulations.tangent import TangentSystem
 from drystone.geometry.arrays import Floats
 from drystone.statics import Statics
 
+SHORTEST_STEP = 2e-3
+"""A Newton step is not cut below this share of itself: a shorter one would be lost in the noise."""
 
-@dataclass(frozen=True, eq=False)
-class Compliance:
-    """Assumed stiffness of the corners, in scaled units.
-
-    Attributes
-    ----------
-    normal : (k,) kn
-    friction : law of the tangential force
-    """
-
-    normal: Floats
-    friction: FrictionLaw
+PATIENCE = 8
+"""Steps of the shortest length after which the iteration is given up."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +75,8 @@ class RestState:
     ----------
     motion : (n, 6) q
     normal : (k,) fn, strictly positive (relaxed)
-    force : (k, 3) the unrelaxed law at q
+    force : (k, 3) the unrelaxed law at q: a corner either presses or is open
+    tension : (k,) pull of the glue
     ground : (n, 6) wrench of the ground springs, g M q
     unbalanced
         Largest unbalanced wrench of a block under ``force`` and the ground springs, by the
@@ -94,52 +88,11 @@ class RestState:
     motion: Floats
     normal: Floats
     force: Floats
+    tension: Floats
     ground: Floats
     unbalanced: float
     converged: bool
     iterations: int
-    history: tuple[float, ...] = field(default=(), repr=False)
-
-
-def uniform_compliance(
-    statics: Statics, *, slip: float | None = None, tangential: float = 0.1
-) -> Compliance:
-    """Normal stiffness proportional to tributary area, the same everywhere.
-
-    Parameters
-    ----------
-    statics
-    slip
-        Slip length by the local overlap for the smooth law; left out, the stick-slip law is used.
-    tangential
-        kt / kn of the stick-slip law. Chosen: 0.1 keeps friction below its limit wherever it can.
-    """
-    normal = normal_stiffness(statics)
-    if slip is None:
-        return Compliance(normal, StickSlip(statics.friction, tangential * normal))
-    reach = slip * corner_load(statics) / normal
-    return Compliance(normal, SlipLength(statics.friction, reach))
-
-
-def normal_stiffness(statics: Statics) -> Floats:
-    """Tributary area, no less than 5 % of the interface's mean, and never zero.
-
-    Slivers spoil the conditioning; lines and points have no area at all.
-    """
-    area = statics.tributary
-    if not len(area):
-        return area
-    count = np.bincount(statics.interface)
-    mean = np.bincount(statics.interface, area) / np.maximum(count, 1)
-    floor = np.maximum(0.05 * mean[statics.interface], 1e-3 * np.median(area))
-    return np.maximum(np.maximum(area, floor), 1e-9)
-
-
-def corner_load(statics: Statics) -> Floats:
-    """Typical force (k,) of a corner: the load of the lighter of its free blocks."""
-    load = np.linalg.norm(statics.load[:, :3], axis=1) + np.linalg.norm(statics.load[:, 3:], axis=1)
-    load = np.append(np.where(load > 0.0, load, 1.0), np.inf)
-    return np.minimum(load[statics.block_a], load[statics.block_b])
 
 
 def mass_matrix(statics: Statics) -> Floats:
@@ -149,7 +102,7 @@ def mass_matrix(statics: Statics) -> Floats:
 
 
 def find_rest(
-    statics: Statics,
+    system: TangentSystem,
     compliance: Compliance,
     options: RestOptions | None = None,
     *,
@@ -160,8 +113,8 @@ def find_rest(
 
     Parameters
     ----------
-    statics
-        No corner may join two fixed blocks.
+    system
+        The model, with its elimination order. No corner may join two fixed blocks.
     compliance
     options
     start
@@ -170,62 +123,70 @@ def find_rest(
         Asked before every step; True ends the iteration with what is there.
     """
     chosen = options if options is not None else RestOptions()
-    return _Path(statics, compliance, chosen).follow(start, stop)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        # a diverging trial step overflows and is rejected by its merit
+        return _Path(system, compliance, chosen).follow(start, stop)
 
 
 class _Path:
     """One run of the primal-dual iteration; holds what does not change on the way."""
 
-    def __init__(self, statics: Statics, compliance: Compliance, options: RestOptions) -> None:
-        self.statics = statics
+    def __init__(self, system: TangentSystem, compliance: Compliance, options: RestOptions) -> None:
+        self.system = system
+        self.statics = statics = system.statics
         self.law = compliance.friction
         self.kn = compliance.normal
+        self.overlap = compliance.overlap
+        self.glue = compliance.glue * compliance.normal
         self.options = options
-        self.mass = mass_matrix(statics)
-        load = corner_load(statics)
-        self.unit = load**2 / self.kn
-        self.row_scale = _block_magnitude(statics.load)
+        self.ground = options.ground * mass_matrix(statics)
+        self.unit = corner_load(statics) ** 2 / self.kn
+        size = wrench_size(statics.load)
+        self.row_scale = np.where(size > 0.0, size, 1.0)[:, None]
 
     def follow(self, start: RestState | None, stop: Callable[[], bool] | None) -> RestState:
         options = self.options
+        motion, normal, tau = self.begin(start)
+        point = self.evaluate(motion, normal, tau)
+        iterations = stalled = 0
+        while True:
+            if tau <= options.relaxation or point.merit < 1e-6:
+                state = self.unrelaxed(point, iterations)
+                if state.converged:
+                    return state
+            if iterations == options.iteration_limit or stalled > PATIENCE:
+                break
+            if stop is not None and stop():
+                break
+            try:
+                step = self.newton_step(point, tau)
+            except SolverError:
+                break
+            iterations += 1
+            following, length = self.search(point, step, tau)
+            if not np.isfinite(following.merit):
+                break
+            reduced = following.merit < 0.1 * point.merit
+            stalled = stalled + 1 if length < 0.01 else 0
+            point = following
+            if point.merit < tau * np.sqrt(len(normal) + 1.0) or (length > 0.9 and reduced):
+                # near the end of the path the error left is far below tau: cut deeper
+                tau = max((0.1 if tau > 1e-6 else 0.01) * tau, options.relaxation)
+                point = self.evaluate(point.motion, point.normal, tau)
+            elif point.merit < 1e-11:
+                tau = max(0.01 * tau, options.relaxation)
+                point = self.evaluate(point.motion, point.normal, tau)
+        return self.unrelaxed(point, iterations)
+
+    def begin(self, start: RestState | None) -> tuple[Floats, Floats, float]:
         statics = self.statics
         if start is None:
+            gap = np.full(statics.corner_count, self.overlap)
             motion = np.zeros((statics.free_count, 6))
-            tau = 1.0
-            normal = self.relaxed_normal(np.zeros(statics.corner_count), tau * self.unit)
-        else:
-            motion, tau = start.motion, options.warm_relaxation
-            gap = statics.displacement(motion)[:, 0]
-            normal = np.clip(start.normal, *self.limits(gap, tau))
-        history: list[float] = []
-        converged, iterations, stalled = False, 0, 0
-        state = self.evaluate(motion, normal, tau)
-        while iterations < options.iteration_limit and not (stop is not None and stop()):
-            history.append(state.merit)
-            if tau <= options.relaxation or state.merit < 1e-6:
-                exact = self.unrelaxed(state.motion, history, iterations, False)
-                if exact.unbalanced <= options.tolerance:
-                    converged = True
-                    break
-            iterations += 1
-            step = self.newton_step(state, tau)
-            following, length = self.search(state, step, tau)
-            reduced = following.merit < 0.1 * state.merit
-            stalled = stalled + 1 if length < 0.01 else 0
-            state = following
-            if stalled > 8:
-                break
-            if state.merit < tau * np.sqrt(len(normal) + 1.0) or (length > 0.9 and reduced):
-                # near the end of the path the error left is far below tau: cut deeper
-                cut = 0.1 if tau > 1e-6 else 0.01
-                tau = max(cut * tau, options.relaxation)
-                state = self.evaluate(state.motion, state.normal, tau)
-            elif state.merit < 1e-11:
-                tau = max(0.01 * tau, options.relaxation)
-                state = self.evaluate(state.motion, state.normal, tau)
-        return replace(
-            self.unrelaxed(state.motion, history, iterations, converged), normal=state.normal
-        )
+            return motion, self.relaxed_normal(gap, self.unit), 1.0
+        tau = self.options.warm_relaxation
+        gap = statics.displacement(start.motion)[:, 0] + self.overlap
+        return start.motion, np.clip(start.normal, *self.limits(gap, tau)), tau
 
     def limits(self, gap: Floats, tau: float) -> tuple[Floats, Floats]:
         """Normal forces between which the product fn s stays in the band around tau."""
@@ -238,55 +199,39 @@ class _Path:
     def relaxed_normal(self, gap: Floats, product: Floats) -> Floats:
         """The positive root fn of ``fn (gap + fn / kn) = product``, without cancellation."""
         root = np.sqrt(gap**2 + 4.0 * product / self.kn)
-        pressing = gap < 0.0
         return np.where(
-            pressing, 0.5 * self.kn * (root - gap), 2.0 * product / (root + np.abs(gap) + 1e-300)
+            gap < 0.0, 0.5 * self.kn * (root - gap), 2.0 * product / (root + np.abs(gap))
         )
 
     def evaluate(self, motion: Floats, normal: Floats, tau: float) -> _Point:
         statics = self.statics
         moved = statics.displacement(motion)
         friction = self.law(normal, moved[:, 1:])
-        force = np.concatenate([normal[:, None], -friction.force], axis=1)
-        unbalanced = statics.wrench(force) + statics.load - self.options.ground * self.mass * motion
-        slack = moved[:, 0] + normal / self.kn
+        slack = moved[:, 0] + self.overlap + normal / self.kn
+        net = normal - self.glue * slack
+        force = np.concatenate([net[:, None], -friction.force], axis=1)
+        unbalanced = statics.wrench(force) + statics.load - self.ground * motion
         centring = (normal * slack) / self.unit - tau
-        merit = float(
-            np.sqrt(((unbalanced / self.row_scale[:, None]) ** 2).sum() + (centring**2).sum())
-        )
+        merit = float(np.sqrt(((unbalanced / self.row_scale) ** 2).sum() + (centring**2).sum()))
         return _Point(motion, normal, moved, friction, unbalanced, slack, merit)
 
     def newton_step(self, point: _Point, tau: float) -> tuple[Floats, Floats, Floats]:
+        """Changes of motion (n, 6), corner displacement (k, 3) and normal force (k,)."""
         statics = self.statics
-        rigidity = point.slack + point.normal / self.kn
+        rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
         by_normal = point.friction.by_normal
         tangent = np.zeros((len(stiffness), 3, 3))
-        tangent[:, 0, 0] = stiffness
+        tangent[:, 0, 0] = stiffness + self.glue * (1.0 - stiffness / self.kn)
         tangent[:, 1:, 0] = -by_normal * stiffness[:, None]
         tangent[:, 1:, 1:] = point.friction.by_slide
-        correction = np.concatenate([shift[:, None], -by_normal * shift[:, None]], axis=1)
+        pull = shift * (1.0 - self.glue / self.kn)
+        correction = np.concatenate([pull[:, None], -by_normal * shift[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
-        motion = self.solve(tangent, right)
+        motion = self.system.factorise(tangent, self.ground).solve(right)
         moved = statics.displacement(motion)
         return motion, moved, shift - stiffness * moved[:, 0]
-
-    def solve(self, tangent: Floats, right: Floats) -> Floats:
-        """``(A D A' + g M) x = right`` for block-diagonal D (k, 3, 3)."""
-        statics = self.statics
-        k = statics.corner_count
-        blocks = sparse.bsr_matrix((tangent, np.arange(k), np.arange(k + 1)), shape=(3 * k, 3 * k))
-        diagonal = sparse.diags((self.options.ground * self.mass).ravel() + 1e-14)
-        matrix = (statics.matrix @ blocks @ statics.matrix_transposed + diagonal).tocsc()
-        factor = splu(
-            matrix,
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=1e-3,
-            options={"SymmetricMode": True},
-        )
-        solution: Floats = factor.solve(right.ravel()).reshape(-1, 6)
-        return solution
 
     def search(
         self, point: _Point, step: tuple[Floats, Floats, Floats], tau: float
@@ -295,30 +240,39 @@ class _Path:
         motion, moved, normal = step
         length = 1.0
         while True:
-            gap = point.moved[:, 0] + length * moved[:, 0]
+            gap = point.moved[:, 0] + self.overlap + length * moved[:, 0]
             target = np.clip(point.normal + length * normal, *self.limits(gap, tau))
             trial = self.evaluate(point.motion + length * motion, target, tau)
-            if trial.merit < (1.0 - 1e-4 * length) * point.merit or length < 2e-3:
+            if trial.merit < (1.0 - 1e-4 * length) * point.merit or length < SHORTEST_STEP:
                 return trial, length
             length *= 0.5
 
-    def unrelaxed(
-        self, motion: Floats, history: list[float], iterations: int, converged: bool
-    ) -> RestState:
+    def unrelaxed(self, point: _Point, iterations: int) -> RestState:
         statics = self.statics
-        moved = statics.displacement(motion)
-        normal = self.kn * np.maximum(0.0, -moved[:, 0])
-        force = np.concatenate([normal[:, None], -self.law(normal, moved[:, 1:]).force], axis=1)
-        ground = self.options.ground * self.mass * motion
-        rest = statics.wrench(force) + statics.load - ground
-        unbalanced = float((_block_magnitude(rest, 0.0) / block_scale(statics, force)).max())
+        open_ = point.slack * self.kn > point.normal
+        normal = np.where(open_, 0.0, point.normal)
+        tension = np.where(open_, self.glue * point.slack, 0.0)
+        friction = self.law(normal, point.moved[:, 1:])
+        force = np.concatenate([(normal - tension)[:, None], -friction.force], axis=1)
+        ground = self.ground * point.motion
+        rest = wrench_size(statics.wrench(force) + statics.load - ground)
+        unbalanced = float((rest / block_scale(statics, force)).max(initial=0.0))
         return RestState(
-            motion, normal, force, ground, unbalanced, converged, iterations, tuple(history)
+            point.motion,
+            point.normal,
+            force,
+            tension,
+            ground,
+            unbalanced,
+            unbalanced <= self.options.tolerance,
+            iterations,
         )
 
 
 @dataclass(frozen=True, eq=False)
 class _Point:
+    """Everything known at one iterate."""
+
     motion: Floats
     normal: Floats
     moved: Floats
@@ -328,15 +282,10 @@ class _Point:
     merit: float
 
 
-def _block_magnitude(wrench: Floats, empty: float = 1.0) -> Floats:
-    size = np.linalg.norm(wrench[:, :3], axis=1) + np.linalg.norm(wrench[:, 3:], axis=1)
-    return np.where(size > 0.0, size, empty)
-
-
 def block_scale(statics: Statics, force: Floats) -> Floats:
     """(n,) what acts on each block: its load and the corner forces on it."""
     size = np.linalg.norm(force, axis=1)
-    total = _block_magnitude(statics.load, 0.0)
+    total = wrench_size(statics.load)
     for block in (statics.block_a, statics.block_b):
         here = block >= 0
         total = total + np.bincount(block[here], size[here], minlength=statics.free_count)

@@ -1,0 +1,95 @@
+"""Coupled rigid-block analysis in the sense of eq. 5.6: every pressed corner overlaps equally.
+
+``fn (dn + eps) = 0, dn + eps >= 0``: the overlaps are eps or less, and force passes only at eps.
+Between springs (overlap = fn / kn) and this law lies the family
+
+    overlap = theta eps + (1 - theta) fn / kn,    0 <= theta <= 1,
+
+which is followed from a rest state on springs, theta = 0, to theta = 1 - 1e-7: the overlaps then
+agree to 1e-7. Source: Kao et al. 2022, eq. 5.6; the path is ours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.formulations.compliance import Compliance, corner_load, normal_stiffness
+from drystone.formulations.friction import SlipLength
+from drystone.formulations.rest import RestOptions, RestState, find_rest
+from drystone.formulations.tangent import TangentSystem
+
+SPRING_LEFT = 1e-7
+"""1 - theta at the end of the path: relative difference of overlaps, a tenth of what is asked."""
+
+
+@dataclass(frozen=True, eq=False)
+class EqualOverlap:
+    """End of the path.
+
+    Attributes
+    ----------
+    state
+        Motions in units of the overlap eps.
+    reached
+        Whether the path came to its end.
+    iterations
+    """
+
+    state: RestState
+    reached: bool
+    iterations: int
+
+
+def equal_overlap(
+    system: TangentSystem,
+    start: RestState,
+    slip: float,
+    *,
+    stop: Callable[[], bool] | None = None,
+    step_limit: int = 60,
+) -> EqualOverlap:
+    """Follow the overlaps of a rest state until they are equal.
+
+    Parameters
+    ----------
+    system
+    start
+        A rest state on springs of uniform stiffness and the given slip length.
+    slip
+        Slip length of the friction law, by the local overlap.
+    stop
+    step_limit
+        Points of the path tried.
+    """
+    statics = system.statics
+    gap = statics.displacement(start.motion)[:, 0]
+    total = float(start.force[:, 0].sum())
+    mean = float(-(start.force[:, 0] * gap).sum()) / total if total > 0.0 else 1.0
+    spring = mean * normal_stiffness(statics)
+    reach = SlipLength(statics.friction, slip * corner_load(statics) / spring)
+    options = RestOptions(ground=1e-10, tolerance=1e-9, iteration_limit=40, warm_relaxation=1e-2)
+    state = replace(start, motion=start.motion / mean)
+    left, factor, iterations = 1.0, 0.3, 0
+    for _ in range(step_limit):
+        aim = max(left * factor, SPRING_LEFT)
+        law = Compliance(spring / aim, reach, overlap=1.0 - aim)
+        trial = find_rest(system, law, options, start=state, stop=stop)
+        iterations += trial.iterations
+        if trial.converged:
+            state, left = trial, aim
+            factor = max(factor**1.5, 0.03)
+            if left <= SPRING_LEFT:
+                break
+        else:
+            factor = np.sqrt(factor)
+        if factor > 0.97 or (stop is not None and stop()):
+            break
+    if left > SPRING_LEFT:
+        return EqualOverlap(state, False, iterations)
+    free = RestOptions(ground=1e-16, tolerance=1e-10, iteration_limit=30, warm_relaxation=1e-8)
+    final = find_rest(system, law, free, start=state, stop=stop)
+    iterations += final.iterations
+    return EqualOverlap(final, final.converged, iterations)

@@ -1,0 +1,115 @@
+"""The tangent ``A D A'`` of blocks on contact springs, assembled block by block.
+
+The corners of an interface are first summed about one point of it, (m, 6, 6), then carried to the
+centroids of its two blocks: the pattern is that of the contact graph, found once per model.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.frames import skew
+from drystone.solvers.multifrontal import BlockFactor, BlockOrdering
+from drystone.statics import Statics
+
+
+class TangentSystem:
+    """Assembles and factorises ``A D A' + diag(weight)`` for one model.
+
+    Parameters
+    ----------
+    statics
+    position : (n, 3) [m] of the free blocks, for the elimination order
+    """
+
+    def __init__(self, statics: Statics, position: Floats) -> None:
+        self.statics = statics
+        n = statics.free_count
+        first = np.flatnonzero(np.diff(statics.interface, prepend=-1))
+        self.start = first
+        interface = np.cumsum(np.diff(statics.interface, prepend=-1) > 0) - 1
+        a, b = statics.block_a[first], statics.block_b[first]
+        # lengths by block differ: levers are taken by the length of either block, then scaled
+        self.to_a, local_a = _carry(statics.lever_a, interface, first, a)
+        self.to_b, local_b = _carry(statics.lever_b, interface, first, b)
+        # the reference arm is that of whichever block is free (both give the same sum)
+        use_b = (b >= 0)[interface]
+        lever = np.where(use_b[:, None], local_b, local_a)
+        axes = np.swapaxes(statics.frame, 1, 2)
+        self.spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
+        self.gather = np.ascontiguousarray(np.swapaxes(self.spread, 1, 2))
+        ratio = _length_ratio(statics, a, b)
+        self.to_a[:, 3:, 3:] *= ratio[:, None, None]
+        row, column, source, kind = _pattern(a, b)
+        key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
+        unique, where = np.unique(key, return_inverse=True)
+        self.row, self.column = unique // n, unique % n
+        self.diagonal = where[:n]
+        order = np.argsort(where[n:], kind="stable")
+        self.source, self.kind = source[order], kind[order]
+        target = where[n:][order]
+        self.target_start = np.flatnonzero(np.diff(target, prepend=-1))
+        self.target = target[self.target_start]
+        self.ordering = BlockOrdering(position, self.row, self.column, 6)
+
+    def blocks(self, tangent: Floats, weight: Floats) -> Floats:
+        """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
+        out = np.zeros((len(self.row), 6, 6))
+        if len(self.start):
+            corner = self.spread @ tangent @ self.gather
+            joint = np.add.reduceat(corner.reshape(-1, 36), self.start).reshape(-1, 6, 6)
+            from_a, from_b = np.swapaxes(self.to_a, 1, 2), np.swapaxes(self.to_b, 1, 2)
+            left_a, left_b = self.to_a @ joint, self.to_b @ joint
+            parts = np.stack([left_a @ from_a, -left_a @ from_b, -left_b @ from_a, left_b @ from_b])
+            sorted_parts = parts[self.kind, self.source].reshape(-1, 36)
+            if len(sorted_parts):
+                out[self.target] = np.add.reduceat(sorted_parts, self.target_start).reshape(
+                    -1, 6, 6
+                )
+        index = np.arange(6)
+        out[self.diagonal[:, None], index, index] += weight
+        return out
+
+    def factorise(self, tangent: Floats, weight: Floats) -> BlockFactor:
+        """Factors of ``A D A' + diag(weight)``.
+
+        Raises
+        ------
+        SolverError
+            The matrix is singular.
+        """
+        return self.ordering.factorise(self.blocks(tangent, weight))
+
+
+def _carry(lever: Floats, interface: Ints, first: Ints, block: Ints) -> tuple[Floats, Floats]:
+    """Maps (m, 6, 6) from the interface's first corner to a block, and levers from that corner."""
+    reference = lever[first]
+    to_block = np.zeros((len(first), 6, 6))
+    to_block[:, range(6), range(6)] = 1.0
+    to_block[:, 3:, :3] = skew(reference)
+    to_block[block < 0] = 0.0
+    return to_block, lever - reference[interface]
+
+
+def _length_ratio(statics: Statics, a: Ints, b: Ints) -> Floats:
+    """Length of the reference block by the length of block a, per interface."""
+    length = np.append(statics.length, 1.0)
+    return np.where((a >= 0) & (b >= 0), length[b] / length[a], 1.0)
+
+
+def _pattern(a: Ints, b: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Row, column, interface and kind (aa, ab, ba, bb) of every block that interfaces fill."""
+    rows, columns, sources, kinds = [], [], [], []
+    for kind, (i, j) in enumerate(((a, a), (a, b), (b, a), (b, b))):
+        here = np.flatnonzero((i >= 0) & (j >= 0))
+        rows.append(i[here])
+        columns.append(j[here])
+        sources.append(here)
+        kinds.append(np.full(len(here), kind, dtype=np.intp))
+    return (
+        np.concatenate(rows),
+        np.concatenate(columns),
+        np.concatenate(sources),
+        np.concatenate(kinds),
+    )

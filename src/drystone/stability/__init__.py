@@ -1,0 +1,23 @@
+"""Does it stand? The verdict with its proof, and the analyses behind it."""
+
+from drystone.formulations.corner_forces import FrictionCone, FrictionRule
+from drystone.formulations.equilibrium import Objective, Weights
+from drystone.stability.check import CheckOptions, check
+from drystone.stability.cra import CRAOptions, solve_cra
+from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
+from drystone.stability.rbe import RBEOptions, solve_rbe
+
+__all__ = [
+    "CRAOptions",
+    "CheckOptions",
+    "FrictionCone",
+    "FrictionRule",
+    "Objective",
+    "PenaltyOptions",
+    "RBEOptions",
+    "Weights",
+    "check",
+    "solve_cra",
+    "solve_cra_penalty",
+    "solve_rbe",
+]

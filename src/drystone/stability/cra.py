@@ -1,0 +1,175 @@
+"""Coupled rigid-block analysis, eq. 5.6 of the source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.checks import check_forces, corner_motion
+from drystone.contacts import Contacts
+from drystone.formulations import compliance
+from drystone.formulations.compatible import improve
+from drystone.formulations.coupled import equal_overlap
+from drystone.formulations.rest import RestOptions, find_rest
+from drystone.geometry.arrays import Floats
+from drystone.loads import LoadCase
+from drystone.results import Residuals, Result, Verdict
+from drystone.stability.check import SEARCH_LIMIT, CheckOptions, check
+from drystone.stability.problem import Clock, Problem
+
+
+@dataclass(frozen=True)
+class CRAOptions:
+    """Options of :func:`solve_cra`.
+
+    Attributes
+    ----------
+    tolerance
+        Largest residual of every condition, equal overlap included.
+    slide_limit
+        eta / eps: largest displacement of a corner by the overlap. The source uses 10 to 1000; a
+        fine mesh needs more than a coarse one.
+    slips
+        Slip lengths of the friction law, by the local overlap, tried one after another.
+    time_limit_s
+    """
+
+    tolerance: float = 1e-6
+    slide_limit: float = 1000.0
+    slips: tuple[float, ...] = (1.0, 10.0, 0.1)
+    time_limit_s: float = float("inf")
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    force: Floats
+    displacement: Floats
+    residuals: Residuals
+    slide: float
+    iterations: int
+
+
+def solve_cra(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase | None = None,
+    *,
+    options: CRAOptions | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Result:
+    """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
+
+    Stricter than :func:`check`: where a structure comes to rest but eq. 5.6 is not met, the verdict
+    is that of the rest state and the message says both.
+
+    Parameters
+    ----------
+    assembly
+    contacts
+    load
+        Gravity along -z when left out.
+    options
+    stop
+        Asked often; True ends the analysis with what is known.
+
+    Returns
+    -------
+    Result
+        ``method`` is ``cra`` where eq. 5.6 is met and ``rest`` or ``check`` where it is not;
+        ``eta`` is the largest displacement of a corner, by the overlap.
+
+    Raises
+    ------
+    InputError
+        Load or contacts of another assembly.
+    """
+    chosen = options if options is not None else CRAOptions()
+    clock = Clock(chosen.time_limit_s, stop)
+    problem = Problem.build(assembly, contacts, load)
+    base = check(
+        assembly,
+        contacts,
+        problem.load,
+        options=CheckOptions(samples=2, time_limit_s=chosen.time_limit_s),
+        stop=stop,
+    )
+    if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
+        method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
+        return replace(base, method=method, options=chosen, time_s={"solve": clock.elapsed_s})
+    best: _State | None = None
+    for state in _states(problem, base, chosen, clock):
+        if best is None or _worst(state, chosen) < _worst(best, chosen):
+            best = state
+        if best.residuals.largest <= chosen.tolerance and best.slide <= chosen.slide_limit:
+            break
+        if clock.late():
+            break
+    time_s = {"solve": clock.elapsed_s}
+    if best is None or best.residuals.largest > chosen.tolerance:
+        left = f" (best: {best.residuals.largest:.1e})" if best is not None else ""
+        message = f"it comes to rest, but no state with equal overlaps was found{left}"
+        return replace(base, method="rest", message=message, options=chosen, time_s=time_s)
+    message = f"stands, eq. 5.6 is met; the largest displacement is {best.slide:.3g} overlaps"
+    if best.slide > chosen.slide_limit:
+        message += f", more than the {chosen.slide_limit:g} asked for"
+    return replace(
+        base,
+        method="cra" if best.slide <= chosen.slide_limit else "rest",
+        message=message,
+        force=best.force,
+        displacement=best.displacement,
+        residuals=best.residuals,
+        eta=best.slide,
+        options=chosen,
+        solver="equal-overlap path",
+        iterations=base.iterations + best.iterations,
+        time_s=time_s,
+    )
+
+
+def _worst(state: _State, options: CRAOptions) -> tuple[bool, float, float]:
+    met = state.residuals.largest <= options.tolerance
+    return (not met, 0.0 if met else state.residuals.largest, state.slide)
+
+
+def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -> Iterator[_State]:
+    """Candidates for eq. 5.6: the equal-overlap path for each slip length, then convex steps."""
+    statics = problem.statics
+    loose = RestOptions(ground=1e-8, tolerance=1e-8)
+    for slip in options.slips:
+        start = find_rest(
+            problem.system, compliance.uniform(statics, slip=slip), loose, stop=clock.late
+        )
+        if problem.ground_share(start.ground).max() > 0.1 or clock.late():
+            continue
+        path = equal_overlap(problem.system, start, slip, stop=clock.late)
+        yield _examined(problem, path.state.motion, path.state.force, path.iterations)
+    if statics.corner_count <= SEARCH_LIMIT and base.displacement is not None:
+        motion = statics.scaled_motion(base.displacement, statics.mean_length)
+        found = improve(statics, motion, equal_overlap=True, stop=clock.late)
+        yield _examined(problem, found.motion, found.force, found.iterations)
+
+
+def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) -> _State:
+    physical, displacement = problem.force(force), problem.displacement(motion)
+    residuals = check_forces(
+        problem.assembly, problem.contacts, problem.load, physical, displacement
+    )
+    moved = corner_motion(problem.assembly, problem.contacts, displacement)
+    normal = physical[:, 0]
+    loaded = normal > 1e-7 * normal.max(initial=0.0)
+    overlap = -moved[loaded, 0]
+    mean = float(overlap.mean()) if len(overlap) and overlap.mean() > 0.0 else 1.0
+    spread = float(np.abs(overlap / mean - 1.0).max(initial=0.0))
+    deeper = float((np.maximum(0.0, -moved[:, 0] / mean - 1.0)).max(initial=0.0))
+    slide = float(np.abs(moved[problem.corners]).max(initial=0.0)) / mean
+    return _State(
+        physical,
+        displacement,
+        replace(residuals, overlap=max(spread, deeper)),
+        slide,
+        iterations,
+    )

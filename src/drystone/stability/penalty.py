@@ -1,0 +1,145 @@
+"""The penalty form: where does an unstable design want help?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.checks import check_forces
+from drystone.contacts import Contacts
+from drystone.formulations import compliance
+from drystone.formulations.rest import RestOptions, find_rest
+from drystone.loads import LoadCase
+from drystone.results import Result, Verdict
+from drystone.stability.check import TO_REST, CheckOptions, check
+from drystone.stability.problem import Clock, Problem
+from drystone.stability.proofs import FALLING_SHARE
+
+HELD = 0.01
+"""Glue holds a block when the ground carries less than this share of its load."""
+
+
+@dataclass(frozen=True)
+class PenaltyOptions:
+    """Options of :func:`solve_cra_penalty`.
+
+    Attributes
+    ----------
+    glue
+        Tensile stiffness of a corner, by its stiffness in compression: weak enough to carry only
+        what contact cannot.
+    ground
+        Weaker still: what glue cannot carry either.
+    time_limit_s
+    """
+
+    glue: float = 1e-4
+    ground: float = 1e-8
+    time_limit_s: float = float("inf")
+
+
+def solve_cra_penalty(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase | None = None,
+    *,
+    options: PenaltyOptions | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Result:
+    """Where does it want help: props in place of what is missing, and the glue that would do.
+
+    ``prop`` is what each falling block would need to be held, its joints dry; ``tension`` what the
+    joints would have to pull if they were glued instead: corners get a weak tensile spring,
+    friction still being bounded by what presses (in the spirit of eq. 5.8 of Kao et al. 2022).
+    Always answers.
+
+    Parameters
+    ----------
+    assembly
+    contacts
+    load
+        Gravity along -z when left out.
+    options
+    stop
+        Asked often; True ends the analysis with what is known.
+
+    Returns
+    -------
+    Result
+        The verdict of :func:`check` with ``force`` and ``tension`` per corner of the glued
+        structure and ``prop`` per block of the dry one. ``falling`` lists the blocks that need
+        help, the one with the largest prop force first; the message says which of them glue cannot
+        hold.
+
+    Raises
+    ------
+    InputError
+        Load or contacts of another assembly.
+    """
+    chosen = options if options is not None else PenaltyOptions()
+    clock = Clock(chosen.time_limit_s, stop)
+    problem = Problem.build(assembly, contacts, load)
+    limits = CheckOptions(samples=2, time_limit_s=chosen.time_limit_s)
+    dry = check(assembly, contacts, problem.load, options=limits, stop=stop)
+    corners = contacts.corner_count
+    if dry.verdict is Verdict.STABLE:
+        return replace(
+            dry,
+            method="cra-penalty",
+            message="no block needs help: it stands dry",
+            tension=np.zeros(corners),
+            prop=np.zeros((len(assembly), 6)),
+            options=chosen,
+            time_s={"solve": clock.elapsed_s},
+        )
+    numerics = RestOptions(ground=chosen.ground, tolerance=1e-7)
+    statics = problem.statics
+    glued = find_rest(
+        problem.system,
+        compliance.uniform(statics, slip=1.0, glue=chosen.glue),
+        numerics,
+        stop=clock.late,
+    )
+    leaning = find_rest(problem.system, compliance.uniform(statics), TO_REST, stop=clock.late)
+    share = problem.ground_share(leaning.ground)
+    prop = dry.prop if dry.prop is not None else -problem.wrench(leaning.ground)
+    needy = dry.falling or tuple(int(i) for i in statics.free[share > FALLING_SHARE * share.max()])
+    strength = np.linalg.norm(prop[:, :3], axis=1)
+    order = tuple(sorted(needy, key=lambda i: -strength[i]))
+    unheld = set(statics.free[problem.ground_share(glued.ground) > HELD].tolist())
+    force, tension = problem.force(glued.force), problem.force(glued.tension[:, None])[:, 0]
+    displacement = problem.displacement(glued.motion)
+    residuals = check_forces(
+        assembly,
+        contacts,
+        problem.load,
+        force,
+        displacement,
+        prop=-problem.wrench(glued.ground),
+    )
+    return replace(
+        dry,
+        method="cra-penalty",
+        message=_words([assembly.names[i] for i in order], {assembly.names[i] for i in unheld}),
+        force=force,
+        tension=tension,
+        displacement=displacement,
+        prop=prop,
+        falling=order,
+        residuals=residuals,
+        options=chosen,
+        iterations=dry.iterations + glued.iterations + leaning.iterations,
+        time_s={"solve": clock.elapsed_s},
+    )
+
+
+def _words(needy: list[str], unheld: set[str]) -> str:
+    shown = ", ".join(needy[:5]) + (f" and {len(needy) - 5} more" if len(needy) > 5 else "")
+    stuck = [name for name in needy if name in unheld]
+    if not stuck:
+        return f"help is needed at {shown}; glue would do"
+    props = ", ".join(stuck[:5]) + (f" and {len(stuck) - 5} more" if len(stuck) > 5 else "")
+    return f"help is needed at {shown}; glue cannot hold {props}: prop them"

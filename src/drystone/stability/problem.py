@@ -1,0 +1,110 @@
+"""The model that an analysis works on, and the way back to physical numbers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.checks import block_speed
+from drystone.contacts import Contacts
+from drystone.formulations.tangent import TangentSystem
+from drystone.geometry.arrays import Bools, Floats
+from drystone.loads import LoadCase
+from drystone.statics import Statics, build_statics
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A model, and its statics without the interfaces between two fixed blocks.
+
+    Attributes
+    ----------
+    assembly, contacts, load
+    corners : (k,) corners that take part
+    statics
+    """
+
+    assembly: Assembly
+    contacts: Contacts
+    load: LoadCase
+    corners: Bools
+    statics: Statics
+
+    @classmethod
+    def build(cls, assembly: Assembly, contacts: Contacts, load: LoadCase | None) -> Problem:
+        """Gravity along -z stands in for a load left out.
+
+        Raises
+        ------
+        InputError
+            Load or contacts of another assembly.
+        """
+        case = load if load is not None else LoadCase.gravity(assembly)
+        fixed = assembly.fixed
+        active = ~(fixed[contacts.block_a] & fixed[contacts.block_b])
+        part = contacts if active.all() else contacts.select(active)
+        statics = build_statics(assembly, part, case)
+        return cls(assembly, contacts, case, active[contacts.interface], statics)
+
+    @cached_property
+    def system(self) -> TangentSystem:
+        """The tangent's pattern and elimination order, made once."""
+        return TangentSystem(self.statics, self.assembly.centroid[self.statics.free])
+
+    def force(self, scaled: Floats) -> Floats:
+        """Physical values (k, c) [N] of all corners from scaled ones of those that take part."""
+        out = np.zeros((self.contacts.corner_count, scaled.shape[1]))
+        out[self.corners] = self.statics.physical_force(scaled)
+        return out
+
+    def wrench(self, scaled: Floats) -> Floats:
+        """Physical wrenches (n, 6) [N, N m] of all blocks."""
+        return self.statics.physical_wrench(scaled, len(self.assembly))
+
+    def displacement(self, scaled: Floats) -> Floats:
+        """Virtual motion (n, 6) [m, rad] for a displacement unit of the mean block size."""
+        return self.statics.physical_motion(scaled, len(self.assembly), self.statics.mean_length)
+
+    def mechanism(self, scaled: Floats) -> Floats:
+        """Motion (n, 6) whose fastest block moves by the mean size of a block."""
+        return self.normalised(self.displacement(scaled))
+
+    def normalised(self, motion: Floats) -> Floats:
+        """The same physical motion, its fastest block moving by the mean size of a block."""
+        speed = float(block_speed(self.assembly, motion).max(initial=0.0))
+        return motion * (self.statics.mean_length / speed) if speed > 0.0 else motion
+
+    def ground_share(self, ground: Floats) -> Floats:
+        """Share (n free,) of each block's load that the ground springs (n free, 6) carry."""
+        load = self.statics.load
+        size = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
+        carried = np.linalg.norm(ground[:, :3], axis=1) + np.linalg.norm(ground[:, 3:], axis=1)
+        return carried / np.where(size > 0.0, size, 1.0)
+
+
+class Clock:
+    """Time since the start, the limit, and the caller's wish to stop."""
+
+    def __init__(self, limit_s: float, stop: Callable[[], bool] | None = None) -> None:
+        self.began = time.perf_counter()
+        self.limit_s = limit_s
+        self.wish = stop
+
+    @property
+    def elapsed_s(self) -> float:
+        """[s]."""
+        return time.perf_counter() - self.began
+
+    @property
+    def left_s(self) -> float:
+        """[s], until the limit."""
+        return max(self.limit_s - self.elapsed_s, 0.0)
+
+    def late(self) -> bool:
+        """Whether to stop now with what is known."""
+        return self.elapsed_s > self.limit_s or (self.wish is not None and self.wish())

@@ -1,0 +1,90 @@
+"""Proofs that a structure falls, and when they hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.checks import block_speed, corner_motion, mechanism_defects
+from drystone.contacts import Contacts
+from drystone.formulations.equilibrium import EquilibriumSolution
+from drystone.geometry.arrays import Bools, Floats
+from drystone.stability.problem import Problem
+
+FORCE_TOLERANCE = 1e-8
+"""Largest residual of a claim of equilibrium, dimensionless."""
+
+MECHANISM_TOLERANCE = 1e-6
+"""Largest closing of a gap in a claimed mechanism, by the speed of its blocks."""
+
+WITNESS_TOLERANCE = 1e-5
+"""The same for a first motion, which the compliance of the contacts blurs by about the weakness of
+the ground springs, 1e-7, times the stiffness of the structure."""
+
+FALLING_SHARE = 1e-3
+"""A block falls when it moves, or leans on the ground springs, more than this share of the one that
+does so most."""
+
+
+def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats | None:
+    """The multiplier of an infeasible equilibrium as a physical mechanism, if it is one.
+
+    It is a proof whatever the back end claimed: every corner opens at least as fast as friction
+    times its slide, and the loads do work.
+    """
+    if not np.isfinite(solution.multiplier).all():
+        return None
+    motion = problem.mechanism(solution.multiplier)
+    violation, power = mechanism_defects(problem.assembly, problem.contacts, problem.load, motion)
+    return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
+
+
+def moving_blocks(assembly: Assembly, mechanism: Floats) -> tuple[int, ...]:
+    """Positions of the blocks that take part in a mechanism (n, 6)."""
+    speed = block_speed(assembly, mechanism)
+    return tuple(int(i) for i in np.flatnonzero(speed > FALLING_SHARE * speed.max(initial=0.0)))
+
+
+def is_first_motion(problem: Problem, motion: Floats) -> bool:
+    """Whether a motion (n, 6) is admissible from rest: no gap closes and the loads do work."""
+    closing = replace(problem.contacts, friction=np.zeros(problem.contacts.count))
+    violation, power = mechanism_defects(problem.assembly, closing, problem.load, motion)
+    return violation <= WITNESS_TOLERANCE and power > 0.0
+
+
+def free_acceleration(problem: Problem) -> Floats:
+    """Acceleration (n, 6) of each free block under its load alone."""
+    assembly = problem.assembly
+    free = problem.statics.free
+    motion = np.zeros((len(assembly), 6))
+    motion[free, :3] = problem.load.wrench[free, :3] / assembly.mass[free, None]
+    turning = assembly.mass[free] * problem.statics.inertia * assembly.size[free] ** 2
+    motion[free, 3:] = problem.load.wrench[free, 3:] / turning[:, None]
+    return motion
+
+
+def unpressed(assembly: Assembly, contacts: Contacts, acceleration: Floats) -> Bools:
+    """The largest set (n,) of free blocks whose free motion approaches no corner.
+
+    Parameters
+    ----------
+    assembly, contacts
+    acceleration : (n, 6)
+        Of each block under its load alone; blocks outside the set rest.
+    """
+    falling = ~assembly.fixed & (block_speed(assembly, acceleration) > 0.0)
+    a = contacts.block_a[contacts.interface]
+    b = contacts.block_b[contacts.interface]
+    while falling.any():
+        motion = np.where(falling[:, None], acceleration, 0.0)
+        speed = block_speed(assembly, motion)
+        reach = np.maximum(speed[a], speed[b])
+        approach = corner_motion(assembly, contacts, motion)[:, 0] < -1e-12 * reach
+        pressed = np.zeros(len(assembly), dtype=bool)
+        pressed[a[approach]] = pressed[b[approach]] = True
+        if not (falling & pressed).any():
+            break
+        falling &= ~pressed
+    return falling

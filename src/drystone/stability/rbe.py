@@ -1,0 +1,144 @@
+"""Rigid-block equilibrium: necessary for standing, not sufficient."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from drystone.assembly import Assembly
+from drystone.checks import check_forces
+from drystone.contacts import Contacts
+from drystone.formulations.corner_forces import FrictionCone, FrictionRule
+from drystone.formulations.equilibrium import (
+    EquilibriumSolution,
+    Objective,
+    Weights,
+    solve_equilibrium,
+)
+from drystone.loads import LoadCase
+from drystone.results import Result, Verdict
+from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.stability.problem import Clock, Problem
+from drystone.stability.proofs import checked_mechanism, moving_blocks
+
+BALANCE_TOLERANCE = 1e-6
+"""Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
+
+
+@dataclass(frozen=True)
+class RBEOptions:
+    """Options of :func:`solve_rbe`.
+
+    Attributes
+    ----------
+    cone
+        Exact unless a pyramid is asked for by name.
+    objective
+    weights
+    tension
+        Also solve the penalised form where no equilibrium without tension exists.
+    rule
+        Which normal force carries friction in the penalised form.
+    conic
+        Numerics of the interior point.
+    """
+
+    cone: FrictionCone = field(default_factory=FrictionCone.exact)
+    objective: Objective = Objective.QUADRATIC
+    weights: Weights = field(default_factory=Weights)
+    tension: bool = True
+    rule: FrictionRule = FrictionRule.PLUS
+    conic: ConicOptions = field(default_factory=ConicOptions)
+
+
+def solve_rbe(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase | None = None,
+    *,
+    options: RBEOptions | None = None,
+) -> Result:
+    """Do any contact forces balance the loads?
+
+    Necessary for standing, not sufficient: it believes in prestress that nothing provides.
+
+    Parameters
+    ----------
+    assembly
+    contacts
+    load
+        Gravity along -z when left out.
+    options
+
+    Returns
+    -------
+    Result
+        EQUILIBRIUM_EXISTS with forces, or UNSTABLE with a checked mechanism and, in the penalised
+        form, the tension that would be needed.
+
+    Raises
+    ------
+    InputError
+        Load or contacts of another assembly.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import h_model
+    >>> wedged = h_model()
+    >>> contacts = drystone.find_contacts(wedged, friction=0.6).contacts
+    >>> drystone.solve_rbe(wedged, contacts).verdict
+    <Verdict.EQUILIBRIUM_EXISTS: 'equilibrium exists'>
+    """
+    chosen = options if options is not None else RBEOptions()
+    clock = Clock(chosen.conic.time_limit_s)
+    problem = Problem.build(assembly, contacts, load)
+
+    def run(tension: bool) -> EquilibriumSolution:
+        return solve_equilibrium(
+            problem.statics,
+            cone=chosen.cone,
+            objective=chosen.objective,
+            weights=chosen.weights,
+            tension=tension,
+            rule=chosen.rule,
+            options=chosen.conic,
+        )
+
+    solution = run(False)
+    verdict, mechanism = Verdict.UNDECIDED, None
+    message = f"the interior point ended with '{solution.raw.message}'"
+    force = tension = residuals = None
+    if solution.raw.status is ConicStatus.SOLVED:
+        force = problem.force(solution.force)
+        residuals = check_forces(assembly, contacts, problem.load, force)
+        if max(residuals.equilibrium, residuals.tension) <= BALANCE_TOLERANCE:
+            verdict, message = Verdict.EQUILIBRIUM_EXISTS, "some contact forces balance the loads"
+    else:
+        mechanism = checked_mechanism(problem, solution)
+        if mechanism is not None:
+            verdict, message = Verdict.UNSTABLE, "no contact forces can balance the loads"
+        if chosen.tension:
+            penalised = run(True)
+            if penalised.raw.status is ConicStatus.SOLVED:
+                force = problem.force(penalised.force)
+                tension = problem.force(penalised.tension[:, None])[:, 0]
+                residuals = check_forces(assembly, contacts, problem.load, force)
+            elif chosen.rule is FrictionRule.NET:
+                message += "; friction on the net normal force cannot balance them with tension"
+    return Result(
+        method="rbe",
+        verdict=verdict,
+        assembly=assembly,
+        contacts=contacts,
+        load=problem.load,
+        message=message,
+        force=force,
+        tension=tension,
+        mechanism=mechanism,
+        falling=moving_blocks(assembly, mechanism) if mechanism is not None else (),
+        residuals=residuals,
+        options=chosen,
+        solver=solution.raw.solver,
+        iterations=solution.raw.iterations,
+        time_s={"solve": clock.elapsed_s},
+    )
