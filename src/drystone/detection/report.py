@@ -140,7 +140,7 @@ class ContactReport:
         ):
             needed: dict[tuple[int, int], float] = {}
             for miss in apart:
-                if miss.reason is reason:
+                if miss.reason is reason and not np.isnan(miss.needed):
                     pair = (miss.block_a, miss.block_b)
                     needed[pair] = min(miss.needed, needed.get(pair, np.inf))
             if needed:
@@ -297,11 +297,9 @@ def _mm(length: float) -> str:
 
 
 def _rounded_up(value: float, digits: int) -> float:
-    """Up to the next number with a few significant digits, so that it is enough."""
-    if value <= 0.0:
-        return 0.0
+    """The next larger number with a few significant digits, so that it is enough."""
     step = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
-    return float(np.ceil(value / step * (1.0 - 1e-12)) * step)
+    return float((np.floor(value / step * (1.0 + 1e-9)) + 1.0) * step)
 
 
 __all__ = ["ContactReport", "Missed", "Penetration", "Reason"]

@@ -1,0 +1,102 @@
+"""What the report says, and what it suggests."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from drystone.assembly import Assembly, Block
+from drystone.detection import DetectionOptions, Reason, find_contacts, gap_sweep
+from drystone.errors import InputError
+from drystone.models import box, concave, random_pack, tower
+
+SLAB = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
+
+
+def above(gap: float) -> Assembly:
+    return Assembly((SLAB, box((1.0, 1.0, 1.0), (0.0, 0.0, gap), "cube")))
+
+
+def test_suggested_gap_joins_what_it_promises() -> None:
+    report = find_contacts(above(0.0087)).report
+    assert [miss.reason for miss in report.missed] == [Reason.GAP]
+    assert report.missed[0].needed == pytest.approx(0.0087)
+    assert report.suggestions() == ("raise gap from 0.005 to 0.0088 to join 1 more pair",)
+    joined = find_contacts(above(0.0087), options=DetectionOptions(gap=0.0088)).report
+    assert joined.pair_count == 1
+    assert joined.suggestions() == ()
+
+
+def test_missed_polygons_lie_between_the_faces() -> None:
+    miss = find_contacts(above(0.02)).report.missed[0]
+    np.testing.assert_allclose(miss.polygon[:, 2], 0.01, atol=1e-12)
+    assert miss.area == pytest.approx(1.0)
+    assert not miss.joined
+
+
+def test_faces_that_touch_already_are_not_missed() -> None:
+    assert find_contacts(random_pack(60, seed=2)).report.missed == ()
+    assert find_contacts(tower(4)).report.missed == ()
+
+
+def test_far_block_is_isolated_and_said_to_be_far() -> None:
+    report = find_contacts(above(0.5)).report
+    assert report.isolated == (0, 1)
+    assert "nothing is near slab, cube" in report.suggestions()[0]
+
+
+def test_repairs_are_passed_on() -> None:
+    cube = box((1.0, 1.0, 1.0))
+    turned = Block(cube.vertices, tuple(face[::-1] for face in cube.faces), "inside-out")
+    report = find_contacts(Assembly((SLAB, turned))).report
+    assert report.repairs == ((1, "inside out: all faces turned"),)
+    assert any("inside out" in line for line in report.summary())
+
+
+def test_block_that_is_there_twice_is_named() -> None:
+    cube = box((1.0, 1.0, 1.0))
+    report = find_contacts(Assembly((SLAB, cube, cube.renamed("again")))).report
+    assert report.duplicates == ((1, 2),)
+    assert any("one block twice" in line for line in report.summary())
+
+
+def test_report_is_json_and_complete() -> None:
+    report = find_contacts(
+        Assembly((*above(0.0087).blocks, box((1, 1, 1), (-2, 0, -0.1), "deep")))
+    ).report
+    data = json.loads(json.dumps(report.to_dict()))
+    assert data["isolated"] == ["slab", "cube", "deep"]
+    assert data["missed"][0]["blocks"] == ["slab", "cube"]
+    assert data["missed"][0]["reason"] == "too far apart"
+    assert data["penetrations"] == [{"blocks": ["slab", "deep"], "depth": pytest.approx(0.1)}]
+    assert data["options"]["gap"] == 0.005
+    whole = json.loads(json.dumps(find_contacts(concave()).report.to_dict()))
+    assert len(whole["interfaces"]) == 7
+    assert {entry["kind"] for entry in whole["interfaces"]} == {"area"}
+
+
+def test_summary_counts_interfaces_and_pairs() -> None:
+    assert find_contacts(concave()).report.summary()[0] == "7 interfaces in 1 pair"
+    assert find_contacts(tower(2)).report.summary()[0] == "1 interface in 1 pair"
+
+
+def test_sweep_shows_where_each_gap_closes() -> None:
+    cubes = [
+        box((1.0, 1.0, 1.0), (3.0 * i, 0.0, gap), f"cube-{i}")
+        for i, gap in enumerate((0.0, 1e-3, 3e-2))
+    ]
+    slabs = [box((1.0, 1.0, 1.0), (3.0 * i, 0.0, -1.0), f"slab-{i}") for i in range(3)]
+    sweep = gap_sweep(Assembly((*cubes, *slabs)), [1e-4, 2e-3, 1e-2, 2e-2, 5e-2])
+    assert sweep.interfaces.tolist() == [1, 2, 2, 2, 3]
+    assert sweep.isolated.tolist() == [4, 2, 2, 2, 0]
+    assert sweep.plateau == (2e-3, 2e-2)
+    assert 2e-3 < sweep.chosen < 2e-2
+    assert sum("plateau" in line for line in sweep.summary()) == 4
+    assert json.dumps(sweep.to_dict())
+
+
+def test_sweep_without_a_gap_is_refused() -> None:
+    with pytest.raises(InputError, match="gaps"):
+        gap_sweep(tower(2), [])

@@ -1,0 +1,54 @@
+"""Points and segments against triangulated solids."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.assembly import Block
+from drystone.geometry import solid
+from drystone.geometry.polyhedron import stack_faces
+from drystone.geometry.triangulate import triangulate
+from drystone.models import box, prism
+
+
+def triangles_of(block: Block) -> np.ndarray:
+    faces = stack_faces([block.vertices], [block.faces])
+    corner = faces.point[faces.loop]
+    return corner[triangulate(corner, faces.start)[0]]
+
+
+CORNER = prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], (0.0, 1.0))
+
+
+def test_inside_of_a_concave_solid() -> None:
+    random = np.random.default_rng(0)
+    points = random.uniform(-0.5, 2.5, (500, 3))
+    expected = ((points > 0.0) & (points < [2.0, 1.0, 2.0])).all(axis=1)
+    expected &= ~((points[:, 0] > 1.0) & (points[:, 2] > 1.0))
+    assert np.array_equal(solid.inside(points, triangles_of(CORNER)), expected)
+
+
+def test_distance_from_a_box() -> None:
+    random = np.random.default_rng(1)
+    points = random.uniform(-1.0, 2.0, (300, 3))
+    outside = np.linalg.norm(np.maximum(np.maximum(-points, points - 1.0), 0.0), axis=1)
+    depth = np.minimum(points, 1.0 - points).min(axis=1)
+    expected = np.where(outside > 0.0, outside, depth)
+    np.testing.assert_allclose(
+        solid.distance(points, triangles_of(box((1, 1, 1)))), expected, atol=1e-12
+    )
+
+
+def test_segments_cross_where_they_enter_and_leave() -> None:
+    start, end = (
+        np.array([[0.3, 0.4, -1.0], [5.0, 5.0, 5.0]]),
+        np.array([[0.3, 0.4, 3.0], [6.0, 5.0, 5.0]]),
+    )
+    segment, share = solid.crossings(start, end, triangles_of(box((1, 1, 1))))
+    assert segment.tolist() == [0, 0]
+    np.testing.assert_allclose(np.sort(share), [0.25, 0.5])
+
+
+def test_no_segments_cross_nothing() -> None:
+    none = np.zeros((0, 3))
+    assert len(solid.crossings(none, none, triangles_of(CORNER))[0]) == 0
