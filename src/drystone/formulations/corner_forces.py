@@ -14,6 +14,11 @@ from drystone.geometry.arrays import Floats
 from drystone.solvers.conic import Cones
 from drystone.statics import Statics
 
+SLIPPERY = 0.01
+"""Below this friction coefficient the exact cone does not say precisely enough that a corner cannot
+pull, at zero it does not say so at all; chosen, so that a tolerance on the cone is no larger than a
+hundred times itself on the pull."""
+
 
 class FrictionRule(enum.Enum):
     """Which normal force carries friction where tension is allowed."""
@@ -180,6 +185,11 @@ def force_rows(statics: Statics, cone: FrictionCone, columns: Columns) -> ForceR
         signs[range(len(signs)), range(len(signs))] = -1.0
         linear.append(sparse.kron(one, signs))
     at_corner = statics.friction if cone.local is None else np.full(k, cone.local)
+    slippery = np.flatnonzero(at_corner < SLIPPERY)
+    if not (columns.tension or cone.sides) and len(slippery):
+        pull = np.zeros((1, columns.width))
+        pull[0, 0] = -1.0
+        linear.append(sparse.kron(one[slippery], pull))
     if columns.priced:
         friction(one, np.ones(k), columns.length, replace(cone, circumscribed=True))
     friction(one, at_corner, columns.bearing)

@@ -148,22 +148,27 @@ class Parametric:
     ----------
     build
         The model of a value.
-    friction
+    find
+        The contacts of a model.
     parameter
         Name of what varies.
     unit
     """
 
     build: Callable[[float], Assembly]
-    friction: float
+    find: Callable[[Assembly], Contacts]
     parameter: str = "thickness"
     unit: str = ""
 
     def __call__(self, value: float) -> Problem:
         """The problem at a value of the parameter."""
         assembly = self.build(value)
-        contacts = find_contacts(assembly, friction=self.friction).contacts
-        return Problem(assembly, contacts, LoadCase.gravity(assembly))
+        return Problem(assembly, self.find(assembly), LoadCase.gravity(assembly))
+
+
+def found(friction: float, assembly: Assembly) -> Contacts:
+    """The contacts of an assembly, all with one friction coefficient."""
+    return find_contacts(assembly, friction=friction).contacts
 
 
 def resting(assembly: Assembly, load: LoadCase | None) -> LoadCase:
@@ -195,6 +200,7 @@ __all__ = [
     "Problem",
     "Shrunk",
     "Tilt",
+    "found",
     "number",
     "resting",
 ]

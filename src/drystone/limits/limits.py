@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from drystone.limits.families import (
     Parametric,
     Shrunk,
     Tilt,
+    found,
     number,
     resting,
 )
@@ -297,6 +299,7 @@ def limit_thickness(
     thin: float,
     *,
     friction: float = 0.6,
+    find: Callable[[Assembly], Contacts] | None = None,
     parameter: str = "thickness",
     unit: str = "",
     check: Check = stability.check,
@@ -313,6 +316,9 @@ def limit_thickness(
     thick, thin
         Where the search starts, which should stand, and where it ends.
     friction
+        Of all joints.
+    find
+        The contacts of a model; left out, those of :func:`drystone.find_contacts`.
     parameter, unit
         For tables.
     options
@@ -323,13 +329,14 @@ def limit_thickness(
     >>> from drystone.models import arch
     >>> limit = limit_thickness(lambda t: arch(t, 8), 0.2, 0.05, friction=1.0)
     >>> round(limit.rest.value, 3)
-    0.086
+    0.1
     """
     chosen = options if options is not None else LimitOptions()
     first, last = number(thick, "thick"), number(thin, "thin")
     if first == last:
         raise InputError("the range has no length", remedy="give two different values")
-    family = Parametric(build, friction, parameter, unit)
+    finder = find if find is not None else partial(found, friction)
+    family = Parametric(build, finder, parameter, unit)
     width = 1e-5 * abs(first - last)
     return _bisected(family, first, last, width, check, chosen, executor, progress)
 

@@ -8,6 +8,7 @@ from drystone.models.arches import arch, buttressed_arch
 from drystone.models.curved import cube_curve, curve_three_blocks
 from drystone.models.domes import dome
 from drystone.models.packs import random_pack
+from drystone.models.lunes import lune
 from drystone.models.published import a_model, concave, h_model, shelf, wedge
 from drystone.models.simple import (
     box,
@@ -37,6 +38,7 @@ __all__ = [
     "h_model",
     "harmonic_offsets",
     "incline",
+    "lune",
     "overhang",
     "prism",
     "random_pack",
