@@ -155,7 +155,9 @@ class Contacts:
         try:
             import networkx  # optional: only for those who ask for the graph
         except ImportError as error:
-            raise MissingDependency("networkx", extra="test", purpose="the graph") from error
+            raise MissingDependency(
+                "networkx", extra="graph", purpose="the contact graph"
+            ) from error
         graph = networkx.MultiDiGraph()
         for i, (a, b) in enumerate(zip(self.block_a.tolist(), self.block_b.tolist(), strict=True)):
             graph.add_edge(a, b, interface=i, area=float(self.area[i]), normal=self.frame[i, 0])

@@ -1,0 +1,27 @@
+"""The pictures of the README: a vault that stands, and a shelf that only seems to.
+
+python examples/pictures.py docs
+"""
+
+import sys
+from pathlib import Path
+
+import drystone
+from drystone.models import shelf, vault
+
+SIZE = (8.0, 4.8)
+"""Inches."""
+
+
+def main(folder: Path = Path()) -> tuple[drystone.Result, drystone.Result]:
+    """Check both models and draw them."""
+    standing = drystone.check(vault(), drystone.find_contacts(vault(), friction=0.6).contacts)
+    drystone.save_figure(standing, folder / "vault.png", size=SIZE, dpi=110, layers=["resultants"])
+    falling = drystone.check(shelf(), drystone.find_contacts(shelf(), friction=0.9).contacts)
+    view = (0.25, -1.0, 0.2)
+    drystone.save_figure(falling, folder / "shelf.png", size=SIZE, dpi=110, toward=view, layers=[])
+    return standing, falling
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path())

@@ -1,0 +1,166 @@
+"""What the README and the pages under docs say is so: their commands, examples, links, lists."""
+
+import re
+import runpy
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from drystone.results import Verdict
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+SETUP = "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/drystone demo"
+TESTING = 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest'
+
+
+def python_blocks(page: Path) -> list[str]:
+    """The Python examples of a page, in order."""
+    return re.findall(r"^```python\n(.*?)^```$", page.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+
+
+def drystone(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a ``drystone`` command line in a folder, as a user would."""
+    program, *arguments = shlex.split(command)
+    assert program == "drystone"
+    return subprocess.run(
+        [sys.executable, "-m", "drystone", *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        check=False,
+    )
+
+
+@pytest.fixture(scope="module")
+def followed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The folder of someone who ran the README's Python example, and what it printed."""
+    folder = tmp_path_factory.mktemp("readme")
+    (example,) = python_blocks(ROOT / "README.md")
+    run = subprocess.run(
+        [sys.executable, "-W", "error", "-c", example],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return folder, run.stdout
+
+
+def test_the_two_commands_that_set_it_up_are_in_the_readme_and_the_second_is_what_ci_runs() -> None:
+    assert f"\n    {SETUP}\n" in README
+    assert f"\n    {TESTING}\n" in README
+    for command in (SETUP, TESTING):
+        windows = command.replace("python3", "py").replace(".venv/bin/", ".venv\\Scripts\\")
+        assert f"    {windows}\n" in README
+    assert f"\n{TESTING}" in (ROOT / ".ci" / "run").read_text("utf-8")
+
+
+def test_the_readmes_example_is_a_dozen_lines_and_prints_what_stands_below_it(
+    followed: tuple[Path, str],
+) -> None:
+    (example,) = python_blocks(ROOT / "README.md")
+    assert sum(bool(line.strip()) for line in example.splitlines()) <= 12
+    folder, printed = followed
+    shown = "".join(f"    {line}\n" for line in printed.splitlines())
+    assert f"{example}```\n\n{shown}" in README
+    assert (folder / "vault.html").read_text("utf-8").startswith("<!doctype html>")
+    assert (folder / "vault.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_readmes_commands_answer_as_it_says(followed: tuple[Path, str]) -> None:
+    commands = re.findall(r"^ {4}(drystone .*)$", README, re.MULTILINE)
+    runs = [drystone(command, followed[0]) for command in commands]
+    assert [run.returncode for run in runs] == [0, 1, 0, 0]
+    assert all(run.stderr == "" for run in runs)
+    stands, falls, listed, _ = (run.stdout for run in runs)
+    assert stands.startswith("STABLE")
+    assert falls.startswith("UNSTABLE")
+    assert "no contact forces can balance the loads" in falls
+    assert "97 blocks" in listed
+    assert (followed[0] / "fall.png").exists()
+
+
+def test_the_demo_answers_and_leaves_a_page_and_a_figure(tmp_path: Path) -> None:
+    run = drystone("drystone demo", tmp_path)
+    assert run.returncode == 0
+    assert run.stdout.startswith("STABLE")
+    assert {path.name for path in tmp_path.iterdir()} == {"drystone-demo.html", "drystone-demo.png"}
+
+
+def test_bad_input_is_one_line_and_exit_code_two(tmp_path: Path) -> None:
+    run = drystone("drystone check absent.obj --html page.html", tmp_path)
+    assert run.returncode == 2
+    assert run.stdout == ""
+    assert run.stderr.count("\n") == 1
+    assert "absent.obj" in run.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES[1:] if python_blocks(page)], ids=lambda page: page.name
+)
+def test_the_python_of_a_page_runs(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its blocks one after another, as a reader would, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {"__name__": "page"}
+    for block in python_blocks(page):
+        exec(compile(block, page.name, "exec"), names)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_something(page: Path) -> None:
+    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text("utf-8"))
+    local = [link for link in links if not link.startswith("https://")]
+    assert [link for link in local if not (page.parent / link).exists()] == []
+
+
+def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    needed = {
+        re.match(r"[\w.-]+", requirement)[0]  # type: ignore[index]
+        for group in (project["dependencies"], *extras.values())
+        for requirement in group
+        if not requirement.startswith("drystone[")
+    }
+    page = (ROOT / "docs" / "dependencies.md").read_text("utf-8")
+    assert set(re.findall(r"^\| ([a-z][\w.-]*) \| [A-Z]", page, re.MULTILINE)) == needed
+
+
+def test_an_extra_that_an_error_names_exists() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    named = {
+        extra
+        for path in (ROOT / "src").rglob("*.py")
+        for extra in re.findall(r'extra="(\w+)"', path.read_text("utf-8"))
+    }
+    assert named
+    assert named <= set(project["optional-dependencies"])
+
+
+def test_the_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -> None:
+    """Their verdicts and their names; pixels depend on the fonts of a machine."""
+    example = runpy.run_path(str(ROOT / "examples" / "pictures.py"))
+    standing, falling = example["main"](tmp_path)
+    assert (standing.verdict, falling.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
+    assert falling.falling_names == ("block-9", "block-10")
+    for picture in tmp_path.iterdir():
+        assert f"](docs/{picture.name})" in README
+        assert (ROOT / "docs" / picture.name).read_bytes().startswith(b"\x89PNG")
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_every_example_is_run_by_a_test() -> None:
+    tests = "".join(path.read_text("utf-8") for path in (ROOT / "tests").rglob("*.py"))
+    names = {path.stem for path in (ROOT / "examples").glob("*.py")}
+    assert names
+    assert [name for name in names if not re.search(rf'"{name}(\.py)?"', tests)] == []
