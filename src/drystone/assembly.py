@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -13,6 +14,8 @@ import numpy as np
 from drystone.errors import InputError
 from drystone.geometry import polyhedron
 from drystone.geometry.arrays import Bools, Floats, Ints, frozen, frozen_floats
+from drystone.geometry.polyhedron import body_mass_properties
+from drystone.geometry.surface import closed_surface
 
 DEFAULT_DENSITY = 2400.0
 """[kg/m3], chosen: dense limestone and plain concrete. Verdicts under self-weight do not depend
@@ -68,22 +71,30 @@ class Block:
         where = f"block '{self.name}'"
         if not isinstance(self.name, str) or not self.name:
             raise InputError("a block needs a name", remedy="give a non-empty string")
+        density = _density(self.density, where)
         try:
             vertices = frozen_floats(self.vertices, (None, 3), "vertices")
+            surface = closed_surface(self.faces, len(vertices))
         except InputError as error:
             raise InputError(error.what, where=where, remedy=error.remedy) from error
-        density = _density(self.density, where)
-        loops = _loops(self.faces, len(vertices), where)
-        vertices, loops, dropped = _drop_unused(vertices, loops)
-        loops, volume, centroid, turned = _closed_surface(vertices, loops, where)
+        vertices = frozen(surface.select(vertices))
+        bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
+        volume, centroid = body_mass_properties(vertices, surface.fan)
+        if abs(volume) <= FLAT * math.dist(*bounds.tolist()) ** 3:
+            raise InputError(
+                f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
+            )
+        if volume < 0.0:
+            surface, volume = surface.turned(), -volume
         set_ = object.__setattr__
         set_(self, "vertices", vertices)
-        set_(self, "faces", tuple(loops))
+        set_(self, "faces", surface.loops)
         set_(self, "density", density)
         set_(self, "metadata", MappingProxyType(dict(self.metadata)))
-        set_(self, "repairs", (*self.repairs, *dropped, *turned))
+        set_(self, "repairs", (*self.repairs, *surface.notes))
         set_(self, "volume", volume)
-        set_(self, "centroid", centroid)
+        set_(self, "centroid", frozen(centroid))
+        set_(self, "bounds", bounds)
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"metadata": dict(self.metadata)}
@@ -99,16 +110,13 @@ class Block:
     """[m3]"""
     centroid: Floats = field(init=False, repr=False)
     """(3,) [m]"""
+    bounds: Floats = field(init=False, repr=False)
+    """(2, 3) [m], lowest and highest corner of the axis-aligned bounding box."""
 
     @property
     def mass(self) -> float:
         """[kg]"""
         return self.volume * self.density
-
-    @cached_property
-    def bounds(self) -> Floats:
-        """(2, 3) [m], lowest and highest corner of the axis-aligned bounding box."""
-        return frozen(np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)]))
 
     @property
     def size(self) -> float:
@@ -152,97 +160,6 @@ def _density(value: Any, where: str) -> float:
     if not (np.isfinite(density) and density > 0.0):
         raise InputError(f"density is {density}", where=where, remedy="give kg/m3 above zero")
     return density
-
-
-def _loops(faces: Iterable[Sequence[int]], count: int, where: str) -> list[tuple[int, ...]]:
-    loops: list[tuple[int, ...]] = []
-    for number, face in enumerate(faces):
-        try:
-            loop = tuple(int(i) for i in face)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"face {number} is not a list of integers", where=where) from error
-        if len(loop) < 3 or len(set(loop)) != len(loop):
-            raise InputError(
-                f"face {number} {list(loop)} needs three or more corners, none twice",
-                where=where,
-                remedy="remove repeated corners, split a face with a hole into several",
-            )
-        if min(loop) < 0 or max(loop) >= count:
-            raise InputError(
-                f"face {number} uses vertex {max(loop) if max(loop) >= count else min(loop)}",
-                where=where,
-                remedy=f"vertices are numbered 0 to {count - 1}",
-            )
-        loops.append(loop)
-    if len(loops) < 4:
-        raise InputError(
-            f"has {len(loops)} faces", where=where, remedy="a closed block has four or more"
-        )
-    return loops
-
-
-def _drop_unused(
-    vertices: Floats, loops: list[tuple[int, ...]]
-) -> tuple[Floats, list[tuple[int, ...]], list[str]]:
-    used = sorted({i for loop in loops for i in loop})
-    if len(used) == len(vertices):
-        return vertices, loops, []
-    new = {old: i for i, old in enumerate(used)}
-    kept = frozen(np.ascontiguousarray(vertices[used]))
-    note = f"{len(vertices) - len(used)} unused vertices dropped"
-    return kept, [tuple(new[i] for i in loop) for loop in loops], [note]
-
-
-def _edges_text(edges: list[tuple[int, int]]) -> str:
-    shown = ", ".join(f"{a}-{b}" for a, b in edges[:4])
-    return shown + (f" and {len(edges) - 4} more" if len(edges) > 4 else "")
-
-
-def _closed_surface(
-    vertices: Floats, loops: list[tuple[int, ...]], where: str
-) -> tuple[list[tuple[int, ...]], float, Floats, list[str]]:
-    """Checked and outward faces, volume, centroid, and the notes of what was turned."""
-    open_edges, crowded, consistent = polyhedron.edge_defects(loops)
-    if crowded:
-        raise InputError(
-            f"non-manifold: more than two faces meet at edges {_edges_text(crowded)}",
-            where=where,
-            remedy="split the block there or remove inner faces",
-        )
-    if open_edges:
-        raise InputError(
-            f"open mesh: {len(open_edges)} edges have one face only ({_edges_text(open_edges)})",
-            where=where,
-            remedy="close the holes or merge coincident vertices",
-        )
-    notes: list[str] = []
-    if not consistent:
-        loops, turned = polyhedron.orient(loops)
-        if not polyhedron.edge_defects(loops)[2]:
-            raise InputError(
-                "its surface has no inside", where=where, remedy="it is one-sided: model it anew"
-            )
-        notes.append(f"faces {', '.join(map(str, turned[:8]))} turned to agree with the others")
-    pinched = polyhedron.pinched_vertices(loops)
-    if pinched:
-        raise InputError(
-            f"its surface touches itself at vertex {pinched[0]}",
-            where=where,
-            remedy="separate the parts there, or split it into two blocks",
-        )
-    faces = polyhedron.stack_faces([vertices], [loops])
-    volumes, centroids = polyhedron.mass_properties(faces, 1)
-    volume = float(volumes[0])
-    diagonal = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
-    if abs(volume) <= FLAT * diagonal**3:
-        raise InputError(
-            f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
-        )
-    if volume < 0.0:
-        loops = [loop[::-1] for loop in loops]
-        volume = -volume
-        notes.append("inside out: all faces turned")
-    return loops, volume, frozen(centroids[0]), notes
 
 
 @dataclass(frozen=True, eq=False)

@@ -101,16 +101,74 @@ def mass_properties(faces: Faces, count: int) -> tuple[Floats, Floats]:
     owner = faces.owner[face]
     first_face = np.searchsorted(faces.owner, np.arange(count))
     origin = faces.point[faces.loop[faces.start[first_face]]]
-    local = triangles - origin[owner][:, None, :]
-    a, b, c = local[:, 0], local[:, 1], local[:, 2]
-    six_volume = (a * np.cross(b, c)).sum(axis=1)
+    a, b, c = (triangles - origin[owner][:, None, :]).transpose(1, 2, 0)
+    six_volume = _six_volumes(a, b, c)
     volume = np.bincount(owner, six_volume, minlength=count) / 6.0
     moment = np.stack(
-        [np.bincount(owner, six_volume * (a + b + c)[:, i], minlength=count) for i in range(3)],
-        axis=1,
+        [np.bincount(owner, row, minlength=count) for row in six_volume * (a + b + c)], axis=1
     )
     safe = np.where(volume == 0.0, np.nan, volume)
     return volume, origin + moment / (24.0 * safe[:, None])
+
+
+@dataclass(frozen=True, eq=False)
+class Fan:
+    """The triangles of :func:`fan_triangles` of one polyhedron, as indices: no coordinates.
+
+    Attributes
+    ----------
+    corner, following : (t,) vertex at which each triangle's outer edge starts, and ends
+    face : (t,)
+    start : (f,) first triangle of each face
+    sides : (f,) number of corners of each face
+    """
+
+    corner: Ints
+    following: Ints
+    face: Ints
+    start: Ints
+    sides: Ints
+
+    @classmethod
+    def of(cls, loops: Sequence[Loop]) -> Fan:
+        """The fan of a polyhedron's faces."""
+        sides = np.array([len(loop) for loop in loops], dtype=np.intp)
+        return cls(
+            corner=np.array([v for loop in loops for v in loop], dtype=np.intp),
+            following=np.array([v for f in loops for v in (*f[1:], f[0])], dtype=np.intp),
+            face=np.repeat(np.arange(len(loops), dtype=np.intp), sides),
+            start=np.cumsum(sides) - sides,
+            sides=sides,
+        )
+
+
+def body_mass_properties(vertices: Floats, fan: Fan) -> tuple[float, Floats]:
+    """:func:`mass_properties` of one polyhedron whose topology is at hand.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    fan
+
+    Returns
+    -------
+    volume : [m3]
+    centroid : (3,) [m], NaN where the volume is exactly zero
+    """
+    origin = vertices[fan.corner[0]]
+    local = (vertices - origin).T
+    b, c = local.take(fan.corner, axis=1), local.take(fan.following, axis=1)
+    a = (np.add.reduceat(b, fan.start, axis=1) / fan.sides).take(fan.face, axis=1)
+    six_volume = _six_volumes(a, b, c)
+    total = float(six_volume.sum())
+    moment: Floats = (a + b + c) @ six_volume
+    return total / 6.0, origin + moment / (4.0 * total if total != 0.0 else np.nan)
+
+
+def _six_volumes(a: Floats, b: Floats, c: Floats) -> Floats:
+    """Six times the signed volume (t,) of tetrahedra over the origin; each corner (3, t)."""
+    (a0, a1, a2), (b0, b1, b2), (c0, c1, c2) = a, b, c
+    return a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0)
 
 
 def edge_defects(faces: Sequence[Loop]) -> tuple[list[Edge], list[Edge], bool]:

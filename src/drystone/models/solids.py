@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike
 
 from drystone.assembly import DEFAULT_DENSITY, Block
 from drystone.errors import InputError
-from drystone.geometry import polyhedron
 from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.geometry.polyhedron import body_mass_properties
+from drystone.geometry.surface import closed_surface
 
 WELD = 1e-9
 """Corners closer than this share of the block's extent are one: far above the rounding of
@@ -79,6 +80,11 @@ def welded(
     name
     density : [kg/m3]
 
+    Raises
+    ------
+    InputError
+        The faces do not close; corners are numbered in the order of their coordinates.
+
     Examples
     --------
     >>> a, b, c, d = np.vstack([np.zeros(3), np.eye(3)])
@@ -93,11 +99,11 @@ def welded(
     _, first, member = np.unique(key, axis=0, return_index=True, return_inverse=True)
     ends = np.cumsum([len(face) for face in faces])[:-1]
     distinct = (tuple(dict.fromkeys(part.tolist())) for part in np.split(member.ravel(), ends))
-    indices, _ = polyhedron.orient([loop for loop in distinct if len(loop) > 2])
-    vertices: Floats = points[first]
-    volume, _ = polyhedron.mass_properties(polyhedron.stack_faces([vertices], [indices]), 1)
-    outward = indices if volume[0] > 0.0 else [loop[::-1] for loop in indices]
-    return Block(vertices, tuple(outward), name, density)
+    surface = closed_surface([loop for loop in distinct if len(loop) > 2], len(first))
+    vertices = surface.select(points[first])
+    volume, _ = body_mass_properties(vertices, surface.fan)
+    outward = surface if volume > 0.0 else surface.turned()
+    return Block(vertices, outward.loops, name, density)
 
 
 def rectangle(axis: int, at: float, first: Sequence[float], second: Sequence[float]) -> Floats:
