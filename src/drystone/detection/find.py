@@ -15,7 +15,7 @@ from drystone.detection.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.misses import dropped, judge, misses
 from drystone.detection.nearest import uncovered
 from drystone.detection.options import DetectionOptions, EdgeContacts
-from drystone.detection.overlap import overlaps, planes_between, widths, within
+from drystone.detection.overlap import negligible, overlaps, planes_between, widths, within
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.penetration import penetrations
 from drystone.detection.report import ContactReport, Missed, Reason
@@ -111,6 +111,7 @@ def _face_contacts(
     judgement = judge(patches, planes, shared, options)
     near = within(shared.select(judgement.accepted), planes, judgement.tolerance)
     wide = widths(near) > options.sliver * planes.size[near.row]
+    wide &= ~negligible(patches, planes, near)
     touching = near.select(wide)
     found, hidden = uncovered(patches, planes, touching)
     missed = [

@@ -248,7 +248,7 @@ def contacts_from_mesh(
     >>> joint = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
     >>> found = contacts_from_mesh(tower(2), 0, 1, joint, [(0, 1, 2), (2, 3, 0)])
     >>> found.count, found.frame[:, 0].round(6).tolist()
-    (2, [[-0.0, 0.0, 1.0], [-0.0, 0.0, 1.0]])
+    (2, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
     """
     a, b = sorted(int(i) for i in assembly.indices([block_a, block_b]))
     if a == b:

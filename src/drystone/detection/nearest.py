@@ -39,7 +39,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
         return pieces, hidden
     regions = planar.regions(pieces.corner, pieces.start, np.arange(pieces.count, dtype=np.intp))
     shade = _in_plane_of(planes, pieces, front, behind)
-    common = shapely.intersection(regions[behind], shade)
+    common = planar.overlay(shapely.intersection, regions[behind], shade)
     around = shapely.length(common)
     width = 2.0 * shapely.area(common) / np.where(around > 0.0, around, 1.0)
     wide = width > BEHIND * planes.size[pieces.row[behind]]
@@ -48,7 +48,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
     cut = np.unique(behind[wide])
     for piece in cut:
         cover = shapely.union_all(shade[wide & (behind == piece)])
-        regions[piece] = shapely.difference(regions[piece], cover)
+        regions[piece] = planar.overlay(shapely.difference, regions[piece], cover)
     hidden[pieces.row[cut]] = True
     corner, start, source = planar.pieces_of(regions[cut])
     whole = np.ones(pieces.count, dtype=bool)

@@ -21,6 +21,9 @@ the block size, are one; chosen, above the rounding of coordinates far from the 
 TOUCH = 1e-6
 """Overlaps narrower than this share of the block size touch along an edge only."""
 
+NEGLIGIBLE = 0.02
+"""Overlaps narrower than this share of another of the same patch and blocks are noise; chosen, so
+that areas are kept to 2 %."""
 BATCH = 400_000
 """Corners of padded polygons worked on at a time, chosen: bounds the memory to some 100 MB."""
 
@@ -146,7 +149,7 @@ def _shared(one: Rings, other: Rings, convex: Bools) -> Pieces:
         parts.append(Pieces(corner, start, size))
     rest = np.flatnonzero(~convex)
     if len(rest):
-        shapes = shapely.intersection(_regions(one, rest), _regions(other, rest))
+        shapes = planar.overlay(shapely.intersection, _regions(one, rest), _regions(other, rest))
         corner, start, row = planar.pieces_of(shapes)
         parts.append(Pieces(corner, start, rest[row]))
     return merged(parts)
@@ -227,6 +230,23 @@ def widths(pieces: Pieces) -> Floats:
     return width
 
 
+def negligible(patches: Patches, planes: Planes, pieces: Pieces) -> Bools:
+    """Whether each polygon is a sliver beside a wide one of the same patch and the same blocks.
+
+    Rounded coordinates let a patch overlap the neighbours of the one that it matches.
+    """
+    width = widths(pieces)
+    f, g = planes.f[pieces.row], planes.g[pieces.row]
+    widest = np.zeros(pieces.count)
+    for patch, other in ((f, patches.owner[g]), (g, patches.owner[f])):
+        _, key = np.unique(patch * len(patches.size) + other, return_inverse=True)
+        most = np.zeros(pieces.count)
+        np.maximum.at(most, key, width)
+        widest = np.maximum(widest, most[key])
+    spare: Bools = width < NEGLIGIBLE * widest
+    return spare
+
+
 def within(pieces: Pieces, planes: Planes, tolerance: Floats) -> Pieces:
     """The part of each polygon in which the gap stays within a tolerance.
 
@@ -279,4 +299,14 @@ def _bands(pieces: Pieces, planes: Planes, tolerance: Floats) -> Rings:
     return corner, 4 * count, count[:-1]
 
 
-__all__ = ["Pieces", "Planes", "merged", "overlaps", "planes_between", "tidy", "widths", "within"]
+__all__ = [
+    "Pieces",
+    "Planes",
+    "merged",
+    "negligible",
+    "overlaps",
+    "planes_between",
+    "tidy",
+    "widths",
+    "within",
+]

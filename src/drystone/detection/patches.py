@@ -124,7 +124,7 @@ def patches_of(assembly: Assembly) -> Patches:
     of_corner = np.repeat(np.arange(len(face), dtype=np.intp), np.diff(start))
     height = np.abs(((corner - centre[of_corner]) * normal[of_corner]).sum(axis=1))
     warp = np.maximum.reduceat(height, start[:-1])
-    sag, bend = _curvature(faces, edges, turn, group, area)
+    sag, bend = _curvature(faces, edges, turn, group, area, np.diff(start) == 3)
     width = np.sqrt(np.where(area > 0.0, area, 1.0))
     first_face = np.searchsorted(faces.owner, np.arange(len(assembly)))
     return Patches(
@@ -243,13 +243,15 @@ def _without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats
 
 
 def _curvature(
-    faces: Faces, edges: HalfEdges, turn: Floats, group: Ints, area: Floats
+    faces: Faces, edges: HalfEdges, turn: Floats, group: Ints, area: Floats, triangle: Bools
 ) -> tuple[Floats, Floats]:
     """Sag [m] and bend [rad] of each patch as a chord of a smooth surface.
 
     A strip of width w that turns by t to its neighbours is a chord of a curve that it leaves by
     w t / 8 in the middle and by the angle t / 2 at its edges. The narrower of two neighbours tells
-    the curve: a chamfer does not make a large face curved.
+    the curve: a chamfer does not make a large face curved. Two triangles may be a warped
+    quadrilateral that the other side of the joint cuts along its other diagonal: there the surfaces
+    are w t apart in the middle, half of it for each (w the mean width of the triangle).
     """
     sag, bend = np.zeros(len(area)), np.zeros(len(area))
     border = group[edges.face] != group[edges.face[edges.twin]]
@@ -263,7 +265,7 @@ def _curvature(
     other = np.minimum(area[there] / length, np.sqrt(area[there]))
     narrow = np.minimum(own, other)
     angle = np.abs(turn[smooth])
-    np.maximum.at(sag, here, narrow * angle / 8.0)
+    np.maximum.at(sag, here, narrow * angle * np.where(triangle[here], 0.5, 0.125))
     np.maximum.at(bend, here, 0.5 * angle * narrow / own)
     return sag, bend
 

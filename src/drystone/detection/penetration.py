@@ -60,7 +60,9 @@ def penetrations(
     depth[both] = _convex_depth(assembly, patches, a[deep[both]], b[deep[both]])
     bodies = _Bodies(assembly, patches.origin)
     for i in np.flatnonzero(~both):
-        depth[i] = bodies.depth(int(a[deep[i]]), int(b[deep[i]]), float(tolerance[deep[i]]))
+        one, two = int(a[deep[i]]), int(b[deep[i]])
+        if _least_overlap(assembly, patches, one, two) > tolerance[deep[i]]:
+            depth[i] = bodies.depth(one, two, float(tolerance[deep[i]]))
     return tuple(
         Penetration(int(a[pair]), int(b[pair]), float(each))
         for pair, each in zip(deep, depth, strict=True)
@@ -92,6 +94,16 @@ def _convex_depth(assembly: Assembly, patches: Patches, a: Ints, b: Ints) -> Flo
         overlap = np.minimum(x.max(axis=0) - y.min(axis=0), y.max(axis=0) - x.min(axis=0))
         depth[i] = min(depth[i], float(overlap.min()))
     return np.maximum(depth, 0.0)
+
+
+def _least_overlap(assembly: Assembly, patches: Patches, a: int, b: int) -> float:
+    """Least overlap [m] of two blocks along any of their face normals; a plane parts them at 0."""
+    first = patches.first_patch
+    normals = np.concatenate([patches.normal[first[i] : first[i + 1]] for i in (a, b)])
+    one, two = (assembly.blocks[i].vertices - patches.origin for i in (a, b))
+    x, y = one @ normals.T, two @ normals.T
+    overlap = np.minimum(x.max(axis=0) - y.min(axis=0), y.max(axis=0) - x.min(axis=0))
+    return float(overlap.min())
 
 
 def _directions(block: Block) -> Floats:

@@ -94,7 +94,8 @@ def common_edge(one: Facet, other: Facet, size: float) -> float:
     lengths = []
     for mine, theirs in ((first, second), (second, first)):
         near = shapely.buffer(theirs, CLOSE * size, join_style="mitre")
-        lengths.append(float(shapely.length(shapely.intersection(shapely.boundary(mine), near))))
+        shared = planar.overlay(shapely.intersection, shapely.boundary(mine), near)
+        lengths.append(float(shapely.length(shared)))
     shortest = min(float(shapely.length(first)), float(shapely.length(second)))
     length = min(lengths) - 2.0 * CLOSE * size  # the ends of the neighbouring edges
     return length if length > ALONG * shortest else 0.0
@@ -120,7 +121,7 @@ def united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Face
     flat = [_flat(given[m].point, middle, frame) for m in members]
     grown = shapely.buffer(flat, CLOSE * size, join_style="mitre")
     closed = shapely.buffer(shapely.union_all(grown), -CLOSE * size, join_style="mitre")
-    corner, start, _ = planar.pieces_of(np.array([closed], dtype=object))
+    corner, start, _ = planar.pieces_of(planar.valid(np.array([closed], dtype=object)))
     corner, start = clip.cleaned(corner, start, np.full(len(start) - 1, 0.1 * CLOSE * size))
     if len(start) != 2 or len(corner) < 3:
         return None
@@ -226,11 +227,13 @@ def _halves(facet: Facet) -> list[Facet]:
     across = np.array([-along[1], along[0]]) * 2.0 * np.sqrt(max(spans)[0])
     for _ in range(50):  # bisection for the line that halves the area
         middle = 0.5 * (low + high)
-        part = shapely.intersection(shape, _strip(place.min(), middle, along, across))
+        part = planar.overlay(
+            shapely.intersection, shape, _strip(place.min(), middle, along, across)
+        )
         low, high = (middle, high) if shapely.area(part) < 0.5 * facet.area else (low, middle)
     found = []
     for begin, end in ((place.min(), middle), (middle, place.max())):
-        part = shapely.intersection(shape, _strip(begin, end, along, across))
+        part = planar.overlay(shapely.intersection, shape, _strip(begin, end, along, across))
         corner, start, _ = planar.pieces_of(np.array([part], dtype=object))
         for i, area in enumerate(clip.areas(corner, start)):
             point = origin + corner[start[i] : start[i + 1]] @ frame[1:]
@@ -247,7 +250,7 @@ def _strip(begin: float, end: float, along: Floats, across: Floats) -> Any:
 def _flat(point: Floats, origin: Floats, frame: Floats) -> Any:
     """A polygon seen in a plane, as a valid shapely polygon."""
     shape = shapely.polygons((point - origin) @ frame[1:].T)
-    return shape if shapely.is_valid(shape) else shapely.buffer(shape, 0.0)
+    return planar.valid(np.array([shape], dtype=object))[0]
 
 
 __all__ = [

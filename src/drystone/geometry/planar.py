@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -12,6 +13,7 @@ from drystone.geometry.arrays import Floats, Ints
 
 Regions: TypeAlias = NDArray[Any]
 """(q,) shapely polygons."""
+Overlay: TypeAlias = Callable[..., Any]
 
 
 def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
@@ -40,11 +42,33 @@ def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
         for i in holed:
             mine = rings[order == i]
             polygons[i] = shapely.polygons(mine[0], holes=mine[1:])
-    bad = ~shapely.is_valid(polygons)
-    if bad.any():
-        polygons[bad] = shapely.make_valid(polygons[bad])
-    made: Regions = polygons
-    return made
+    return valid(polygons)
+
+
+def valid(shapes: Regions) -> Regions:
+    """The same shapes, with those that cross themselves replaced by the area that they cover."""
+    bad = np.flatnonzero(~shapely.is_valid(shapes))
+    if len(bad) == 0:
+        return shapes
+    mended: Regions = np.array(shapes, dtype=object)
+    for i in bad:
+        parts = shapely.get_parts(shapely.get_parts(shapely.make_valid(shapes[i])))
+        mended[i] = shapely.multipolygons(parts[shapely.area(parts) > 0.0])
+    return mended
+
+
+def overlay(operation: Overlay, one: Any, other: Any) -> Any:
+    """``shapely.intersection`` or ``shapely.difference``, repeated on a fine grid where it fails.
+
+    Shapes whose outlines nearly coincide can break the exact overlay; on a grid of the 1e-10 part
+    of their extent it is safe, and no area is lost that matters.
+    """
+    try:
+        return operation(one, other)
+    except shapely.errors.GEOSException:
+        extent = np.ravel([shapely.bounds(one), shapely.bounds(other)])
+        grid = 1e-10 * float(np.nanmax(np.abs(extent)))
+        return operation(one, other, grid_size=grid)
 
 
 def pieces_of(shapes: Regions) -> tuple[Floats, Ints, Ints]:
@@ -106,7 +130,7 @@ def _halved(polygon: Any) -> list[Any]:
     ends = middle + np.outer([-far, far], across)
     side = far * along
     halves = [shapely.polygons(np.concatenate([ends, ends[::-1] + s * side])) for s in (1.0, -1.0)]
-    return [shapely.intersection(polygon, half) for half in halves]
+    return [overlay(shapely.intersection, polygon, half) for half in halves]
 
 
-__all__ = ["Regions", "pieces_of", "regions"]
+__all__ = ["Overlay", "Regions", "overlay", "pieces_of", "regions", "valid"]
