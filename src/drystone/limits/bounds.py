@@ -44,11 +44,16 @@ def bisected_bound(
 
 
 def load_factor_bound(
-    family: LoadFactor, upper: float, *, width: float, cone: FrictionCone
-) -> Bracket:
-    """The limit of equilibrium from one conic program, with checked states on both sides."""
+    family: LoadFactor, upper: float, *, share: float, width: float | None, cone: FrictionCone
+) -> tuple[Bracket, float]:
+    """The limit of equilibrium from one conic program, and the width of its bracket.
+
+    Checked states stand on both sides. Without a width it is a share of the limit.
+    """
     factor = _factor(family.assembly, family.contacts, family.dead, family.live, cone)
-    return _confirmed(family, factor, 0.0, upper, width, cone)
+    scale = factor if 0.0 < factor < upper else upper
+    chosen = share * scale if width is None else width
+    return _confirmed(family, factor, 0.0, upper, chosen, cone), chosen
 
 
 def tilt_bound(family: Tilt, upper: float, *, width: float, cone: FrictionCone) -> Bracket:

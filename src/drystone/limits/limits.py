@@ -194,8 +194,8 @@ def limit_tilt(
         family,
         0.0,
         last,
-        lambda: tilt_bound(family, last, width=width, cone=chosen.cone),
-        _Means(check, chosen, width, executor, progress),
+        lambda: (tilt_bound(family, last, width=width, cone=chosen.cone), width),
+        _Means(check, chosen, executor, progress),
     )
 
 
@@ -263,13 +263,12 @@ def limit_load(
     last = number(upper, "the largest factor")
     if last <= 0.0:
         raise InputError(f"the largest factor is {last}", remedy="give a number above zero")
-    width = _width(chosen, 1e-4)
     return _searched(
         family,
         0.0,
         last,
-        lambda: load_factor_bound(family, last, width=width, cone=chosen.cone),
-        _Means(check, chosen, width, executor, progress),
+        lambda: load_factor_bound(family, last, share=1e-4, width=chosen.width, cone=chosen.cone),
+        _Means(check, chosen, executor, progress),
     )
 
 
@@ -362,7 +361,6 @@ class _Means:
 
     check: Check
     options: LimitOptions
-    width: float
     executor: Executor | None
     progress: Progress | None
 
@@ -390,19 +388,23 @@ def _bisected(
         family,
         start,
         end,
-        lambda: bisected_bound(family, start, end, width=chosen, cone=options.cone),
-        _Means(check, options, chosen, executor, progress),
+        lambda: (bisected_bound(family, start, end, width=chosen, cone=options.cone), chosen),
+        _Means(check, options, executor, progress),
     )
 
 
 def _searched(
-    family: Family, start: float, end: float, bound: Callable[[], Bracket], means: _Means
+    family: Family,
+    start: float,
+    end: float,
+    bound: Callable[[], tuple[Bracket, float]],
+    means: _Means,
 ) -> Limit:
-    """The convex bound first, the full verdict inside it."""
+    """The convex bound and its width first, then the full verdict inside it."""
     _refuse_nothing_to_do(family, start)
     began = time.perf_counter()
     means.tell("limit of equilibrium", 0)
-    outer = bound()
+    outer, width = bound()
     between = time.perf_counter()
     found: Found | None = None
     if means.options.full:
@@ -412,7 +414,7 @@ def _searched(
             found = Found(outer, (), ())
         else:
             found = search.run(
-                start, outer.stands, width=means.width, scan=means.options.scan, beyond=outer
+                start, outer.stands, width=width, scan=means.options.scan, beyond=outer
             )
     means.tell("done", 2)
     ended = time.perf_counter()

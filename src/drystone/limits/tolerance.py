@@ -19,7 +19,7 @@ from drystone.geometry.arrays import Floats
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.polygon import following
 from drystone.limits.families import resting
-from drystone.limits.search import Check
+from drystone.limits.search import STANDS, Check
 from drystone.loads import LoadCase
 from drystone.progress import Progress
 from drystone.results import Verdict
@@ -88,7 +88,7 @@ class Tolerance:
         """Plain values."""
         return {
             "draws": len(self.verdicts),
-            "standing": sum(v is Verdict.STABLE for v in self.verdicts),
+            "standing": sum(STANDS[v] is True for v in self.verdicts),
             "undecided": sum(v is Verdict.UNDECIDED for v in self.verdicts),
             "share": self.share,
             "interval": list(self.interval),
@@ -140,7 +140,7 @@ def tolerance(
         verdicts.append(verdict)
         if progress is not None:
             progress("draws", len(verdicts), draws)
-    standing = sum(verdict in (Verdict.STABLE, Verdict.EQUILIBRIUM_EXISTS) for verdict in verdicts)
+    standing = sum(STANDS[verdict] is True for verdict in verdicts)
     interval = stats.binomtest(standing, draws).proportion_ci(confidence, method="exact")
     return Tolerance(
         tuple(verdicts), standing / draws, (float(interval.low), float(interval.high)), confidence

@@ -1,0 +1,226 @@
+"""Public limits: what they take, refuse and tell; sweeps, thrust bounds, imperfections."""
+
+import json
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, InputError, LoadCase, Verdict, solve_rbe
+from drystone.limits import (
+    Imperfections,
+    LimitOptions,
+    Tilt,
+    imperfect,
+    limit_friction,
+    limit_load,
+    limit_shrink,
+    limit_thickness,
+    limit_tilt,
+    thrust_bounds,
+    tilt_sweep,
+    tolerance,
+)
+from drystone.models import arch, h_model, incline, tower
+from drystone.virtual import joint_sections
+from tests.oracle import touching_faces
+
+TOWER = tower(2)
+JOINTS = touching_faces(TOWER, 0.4)
+QUICK = LimitOptions(scan=1)
+SLIDE = float(np.rad2deg(np.arctan(0.4)))
+
+
+def test_a_limit_as_plain_values_can_be_written_as_json() -> None:
+    told = json.loads(json.dumps(limit_tilt(TOWER, JOINTS, "x", options=QUICK).to_dict()))
+    assert told["unit"] == "deg"
+    assert told["range"] == [0.0, 180.0]
+    assert told["equilibrium"]["stands"] < SLIDE < told["equilibrium"]["falls"]
+    assert told["rest"]["value"] == pytest.approx(SLIDE, abs=0.01)
+    assert told["falling"] == ["block-1"]
+    assert {one["verdict"] for one in told["evaluations"]} <= {"stable", "unstable", "undecided"}
+    assert set(told["time_s"]) == {"equilibrium", "rest"}
+
+
+def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
+    def never(*arguments: object) -> None:
+        raise AssertionError(arguments)
+
+    limit = limit_tilt(TOWER, JOINTS, check=never, options=LimitOptions(full=False))  # type: ignore[arg-type]
+    assert limit.rest is None
+    assert limit.best is limit.equilibrium
+    assert limit.to_dict()["rest"] is None
+
+
+def test_a_tilt_axis_is_a_name_or_any_vector() -> None:
+    values = [
+        limit_tilt(TOWER, JOINTS, axis, options=LimitOptions(full=False)).equilibrium.value
+        for axis in ("x", "-y", (2.0, 0.0, 0.0), (3.0, 1.0, 0.0))
+    ]
+    assert values == pytest.approx([SLIDE] * 4, abs=0.01)
+
+
+def test_loads_keep_their_direction_while_the_model_turns() -> None:
+    load = LoadCase.gravity(TOWER) + LoadCase.moment(TOWER, 1, (1.0, 2.0, 3.0))
+    turned = Tilt(TOWER, JOINTS, load, np.array([0.0, 1.0, 0.0])).turned(90.0)
+    np.testing.assert_allclose(turned.wrench[1, :3], [2400.0 * 9.81, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(turned.wrench[1, 3:], [-3.0, 2.0, 1.0], atol=1e-9)
+    plain = Tilt(TOWER, JOINTS, LoadCase.gravity(TOWER), np.array([1.0, 2.0, 0.0]))
+    np.testing.assert_allclose(
+        plain.turned(20.0).wrench, LoadCase.tilt(TOWER, (1.0, 2.0, 0.0), 20.0).wrench, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: limit_tilt(TOWER, JOINTS, (0.0, 0.0, 0.0)), "axis is zero"),
+        (lambda: limit_tilt(TOWER, JOINTS, "w"), "no axis is called 'w'"),
+        (lambda: limit_tilt(TOWER, JOINTS, upper=0.0), "largest angle is 0"),
+        (lambda: limit_friction(TOWER, JOINTS, upper=-1.0), "largest friction is -1"),
+        (lambda: limit_friction(TOWER, JOINTS, upper=float("nan")), "is nan"),
+        (lambda: limit_load(TOWER, JOINTS, 0.0 * LoadCase.gravity(TOWER)), "live load is zero"),
+        (
+            lambda: limit_load(TOWER, JOINTS, LoadCase.gravity(TOWER), upper=-2.0),
+            "largest factor is -2",
+        ),
+        (lambda: limit_tilt(TOWER.with_fixed([0, 1]), JOINTS), "every block is fixed"),
+        (lambda: limit_tilt(TOWER, JOINTS, load=0.0 * LoadCase.gravity(TOWER)), "nothing loads"),
+        (lambda: limit_thickness(lambda t: TOWER, 1.0, 1.0), "no length"),
+        (lambda: LimitOptions(width=0.0), "width is 0"),
+        (lambda: LimitOptions(scan=0), "scan is 0"),
+        (lambda: tilt_sweep(TOWER, JOINTS, 0), "0 directions"),
+        (lambda: tolerance(TOWER, JOINTS, Imperfections(), draws=0), "0 draws"),
+        (lambda: tolerance(TOWER, JOINTS, Imperfections(), confidence=1.0), "confidence is 1"),
+        (lambda: Imperfections(friction=(0.5, 0.4)), "friction from 0.5 to 0.4"),
+        (lambda: Imperfections(corner_loss=1.5), "corner_loss is 1.5"),
+        (lambda: Imperfections(tilt_deg=-1.0), "tilt_deg is -1"),
+        (lambda: thrust_bounds(TOWER, JOINTS, "block-9", (1.0, 0.0, 0.0)), "no block is called"),
+        (lambda: thrust_bounds(TOWER, JOINTS, 0, (0.0, 0.0, 0.0)), "direction is zero"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(call, words) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+def test_friction_can_be_searched_as_a_share_of_each_joint() -> None:
+    slope = incline(20.0)
+    joints = touching_faces(slope, 0.8)
+    limit = limit_friction(slope, joints, scaled=True, options=QUICK)
+    assert limit.parameter == "share of friction"
+    assert limit.best.value == pytest.approx(np.tan(np.deg2rad(20.0)) / 0.8, abs=1e-3)
+
+
+def test_a_structure_that_never_stood_has_no_limit() -> None:
+    slope = incline(50.0)
+    limit = limit_tilt(slope, touching_faces(slope, 0.4), "x", options=QUICK)
+    assert limit.equilibrium.stands is None
+    assert limit.best.value is None
+
+
+def test_a_sweep_is_the_same_with_one_and_two_workers() -> None:
+    alone = tilt_sweep(TOWER, JOINTS, 3, options=QUICK)
+    with ProcessPoolExecutor(2) as executor:
+        together = tilt_sweep(TOWER, JOINTS, 3, options=QUICK, executor=executor)
+    np.testing.assert_array_equal(alone.rest, together.rest)
+    np.testing.assert_array_equal(alone.equilibrium, together.equilibrium)
+    assert alone.rest == pytest.approx([SLIDE] * 3, abs=0.01)
+    assert json.loads(json.dumps(alone.to_dict()))["azimuth"] == [0.0, 120.0, 240.0]
+
+
+def test_an_azimuth_is_the_direction_of_the_lean() -> None:
+    # a plate that reaches beyond its foot towards +x falls first when it leans that way
+    slope = incline(10.0)  # slides towards +x
+    sweep = tilt_sweep(
+        slope, touching_faces(slope, 0.4), 4, options=LimitOptions(full=False, width=0.1)
+    )
+    assert sweep.azimuth[sweep.weakest] == 0.0
+    assert sweep.equilibrium[0] == pytest.approx(SLIDE - 10.0, abs=0.1)
+    assert sweep.equilibrium[2] == pytest.approx(SLIDE + 10.0, abs=0.1)
+
+
+def test_progress_counts_to_its_end() -> None:
+    told: list[tuple[str, int, int]] = []
+    limit_tilt(TOWER, JOINTS, options=QUICK, progress=lambda *step: told.append(step))
+    tilt_sweep(
+        TOWER,
+        JOINTS,
+        2,
+        options=LimitOptions(full=False),
+        progress=lambda *step: told.append(step),
+    )
+    assert told[-1][1:] == (2, 2)
+    assert all(0 <= done <= total for _, done, total in told)
+
+
+def test_thrust_bounds_contain_every_equilibrium_and_are_met_by_their_states() -> None:
+    assembly = arch(0.2, 10)
+    joints = touching_faces(assembly, 0.8)
+    bounds = thrust_bounds(assembly, joints, "springer-right", (1.0, 0.0, 0.0))
+    foot = joints.block_b == assembly.index("springer-right")
+    result = solve_rbe(assembly, joints)
+    assert bounds.least_state is not None
+    thrust = [float(each.resultants().force[foot][0, 0]) for each in (result, bounds.least_state)]
+    assert bounds.least - 1e-3 <= thrust[0] <= bounds.most + 1e-3
+    assert thrust[1] == pytest.approx(bounds.least, rel=1e-6)
+
+
+def test_prestress_has_no_largest_thrust_and_a_falling_block_no_thrust_at_all() -> None:
+    wedged = h_model()
+    bounds = thrust_bounds(wedged, touching_faces(wedged, 0.6), 0, (1.0, 0.0, 0.0))
+    assert np.isinf([bounds.least, bounds.most]).any()
+    slope = incline(45.0)
+    none = thrust_bounds(slope, touching_faces(slope, 0.2), 0, (1.0, 0.0, 0.0))
+    assert np.isnan([none.least, none.most]).all()
+
+
+def test_the_size_of_joints_that_a_straight_tower_needs_is_nothing() -> None:
+    limit = limit_shrink(TOWER, JOINTS, options=QUICK)
+    assert limit.equilibrium.stands == 0.0
+
+
+def test_draws_depend_on_their_seed_only() -> None:
+    kinds = Imperfections(friction=(0.3, 0.5))
+    slope = incline(np.rad2deg(np.arctan(0.4)))
+    joints = touching_faces(slope, 0.4)
+    alone = tolerance(slope, joints, kinds, draws=12, seed=3)
+    with ProcessPoolExecutor(2) as executor:
+        together = tolerance(slope, joints, kinds, draws=12, seed=3, executor=executor)
+    assert alone.verdicts == together.verdicts
+    assert {Verdict.STABLE, Verdict.UNSTABLE} == set(alone.verdicts)
+    low, high = alone.interval
+    assert 0.0 <= low < alone.share < high <= 1.0
+    assert alone.to_dict()["standing"] == round(12 * alone.share)
+
+
+def test_perfect_joints_all_stand() -> None:
+    answer = tolerance(TOWER, JOINTS, Imperfections(), draws=3)
+    assert answer.share == 1.0
+    assert answer.interval[1] == 1.0
+
+
+def test_a_lost_corner_leaves_two_and_a_smaller_joint_inside_the_old_one() -> None:
+    chipped = imperfect(JOINTS, Imperfections(corner_loss=1.0, loss_reach=0.25), 0)
+    assert chipped.corner_count == 2 * JOINTS.corner_count
+    assert chipped.area[0] == pytest.approx(1.0 - 4.0 * 0.5 * 0.25**2)
+    assert chipped.point.min() >= 0.0
+    assert chipped.point.max() <= 1.0
+
+
+def test_offset_and_tilt_keep_joints_plane_and_their_size() -> None:
+    drawn = imperfect(JOINTS, Imperfections(offset=0.1, tilt_deg=3.0), 1)
+    origin, _, made = joint_sections(drawn)
+    assert made.area[0] == pytest.approx(1.0)
+    away = (drawn.point - origin[drawn.interface]) @ drawn.frame[0, 0]
+    np.testing.assert_allclose(away, 0.0, atol=1e-12)
+    assert not np.allclose(drawn.frame, JOINTS.frame)
+
+
+def test_blocks_travel_to_other_processes_as_they_are() -> None:
+    copy: Assembly = pickle.loads(pickle.dumps(TOWER))
+    assert copy.names == TOWER.names
+    assert not copy.blocks[0].vertices.flags.writeable
+    assert dict(copy.blocks[0].metadata) == dict(TOWER.blocks[0].metadata)
+    np.testing.assert_array_equal(copy.mass, TOWER.mass)

@@ -1,0 +1,136 @@
+"""Searches for a change of verdict, on a family whose answers are known."""
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import pytest
+
+from drystone import Assembly, Contacts, LoadCase, Result, Verdict
+from drystone.limits.families import Problem
+from drystone.limits.search import Bracket, Search
+from drystone.models import tower
+from tests.oracle import touching_faces
+
+TOWER = tower(2)
+CONTACTS = touching_faces(TOWER, 0.6)
+S, U, D = Verdict.STABLE, Verdict.UNSTABLE, Verdict.UNDECIDED
+
+
+@dataclass(frozen=True)
+class Given:
+    """The parameter travels in the load."""
+
+    parameter: str = "given"
+    unit: str = ""
+
+    def __call__(self, value: float) -> Problem:
+        load = LoadCase.point_load(TOWER, 1, (value, 0.0, 0.0))
+        return Problem(TOWER, CONTACTS, load)
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Verdicts between successive limits."""
+
+    limits: tuple[float, ...]
+    verdicts: tuple[Verdict, ...]
+
+    def __call__(self, assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+        value = float(load.wrench[1, 0])
+        verdict = self.verdicts[sum(value > limit for limit in self.limits)]
+        return Result("given", verdict, assembly, contacts, load)
+
+
+def test_a_single_change_is_bracketed_to_the_width() -> None:
+    found = Search(Given(), Steps((0.37,), (S, U))).run(0.0, 1.0, width=1e-3, scan=4)
+    bracket = found.bracket
+    assert bracket.stands is not None
+    assert bracket.falls is not None
+    assert bracket.stands <= 0.37 < bracket.falls
+    assert bracket.falls - bracket.stands <= 1e-3
+    assert bracket.standing is not None
+    assert bracket.standing.verdict is S
+    assert bracket.falling is not None
+    assert bracket.falling.verdict is U
+    assert found.islands == ()
+
+
+def test_a_search_can_go_downwards() -> None:
+    bracket = Search(Given(), Steps((0.37,), (U, S))).run(1.0, 0.0, width=1e-3, scan=4).bracket
+    assert bracket.stands is not None
+    assert bracket.falls is not None
+    assert bracket.falls <= 0.37 < bracket.stands
+    assert bracket.value == pytest.approx(0.37, abs=1e-3)
+
+
+def test_islands_beyond_the_first_fall_are_reported() -> None:
+    steps = Steps((0.2, 0.45, 0.8), (S, U, S, U))
+    found = Search(Given(), steps).run(0.0, 1.0, width=1e-2, scan=10)
+    assert found.bracket.value == pytest.approx(0.2, abs=1e-2)
+    assert found.islands == ((pytest.approx(0.5), pytest.approx(0.8)),)
+
+
+def test_an_undecided_zone_is_closed_in_from_both_sides() -> None:
+    found = Search(Given(), Steps((0.3, 0.6), (S, D, U))).run(0.0, 1.0, width=1e-2, scan=2)
+    assert found.bracket.stands == pytest.approx(0.3, abs=1e-2)
+    assert found.bracket.falls == pytest.approx(0.6, abs=1e-2)
+    assert D in {one.verdict for one in found.evaluations}
+
+
+def test_standing_beyond_an_undecided_value_counts() -> None:
+    steps = Steps((0.49, 0.51, 0.7), (S, D, S, U))
+    found = Search(Given(), steps).run(0.0, 1.0, width=1e-2, scan=2)
+    assert found.bracket.value == pytest.approx(0.7, abs=1e-2)
+
+
+def test_a_proof_beyond_the_end_closes_the_bracket() -> None:
+    proof = Bracket(stands=1.0, falls=1.01)
+    bracket = (
+        Search(Given(), Steps((), (S,))).run(0.0, 1.0, width=0.1, scan=2, beyond=proof).bracket
+    )
+    assert (bracket.stands, bracket.falls) == (1.0, 1.01)
+    undecided = Steps((0.5,), (S, D))
+    found = Search(Given(), undecided).run(0.0, 1.0, width=0.01, scan=2, beyond=proof).bracket
+    assert found.stands == pytest.approx(0.5, abs=0.01)
+    assert found.falls == 1.01
+
+
+def test_what_never_falls_or_never_stands_has_one_side_only() -> None:
+    always = Search(Given(), Steps((), (S,))).run(0.0, 1.0, width=0.1, scan=3).bracket
+    assert (always.stands, always.falls, always.value) == (1.0, None, None)
+    never = Search(Given(), Steps((0.8,), (U, S))).run(0.0, 1.0, width=0.1, scan=2)
+    assert (never.bracket.stands, never.bracket.falls) == (None, 0.0)
+    assert never.islands == ((1.0, 1.0),)
+    unknown = Search(Given(), Steps((), (D,))).run(0.0, 1.0, width=0.1, scan=2).bracket
+    assert (unknown.stands, unknown.falls) == (None, None)
+
+
+def test_a_width_below_rounding_ends() -> None:
+    bracket = Search(Given(), Steps((0.37,), (S, U))).run(0.0, 1.0, width=0.0, scan=1).bracket
+    assert bracket.value == pytest.approx(0.37, abs=1e-15)
+
+
+def test_every_value_is_tried_once_and_listed_in_order() -> None:
+    tried: list[float] = []
+    steps = Steps((0.37,), (S, U))
+
+    def counted(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+        tried.append(float(load.wrench[1, 0]))
+        return steps(assembly, contacts, load)
+
+    found = Search(Given(), counted).run(0.0, 1.0, width=1e-2, scan=4)
+    assert len(tried) == len(set(tried))
+    assert [one.value for one in found.evaluations] == sorted(tried)
+
+
+def test_an_executor_changes_nothing() -> None:
+    steps = Steps((0.37, 0.5, 0.9), (S, D, U, S))
+    alone = Search(Given(), steps).run(0.0, 1.0, width=1e-3, scan=8)
+    with ThreadPoolExecutor(2) as executor:
+        together = Search(Given(), steps, executor).run(0.0, 1.0, width=1e-3, scan=8)
+    assert alone.evaluations == together.evaluations
+    assert alone.islands == together.islands
+    assert (alone.bracket.stands, alone.bracket.falls) == (
+        together.bracket.stands,
+        together.bracket.falls,
+    )
