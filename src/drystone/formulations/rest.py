@@ -37,6 +37,15 @@ SHORTEST_STEP = 2e-3
 PATIENCE = 8
 """Steps of the shortest length after which the iteration is given up."""
 
+POLISH_FROM = 1e-7
+"""Relative tau at which the unrelaxed law is tried first."""
+
+POLISH_AGAIN = 1e-6
+"""Share of tau after which it is tried again."""
+
+POLISH_STEPS = 6
+"""Newton steps of one try."""
+
 
 @dataclass(frozen=True)
 class RestOptions:
@@ -139,6 +148,7 @@ class _Path:
         self.overlap = compliance.overlap
         self.glue = compliance.glue * compliance.normal
         self.options = options
+        self.steps = 0
         self.ground = options.ground * mass_matrix(statics)
         self.unit = corner_load(statics) ** 2 / self.kn
         size = wrench_size(statics.load)
@@ -148,13 +158,19 @@ class _Path:
         options = self.options
         motion, normal, tau = self.begin(start)
         point = self.evaluate(motion, normal, tau)
-        iterations = stalled = 0
+        stalled = 0
+        polish_at = POLISH_FROM
         while True:
+            if tau <= polish_at:
+                state = self.polish(point)
+                if state is not None:
+                    return state
+                polish_at = tau * POLISH_AGAIN
             if tau <= options.relaxation or point.merit < 1e-6:
-                state = self.unrelaxed(point, iterations)
+                state = self.unrelaxed(point)
                 if state.converged:
                     return state
-            if iterations == options.iteration_limit or stalled > PATIENCE:
+            if self.steps >= options.iteration_limit or stalled > PATIENCE:
                 break
             if stop is not None and stop():
                 break
@@ -162,7 +178,6 @@ class _Path:
                 step = self.newton_step(point, tau)
             except SolverError:
                 break
-            iterations += 1
             following, length = self.search(point, step, tau)
             if not np.isfinite(following.merit):
                 break
@@ -176,7 +191,31 @@ class _Path:
             elif point.merit < 1e-11:
                 tau = max(0.01 * tau, options.relaxation)
                 point = self.evaluate(point.motion, point.normal, tau)
-        return self.unrelaxed(point, iterations)
+        return self.unrelaxed(point)
+
+    def polish(self, point: _Point) -> RestState | None:
+        """Newton steps on the unrelaxed law; None where they do not end the matter.
+
+        Close to the end every corner has made up its mind, or carries nothing either way, and the
+        law itself is followed quadratically.
+        """
+        before = np.inf
+        for _ in range(POLISH_STEPS):
+            gap = point.moved[:, 0] + self.overlap
+            normal = self.kn * np.maximum(0.0, -gap)
+            point = self.evaluate(point.motion, normal, 0.0)
+            state = self.unrelaxed(point)
+            if state.converged:
+                return state
+            if not state.unbalanced < 0.5 * before:
+                return None
+            before = state.unbalanced
+            try:
+                motion, _, _ = self.newton_step(point, 0.0)
+            except SolverError:
+                return None
+            point = self.evaluate(point.motion + motion, normal, 0.0)
+        return None
 
     def begin(self, start: RestState | None) -> tuple[Floats, Floats, float]:
         statics = self.statics
@@ -217,6 +256,7 @@ class _Path:
 
     def newton_step(self, point: _Point, tau: float) -> tuple[Floats, Floats, Floats]:
         """Changes of motion (n, 6), corner displacement (k, 3) and normal force (k,)."""
+        self.steps += 1
         statics = self.statics
         rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
@@ -247,7 +287,7 @@ class _Path:
                 return trial, length
             length *= 0.5
 
-    def unrelaxed(self, point: _Point, iterations: int) -> RestState:
+    def unrelaxed(self, point: _Point) -> RestState:
         statics = self.statics
         open_ = point.slack * self.kn > point.normal
         normal = np.where(open_, 0.0, point.normal)
@@ -265,7 +305,7 @@ class _Path:
             ground,
             unbalanced,
             unbalanced <= self.options.tolerance,
-            iterations,
+            self.steps,
         )
 
 

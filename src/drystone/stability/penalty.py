@@ -11,12 +11,18 @@ from drystone.assembly import Assembly
 from drystone.checks import check_forces
 from drystone.contacts import Contacts
 from drystone.formulations import compliance
+from drystone.formulations.compliance import Compliance
 from drystone.formulations.rest import RestOptions, find_rest
 from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
 from drystone.stability.check import TO_REST, CheckOptions, check
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE
+from drystone.statics import Statics
+
+GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)
+"""Tensile stiffness of a corner by its stiffness in compression, weakened step by step as far as
+the iteration follows: the weaker, the more only what contact cannot carry comes to pull."""
 
 HELD = 0.01
 """Glue holds a block when the ground carries less than this share of its load."""
@@ -28,15 +34,11 @@ class PenaltyOptions:
 
     Attributes
     ----------
-    glue
-        Tensile stiffness of a corner, by its stiffness in compression: weak enough to carry only
-        what contact cannot.
     ground
-        Weaker still: what glue cannot carry either.
+        Stiffness of the ground, far below that of the glue: it carries what glue cannot.
     time_limit_s
     """
 
-    glue: float = 1e-4
     ground: float = 1e-8
     time_limit_s: float = float("inf")
 
@@ -97,12 +99,14 @@ def solve_cra_penalty(
         )
     numerics = RestOptions(ground=chosen.ground, tolerance=1e-7)
     statics = problem.statics
-    glued = find_rest(
-        problem.system,
-        compliance.uniform(statics, slip=1.0, glue=chosen.glue),
-        numerics,
-        stop=clock.late,
-    )
+    glued = find_rest(problem.system, _glue(statics, GLUE[0]), numerics, stop=clock.late)
+    for glue in GLUE[1:]:
+        weaker = find_rest(
+            problem.system, _glue(statics, glue), numerics, start=glued, stop=clock.late
+        )
+        if not weaker.converged:
+            break
+        glued = weaker
     leaning = find_rest(problem.system, compliance.uniform(statics), TO_REST, stop=clock.late)
     share = problem.ground_share(leaning.ground)
     prop = dry.prop if dry.prop is not None else -problem.wrench(leaning.ground)
@@ -134,6 +138,10 @@ def solve_cra_penalty(
         iterations=dry.iterations + glued.iterations + leaning.iterations,
         time_s={"solve": clock.elapsed_s},
     )
+
+
+def _glue(statics: Statics, stiffness: float) -> Compliance:
+    return compliance.uniform(statics, slip=1.0, glue=stiffness)
 
 
 def _words(needy: list[str], unheld: set[str]) -> str:
