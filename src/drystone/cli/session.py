@@ -79,6 +79,9 @@ def prepare(
     if contacts is None:
         contacts, report = found(assembly, friction, waiting, gap)
         notes += warnings_of(report)
+        if friction is None:
+            contacts, said = with_own_friction(assembly, contacts)
+            notes += said
     else:
         notes.append(f"the {contacts.count} interfaces of the file are used")
         contacts = contacts if friction is None else contacts.with_friction(friction)
@@ -131,6 +134,19 @@ def found(
         assembly, friction=DEFAULT_FRICTION if friction is None else friction, options=options
     )
     return detection.contacts, detection.report
+
+
+def with_own_friction(assembly: Assembly, contacts: Contacts) -> tuple[Contacts, list[str]]:
+    """Contacts with the friction that blocks bring from their file, of two blocks the smaller."""
+    import numpy as np
+
+    given = [block.metadata.get("friction") for block in assembly.blocks]
+    own = np.array([x if isinstance(x, int | float) else np.nan for x in given], dtype=float)
+    if np.isnan(own).all():
+        return contacts, []
+    smaller = np.fmin(own[contacts.block_a], own[contacts.block_b])
+    friction = np.where(np.isnan(smaller), contacts.friction, smaller)
+    return contacts.with_friction(friction), ["joints have the friction that their blocks bring"]
 
 
 def warnings_of(report: ContactReport) -> list[str]:

@@ -30,7 +30,7 @@ LOAD = ("name", "wrench")
 ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop": 6}
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
-    *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals"),
+    *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
     *("options", "solver", "iterations", "time_s"),
 )
 HEAVIEST = 1e9
@@ -155,10 +155,10 @@ def _result(
     if any(not 0 <= i < len(assembly) for i in falling):
         raise field["falling"].error("names a block that does not exist")
     rows = {"force": contacts.corner_count, "tension": contacts.corner_count}
-    arrays = {
-        name: _optional(field, name, (rows.get(name, len(assembly)), columns))
-        for name, columns in ARRAYS.items()
-    }
+
+    def array(name: str) -> Floats | None:
+        return _optional(field, name, (rows.get(name, len(assembly)), ARRAYS[name]))
+
     return Result(
         method=field["method"].text(),
         verdict=Verdict(verdict.value),
@@ -173,7 +173,12 @@ def _result(
         solver=field.get("solver", "").text(),
         iterations=field.get("iterations", 0).integer(),
         time_s={key: value.number() for key, value in field.get("time_s", {}).items()},
-        **arrays,
+        force=array("force"),
+        tension=array("tension"),
+        displacement=array("displacement"),
+        mechanism=array("mechanism"),
+        prop=array("prop"),
+        eta=field["eta"].number() if field.has("eta") else None,
     )
 
 

@@ -134,6 +134,7 @@ def _result_content(result: Result, load: int, arrays: dict[str, Any]) -> dict[s
         "falling": list(result.falling),
         "samples": dataclasses.asdict(result.samples),
         "residuals": None if result.residuals is None else dataclasses.asdict(result.residuals),
+        "eta": result.eta,
         "options": _plain(result.options),
         "solver": result.solver,
         "iterations": result.iterations,

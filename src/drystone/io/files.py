@@ -96,6 +96,29 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
         temporary.unlink(missing_ok=True)
 
 
+def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
+    """Let ``save`` write a file of its own under a temporary name in the same folder.
+
+    For libraries that only write to a name; otherwise as :func:`write_whole`.
+
+    Parameters
+    ----------
+    path
+    save
+        Gets the temporary name and says whether it worked.
+    """
+    target = Path(path)
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+            temporary = Path(folder) / target.name
+            if not save(str(temporary)):
+                raise OSError("the file could not be made")
+            temporary.chmod(_mode(target))
+            temporary.replace(target)
+    except (OSError, ValueError) as error:
+        raise _unwritable(target, error) from error
+
+
 def write_bytes(path: PathLike, data: bytes) -> None:
     """Write a whole file, or nothing; see :func:`write_whole`."""
 

@@ -21,7 +21,7 @@ from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.files import write_bytes
-from drystone.io.heap import shapes_of
+from drystone.io.heap import named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
@@ -64,7 +64,8 @@ def read(data: bytes, path: Path) -> Draft:
         )
         shapes += [_with_material(shape, ours) for shape in made]
         notes += remarks if ours is None else []
-    return Draft(tuple(shapes), notes=tuple(dict.fromkeys(notes)))
+    shapes, renamed = named_apart(shapes)
+    return Draft(tuple(shapes), units="m", notes=(*dict.fromkeys(notes), *renamed))
 
 
 def _with_material(shape: Shape, told: Field | None) -> Shape:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +14,9 @@ from drystone.geometry.arrays import Floats
 from drystone.geometry.merge import merge_coplanar
 from drystone.geometry.polyhedron import Loop, edge_defects
 from drystone.io.draft import Shape
+
+MANY = 5
+"""Names told of in notes."""
 
 
 def shapes_of(
@@ -83,3 +88,25 @@ def _own_vertices(vertices: Floats, loops: Sequence[Loop]) -> tuple[Floats, list
 def shape_of(vertices: Floats, loops: Sequence[Loop], name: str, where: str) -> Shape:
     """A shape with only the vertices that its faces use, in their order."""
     return Shape(name, *_own_vertices(vertices, loops), where)
+
+
+def named_apart(shapes: Sequence[Shape]) -> tuple[list[Shape], list[str]]:
+    """Shapes with a number behind names that several have, for formats in which that is usual."""
+    count = Counter(shape.name for shape in shapes)
+    taken = set(count)
+    number: Counter[str] = Counter()
+    named = []
+    for shape in shapes:
+        name = shape.name
+        if count[name] > 1:
+            while f"{name}-{number[name]}" in taken:
+                number[name] += 1
+            taken.add(f"{name}-{number[name]}")
+            named.append(replace(shape, name=f"{name}-{number[name]}"))
+        else:
+            named.append(shape)
+    often = [name for name, times in count.items() if times > 1]
+    notes = [f"{count[name]} blocks are called '{name}': numbered" for name in often[:MANY]]
+    if len(often) > MANY:
+        notes.append(f"and {len(often) - MANY} more names that several blocks have")
+    return named, notes

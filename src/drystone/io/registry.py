@@ -15,6 +15,7 @@ from drystone.io import (
     jsontext,
     obj,
     ply,
+    rhino,
     stl,
 )
 from drystone.io.build import Built, build, try_blocks
@@ -53,6 +54,7 @@ FORMATS: tuple[Format, ...] = (
     Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write),
     Format("stl", "STL", (".stl",), stl.read, stl.write),
     Format("ply", "PLY", (".ply",), ply.read, ply.write),
+    Format("3dm", "Rhino", (".3dm",), rhino.read, rhino.write),
     Format("glb", "glTF 2.0, binary", (".glb",), glb.read, glb.write),
 )
 """In order of preference where several share a suffix."""

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drystone import io
-from drystone.assembly import Assembly
+from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
 from drystone.models import arch, box, incline, tower
 
@@ -118,6 +118,17 @@ def test_density_and_units_scale_the_mass_and_not_the_verdict(
     code, told = answer(capsys, "check", str(path), "--density", "1000", "--units", "cm")
     assert (code, told["verdict"]) == (0, "stable")
     assert told["mass"] == pytest.approx(1e-3)
+
+
+def test_friction_that_blocks_bring_holds_at_their_joints(tmp_path: Path, capsys: Capsys) -> None:
+    base, slab = incline(21.8).blocks
+    fixed = incline(21.8).fixed
+    smooth = Assembly((base, replace_block(slab, metadata={"friction": 0.3})), fixed)
+    _, told = answer(capsys, "check", file(tmp_path, smooth))
+    assert told["verdict"] == "unstable"
+    assert told["notes"] == ["joints have the friction that their blocks bring"]
+    _, told = answer(capsys, "check", file(tmp_path, smooth), "--friction", "0.5")
+    assert (told["verdict"], told["notes"]) == ("stable", [])
 
 
 def test_supports_of_the_command_line_replace_those_of_the_file(

@@ -1,0 +1,159 @@
+"""What a 3dm file holds, as JSON: run as a program of its own, never imported.
+
+The library that reads 3dm can hang or die on a damaged file. Here it takes only itself along. Reads
+the file from stdin, writes one JSON object to stdout; needs rhino3dm and nothing of drystone.
+"""
+
+import importlib
+import json
+import sys
+from typing import Any
+
+MEMORY = 4 * 2**30
+"""[bytes], chosen: enough for large models, and no more for a file that lies about its size."""
+DEPTH = 16
+"""Nesting of block definitions, chosen."""
+
+
+def limit(cpu_s: int) -> None:
+    """Bound processor time and memory where the system can."""
+    try:
+        import resource
+    except ImportError:  # Windows: the caller's timeout is all there is
+        return
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def content(data: bytes) -> dict[str, Any]:
+    """Everything that is of use for blocks."""
+    rhino3dm: Any = importlib.import_module("rhino3dm")
+    file = rhino3dm.File3dm.FromByteArray(data)
+    if file is None:
+        return {"error": "is no 3dm file that can be read"}
+    found = _Found(file)
+    for item in file.Objects:
+        if not item.Attributes.IsInstanceDefinitionObject:
+            found.take(item, None, 0)
+    return {
+        "units": file.Settings.ModelUnitSystem.name,
+        "objects": found.objects,
+        "skipped": found.skipped,
+    }
+
+
+class _Found:
+    """Objects that were taken, and those that were not, by kind."""
+
+    def __init__(self, file: Any) -> None:
+        self.file = file
+        self.layers = {layer.Index: layer for layer in file.Layers}
+        self.tolerance = file.Settings.ModelAbsoluteTolerance
+        self.objects: list[dict[str, Any]] = []
+        self.skipped: dict[str, int] = {}
+
+    def take(self, item: Any, placed: Any, depth: int) -> None:
+        """Add an object, moved by ``placed``; what an instance stands for instead of itself."""
+        geometry, attributes = item.Geometry, item.Attributes
+        kind = type(geometry).__name__
+        layer = self.layers.get(attributes.LayerIndex)
+        if not attributes.Visible or (layer is not None and not layer.Visible):
+            self._skip("hidden object")
+            return
+        if kind == "InstanceReference":
+            self._instance(geometry, placed, depth)
+            return
+        shape = self._shape(geometry, kind)
+        if shape is None:
+            self._skip(kind)
+            return
+        if placed is not None:
+            shape["placed"] = [[getattr(placed, f"M{i}{j}") for j in range(4)] for i in range(4)]
+        text = dict(geometry.GetUserStrings())
+        text.update(dict(attributes.GetUserStrings()))
+        self.objects.append(
+            {
+                "name": attributes.Name,
+                "layer": layer.FullPath if layer is not None else "",
+                "id": str(attributes.Id),
+                "text": {key: value for key, value in text.items() if isinstance(value, str)},
+                **shape,
+            }
+        )
+
+    def _skip(self, kind: str) -> None:
+        self.skipped[kind] = self.skipped.get(kind, 0) + 1
+
+    def _instance(self, reference: Any, placed: Any, depth: int) -> None:
+        definition = self.file.InstanceDefinitions.FindId(reference.ParentIdefId)
+        if definition is None or depth >= DEPTH:
+            self._skip("InstanceReference")
+            return
+        here = reference.Xform if placed is None else placed * reference.Xform
+        for identity in definition.GetObjectIds():
+            item = self.file.Objects.FindId(str(identity))
+            if item is not None:
+                self.take(item, here, depth + 1)
+
+    def _shape(self, geometry: Any, kind: str) -> dict[str, Any] | None:
+        if kind == "Mesh":
+            return {"kind": "mesh", **_mesh([geometry])}
+        if kind == "Extrusion":
+            geometry = geometry.ToBrep(True)
+            kind = "Brep" if geometry is not None else kind
+        if kind != "Brep":
+            return None
+        return self._brep(geometry)
+
+    def _brep(self, brep: Any) -> dict[str, Any]:
+        """Loops of a planar Brep; else the meshes that Rhino drew it with; else what is wrong."""
+        curved = [i for i in range(len(brep.Faces)) if not brep.Faces[i].IsPlanar(self.tolerance)]
+        bent = [i for i in range(len(brep.Edges)) if not brep.Edges[i].IsLinear(self.tolerance)]
+        if not curved and not bent:
+            return {"kind": "brep", **_loops(brep)}
+        rhino3dm: Any = importlib.import_module("rhino3dm")
+        drawn = [brep.Faces[i].GetMesh(rhino3dm.MeshType.Any) for i in range(len(brep.Faces))]
+        if drawn and all(mesh is not None for mesh in drawn):
+            return {"kind": "drawn", **_mesh(drawn)}
+        what = f"face {curved[0]} is curved" if curved else f"edge {bent[0]} is curved"
+        return {"kind": "curved", "problem": what}
+
+
+def _mesh(parts: list[Any]) -> dict[str, Any]:
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    for mesh in parts:
+        first = len(vertices)
+        for i in range(len(mesh.Vertices)):
+            point = mesh.Vertices.Point3dAt(i)
+            vertices.append([point.X, point.Y, point.Z])
+        for i in range(len(mesh.Faces)):
+            a, b, c, d = mesh.Faces[i]
+            faces.append([first + corner for corner in ((a, b, c) if c == d else (a, b, c, d))])
+    exact = all(mesh.Vertices.UseDoublePrecisionVertices for mesh in parts)
+    return {"vertices": vertices, "faces": faces, "exact": exact}
+
+
+def _loops(brep: Any) -> dict[str, Any]:
+    """Per face its loops of vertices, the outer one first, counter-clockwise from outside."""
+    vertices = []
+    for i in range(len(brep.Vertices)):
+        point = brep.Vertices[i].Location
+        vertices.append([point.X, point.Y, point.Z])
+    faces = []
+    for i in range(len(brep.Faces)):
+        face = brep.Faces[i]
+        outer: list[list[int]] = []
+        inner: list[list[int]] = []
+        for loop in face.Loops:
+            corners = [trim.StartVertexIndex for trim in loop.Trims if trim.EdgeIndex >= 0]
+            if face.OrientationIsReversed:
+                corners.reverse()
+            (outer if loop.LoopType.name == "Outer" else inner).append(corners)
+        faces.append(outer + inner)
+    return {"vertices": vertices, "loops": faces, "exact": True}
+
+
+if __name__ == "__main__":
+    limit(int(sys.argv[1]))
+    json.dump(content(sys.stdin.buffer.read()), sys.stdout)
