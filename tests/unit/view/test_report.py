@@ -1,0 +1,60 @@
+"""The printed page about joints."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from drystone import Assembly, InputError, LoadCase, Result, Verdict, solve_rbe
+from drystone.assembly import Block
+from drystone.models import arch, tower
+from drystone.view.report import save_report
+from tests.oracle import touching_faces
+
+
+def solved(assembly: Assembly) -> Result:
+    return solve_rbe(assembly, touching_faces(assembly, 0.7))
+
+
+def test_the_page_shows_the_worst_joints_and_asks_nothing_of_the_network(tmp_path: Path) -> None:
+    path = tmp_path / "joints.html"
+    save_report(solved(arch(0.2, 9)), path, strength=1e3, worst=4)
+    text = path.read_text(encoding="utf-8")
+    assert text.count("<figure>") == 4
+    assert text.count("<tr>") == 5
+    assert "exceeds 1\N{NO-BREAK SPACE}kPa at" in text
+    assert not re.search(r"https?://|src=|@import", text)
+    assert [p.name for p in tmp_path.iterdir()] == ["joints.html"]
+
+
+def test_names_of_blocks_cannot_become_markup(tmp_path: Path) -> None:
+    plain = tower(2)
+    named = [Block(b.vertices, b.faces, f"<b>{i}&") for i, b in enumerate(plain.blocks)]
+    path = tmp_path / "joints.html"
+    save_report(solved(Assembly(tuple(named), plain.fixed)), path)
+    text = path.read_text(encoding="utf-8")
+    assert "<b>" not in text
+    assert "&lt;b&gt;1&amp;" in text
+
+
+def test_lines_and_points_have_a_plan_too(tmp_path: Path) -> None:
+    from drystone.virtual import to_edge, to_point
+
+    assembly = tower(2)
+    joints = touching_faces(assembly, 0.7)
+    for reduced in (to_edge(joints, (1.0, 0.0, 0.0)), to_point(joints)):
+        result = solve_rbe(assembly, reduced, LoadCase.gravity(assembly))
+        path = tmp_path / "joints.html"
+        if result.force is not None:
+            save_report(result, path)
+            assert "nan" not in path.read_text(encoding="utf-8")
+    assert path.exists()
+
+
+def test_without_forces_there_is_no_page(tmp_path: Path) -> None:
+    assembly = tower(2)
+    joints = touching_faces(assembly, 0.7)
+    empty = Result("rbe", Verdict.UNSTABLE, assembly, joints, LoadCase.gravity(assembly))
+    with pytest.raises(InputError, match="no forces"):
+        save_report(empty, tmp_path / "joints.html")
+    assert list(tmp_path.iterdir()) == []
