@@ -21,6 +21,7 @@ from drystone.detection.penetration import penetrations
 from drystone.detection.report import ContactReport, Missed, Reason
 from drystone.geometry.arrays import Ints
 from drystone.geometry.coincidence import duplicates
+from drystone.repair import shells
 
 SAME = 1e-6
 """Blocks whose vertices agree within this share of their size are one block twice."""
@@ -172,6 +173,11 @@ def _report(
         isolated=tuple(np.flatnonzero(~touched).tolist()),
         penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(together), tolerance),
         duplicates=_duplicates(assembly, patches, pairs),
+        parts=tuple(
+            (i, len(shells(assembly.blocks[i])))
+            for i in np.flatnonzero(~patches.one_surface).tolist()
+            if len(shells(assembly.blocks[i])) > 1
+        ),
         repairs=tuple(
             (i, what) for i, block in enumerate(assembly.blocks) for what in block.repairs
         ),

@@ -58,6 +58,7 @@ class Patches:
     first_patch : (n + 1,) patches of each block
     size : (n,) [m], six times volume over surface
     block_convex : (n,)
+    one_surface : (n,) whether the block's surface is one, without handles
     origin : (3,) [m]
     """
 
@@ -78,6 +79,7 @@ class Patches:
     first_patch: Ints
     size: Floats
     block_convex: Bools
+    one_surface: Bools
     origin: Floats
 
     @property
@@ -105,7 +107,7 @@ def patches_of(assembly: Assembly) -> Patches:
     normal = _unit(vectors, area)
     edges = half_edges(faces)
     turn = turn_angles(faces, edges, normal)
-    block_convex = _convex_blocks(faces, edges, turn, len(assembly))
+    block_convex, one_surface = _convex_blocks(faces, edges, turn, len(assembly))
     group = _coplanar_groups(faces, edges, turn, size)
     loop, ring_start, ring_patch, face = _rings(faces, edges, group)
     corner = faces.point[loop]
@@ -145,6 +147,7 @@ def patches_of(assembly: Assembly) -> Patches:
         first_patch=np.searchsorted(owner, np.arange(len(assembly) + 1)).astype(np.intp),
         size=size,
         block_convex=block_convex,
+        one_surface=one_surface,
         origin=origin,
     )
 
@@ -167,16 +170,19 @@ def _summed(values: Floats, group: Ints, count: int) -> Floats:
     return np.stack(columns, axis=1).astype(np.float64)
 
 
-def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> Bools:
-    """Locally convex everywhere, and one closed surface without handles (Euler)."""
+def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> tuple[Bools, Bools]:
+    """Which blocks are convex, locally and everywhere, and which are one surface without handles.
+
+    Source of the second: Euler's formula.
+    """
     reentrant = np.bincount(faces.owner[edges.face], turn < -REENTRANT, minlength=count)
     half = np.bincount(faces.owner[edges.face], minlength=count)
     face = np.bincount(faces.owner, minlength=count)
     vertex_owner = np.zeros(len(faces.point), dtype=np.intp)
     vertex_owner[faces.loop] = faces.owner[edges.face]
     vertex = np.bincount(vertex_owner, minlength=count)
-    convex: Bools = (reentrant == 0) & (2 * vertex - half + 2 * face == 4)
-    return convex
+    one_surface: Bools = 2 * vertex - half + 2 * face == 4
+    return one_surface & (reentrant == 0), one_surface
 
 
 def _coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:

@@ -101,6 +101,8 @@ class ContactReport:
         Blocks that stand in each other.
     duplicates
         Pairs of blocks that are the same solid in the same place.
+    parts
+        Blocks that consist of several separate parts, and how many.
     repairs
         Per repaired block its position and what was mended.
     """
@@ -123,6 +125,7 @@ class ContactReport:
     isolated: tuple[int, ...]
     penetrations: tuple[Penetration, ...]
     duplicates: tuple[tuple[int, int], ...]
+    parts: tuple[tuple[int, int], ...]
     repairs: tuple[tuple[int, str], ...]
 
     @property
@@ -152,6 +155,8 @@ class ContactReport:
         if self.penetrations:
             pairs = _count(len(self.penetrations), "pair")
             said.append(f"{pairs} of blocks overlap: move them apart in the model")
+        if self.parts:
+            said.append("split the parts into blocks of their own (drystone.repair.split_shells)")
         explained = {i for pair in self.undirected for i in pair}
         explained |= {i for p in self.penetrations for i in (p.block_a, p.block_b)}
         explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
@@ -206,6 +211,9 @@ class ContactReport:
         lines += [
             f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
             for a, b in self.duplicates
+        ]
+        lines += [
+            f"block '{self.names[i]}' consists of {count} separate parts" for i, count in self.parts
         ]
         lines += [f"block '{self.names[i]}': {what}" for i, what in self.repairs]
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
@@ -277,6 +285,7 @@ class ContactReport:
                 for p in self.penetrations
             ],
             "duplicates": [[name[a], name[b]] for a, b in self.duplicates],
+            "parts": [{"block": name[i], "count": count} for i, count in self.parts],
             "repairs": [{"block": name[i], "what": what} for i, what in self.repairs],
             "suggestions": list(self.suggestions()),
         }
