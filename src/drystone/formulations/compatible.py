@@ -26,6 +26,12 @@ from drystone.statics import Statics
 MARGIN = 1e-3
 """Overlap that a pressing corner keeps, by its present one, while a motion is improved."""
 
+LEVEL = 1e-6
+"""Overlaps this near to the largest are equal to it."""
+
+TURN = 0.02
+"""Slides below this share of the mean one may change by it whatever their size."""
+
 
 @dataclass(frozen=True, eq=False)
 class CompatibleState:
@@ -171,7 +177,8 @@ def improve(
     motion : (n, 6)
         Its closing corners are those that may press.
     equal_overlap
-        Keep all pressing corners at one overlap, as eq. 5.6 demands.
+        Let force pass only at the largest overlap, 1 in the motion that is returned, as eq. 5.6
+        demands; corners may join those that press and leave them.
     tolerance
         Unbalanced norm, by the norm of the loads, that is an answer.
     iteration_limit
@@ -179,8 +186,14 @@ def improve(
         Asked before every step.
     """
     goal = tolerance * float(np.linalg.norm(statics.load))
-    motion = _scaled(statics, motion)
-    pressing = statics.displacement(motion)[:, 0] < 0.0
+    if equal_overlap:
+        levelled = _level(statics, motion)
+        if levelled is None:
+            return CompatibleState(motion, np.zeros((statics.corner_count, 3)), np.inf, 1)
+        motion = levelled
+    else:
+        motion = _scaled(statics, motion)
+    pressing = _pressing(statics, motion, equal_overlap)
     force, unbalanced = compatible_forces(statics, motion, pressing=pressing)
     trust, steps = 0.5, 1
     while unbalanced > goal and trust > 1e-4 and steps < iteration_limit:
@@ -190,14 +203,65 @@ def improve(
         steps += 2
         if change is None:
             break
-        trial = _scaled(statics, motion + change)
-        trial_force, left = compatible_forces(statics, trial, pressing=pressing)
+        trial = motion + change
+        may_press = pressing
+        if equal_overlap:
+            trial = _sharpened(statics, trial, np.flatnonzero(pressing & (force[:, 0] > 0.0)))
+            may_press = _pressing(statics, trial, True)
+        else:
+            trial = _scaled(statics, trial)
+        trial_force, left = compatible_forces(statics, trial, pressing=may_press)
         if left < (1.0 - 1e-4) * unbalanced:
-            motion, force, unbalanced = trial, trial_force, left
+            motion, force, unbalanced, pressing = trial, trial_force, left, may_press
             trust = min(1.5 * trust, 0.9)
         else:
             trust *= 0.4
     return CompatibleState(motion, force, unbalanced, steps)
+
+
+def _pressing(statics: Statics, motion: Floats, equal_overlap: bool) -> Bools:
+    gap = statics.displacement(motion)[:, 0]
+    return gap <= -1.0 + LEVEL if equal_overlap else gap < 0.0
+
+
+def _level(statics: Statics, motion: Floats) -> Floats | None:
+    """The nearest motion whose pressing corners overlap by 1, or as nearly so as they can."""
+    gap = statics.displacement(motion)[:, 0]
+    force, _ = compatible_forces(statics, motion)
+    loaded = np.flatnonzero(force[:, 0] > 1e-6 * force[:, 0].max(initial=0.0))
+    if len(loaded) == 0:
+        return None
+    mean = float(-(force[loaded, 0] * gap[loaded]).sum() / force[loaded, 0].sum())
+    motion = motion / mean
+    gap = gap / mean
+    rows = statics.matrix_transposed[3 * np.arange(statics.corner_count)]
+    size, count = 6 * statics.free_count, len(loaded)
+    pull = np.sqrt(force[loaded, 0] / force[loaded, 0].mean())
+    weight = np.concatenate([np.full(size, 1e-6), pull**2])
+    solution = solve_conic(
+        sparse.diags(weight),
+        np.zeros(size + count),
+        sparse.vstack(
+            [
+                sparse.hstack([rows[loaded], -sparse.identity(count)]),
+                sparse.hstack([-rows, sparse.csc_matrix((statics.corner_count, count))]),
+            ]
+        ),
+        np.concatenate([-1.0 - gap[loaded], gap + 1.0]),
+        Cones(zero=count, nonnegative=statics.corner_count),
+    )
+    if solution.status is not ConicStatus.SOLVED:
+        return None
+    return _sharpened(statics, motion + solution.x[:size].reshape(-1, 6), loaded)
+
+
+def _sharpened(statics: Statics, motion: Floats, corner: Ints) -> Floats:
+    """The nearest motion at which those of the corners that overlap by nearly 1 do so exactly."""
+    gap = statics.displacement(motion)[corner, 0]
+    near = np.abs(gap + 1.0) < 1e-3
+    rows = statics.matrix_transposed[3 * corner[near]]
+    change = lsmr(rows, -1.0 - gap[near], atol=1e-15, btol=1e-15, conlim=1e12, maxiter=2000)[0]
+    return motion + change.reshape(-1, 6)
 
 
 def _joint_step(
@@ -212,6 +276,8 @@ def _joint_step(
     moved = statics.displacement(motion)
     corner = np.flatnonzero(pressing)
     count, size = len(corner), 6 * statics.free_count
+    if count == 0:
+        return None
     slide = np.linalg.norm(moved[:, 1:], axis=1)[corner] + 1e-12
     direction = _direction(moved)[corner]
     normal, along = _columns(statics, corner, direction)
@@ -227,10 +293,11 @@ def _joint_step(
     balance = sparse.hstack([by_motion, normal, -along, -sparse.identity(size)])
     identity = sparse.identity(count)
     nothing, none = sparse.csc_matrix((count, size)), sparse.csc_matrix((count, count))
-    reach = trust * np.concatenate([slide, slide])
+    # a corner that hardly slides may turn its slide round
+    far = trust * np.maximum(slide, TURN * slide.mean())
+    reach = np.concatenate([far, far])
     both = sparse.hstack([sparse.vstack(slides), sparse.csc_matrix((2 * count, 2 * count + size))])
-    overlap = -moved[corner, 0]
-    closing = sparse.hstack([gap, none, none, nothing])
+    free_columns = sparse.csc_matrix((count, 2 * count + size))
     zero_rows, zero_right = [balance], [-statics.load.ravel()]
     rows = [
         sparse.hstack([nothing, -identity, none, nothing]),
@@ -241,10 +308,16 @@ def _joint_step(
     ]
     right = [np.zeros(3 * count), reach, reach]
     if equal_overlap:
-        zero_rows.append(closing)
-        zero_right.append(overlap - overlap.mean())
+        loaded = force[corner, 0] > 1e-9 * force[:, 0].max(initial=0.0)
+        every = transposed[3 * np.arange(statics.corner_count)]
+        wide = sparse.csc_matrix((statics.corner_count, 2 * count + size))
+        rows.append(sparse.hstack([-every, wide]))
+        right.append(np.maximum(moved[:, 0] + 1.0, 0.0))
+        zero_rows.append(sparse.hstack([gap, free_columns]).tocsr()[loaded])
+        zero_right.append(np.zeros(int(loaded.sum())))
     else:
-        rows.append(closing)
+        overlap = -moved[corner, 0]
+        rows.append(sparse.hstack([gap, free_columns]))
         right.append(overlap - MARGIN * np.minimum(1.0, overlap))
     equalities, inequalities = sparse.vstack(zero_rows), sparse.vstack(rows)
     weight = np.concatenate([np.full(size + 2 * count, 1e-10), np.ones(size)])
