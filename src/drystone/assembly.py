@@ -241,7 +241,7 @@ class Assembly:
     @cached_property
     def bounds(self) -> Floats:
         """(n, 2, 3) [m], axis-aligned bounding box of each block."""
-        return frozen(np.array([block.bounds for block in self.blocks]))
+        return frozen(np.stack([block.bounds for block in self.blocks]))
 
     @cached_property
     def size(self) -> Floats:

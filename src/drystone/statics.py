@@ -22,7 +22,6 @@ from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
-from drystone.geometry.frames import skew
 from drystone.loads import LoadCase
 
 
@@ -86,31 +85,34 @@ class Statics:
     @cached_property
     def matrix(self) -> sparse.csr_matrix:
         """Equilibrium matrix A (6 n, 3 k): at rest ``A @ force + load`` vanishes (both raveled)."""
-        n, k = self.free_count, self.corner_count
-        rows, cols, values = [], [], []
-        corner = 3 * np.arange(k)
-        for block, transfer in ((self.block_a, self.transfer_a), (self.block_b, self.transfer_b)):
-            here = block >= 0
-            row = 6 * block[here, None, None] + np.arange(6)[None, :, None]
-            col = corner[here, None, None] + np.arange(3)[None, None, :]
-            shape = (int(here.sum()), 6, 3)
-            rows.append(np.broadcast_to(row, shape).ravel())
-            cols.append(np.broadcast_to(col, shape).ravel())
-            values.append(transfer[here].ravel())
-        return sparse.csr_matrix(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(cols))),
-            shape=(6 * n, 3 * k),
-        )
+        return self.matrix_by_column.tocsr()
 
     @cached_property
     def matrix_by_column(self) -> sparse.csc_matrix:
         """The same matrix, for taking columns."""
-        return self.matrix.tocsc()
+        return self.matrix_transposed.T
 
     @cached_property
     def matrix_transposed(self) -> sparse.csr_matrix:
-        """A^T (3 k, 6 n): corner displacements from block motions."""
-        return self.matrix.T.tocsr()
+        """A^T (3 k, 6 n): corner displacements from block motions.
+
+        The three rows of a corner hold six numbers for each free block that meets there.
+        """
+        k = self.corner_count
+        a_first = self.block_a < self.block_b
+        pair = np.stack([self.block_a, self.block_b], axis=1)
+        pair.sort(axis=1)
+        first = np.where(a_first[:, None, None], self.transfer_a, self.transfer_b)
+        second = np.where(a_first[:, None, None], self.transfer_b, self.transfer_a)
+        values = np.concatenate([first, second], axis=1).transpose(0, 2, 1).reshape(k, 3, 2, 6)
+        column = np.broadcast_to((6 * pair[:, :, None] + np.arange(6))[:, None], (k, 3, 2, 6))
+        meets = pair >= 0
+        if not meets.all():
+            kept = np.broadcast_to(meets[:, None], (k, 3, 2))
+            values, column = values[kept], column[kept]
+        start = np.concatenate([[0], np.cumsum(np.repeat(6 * meets.sum(axis=1), 3))])
+        shape = (3 * k, 6 * self.free_count)
+        return sparse.csr_matrix((values.ravel(), column.ravel(), start), shape=shape)
 
     def wrench(self, force: Floats) -> Floats:
         """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
@@ -167,8 +169,13 @@ class Statics:
 
 
 def _transfer(frame: Floats, lever: Floats, block: Ints) -> Floats:
+    """(k, 6, 3): the axes of the frame, and lever x axis."""
     axes = np.swapaxes(frame, 1, 2)
-    out = np.concatenate([axes, skew(lever) @ axes], axis=1)
+    out = np.empty((len(block), 6, 3))
+    out[:, :3] = axes
+    arm = lever[:, :, None]
+    for i, j, m in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        out[:, 3 + i] = arm[:, j] * axes[:, m] - arm[:, m] * axes[:, j]
     out[block < 0] = 0.0
     return out
 
