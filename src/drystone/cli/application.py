@@ -16,6 +16,7 @@ import typer
 
 from drystone.cli import output
 from drystone.cli.check import check
+from drystone.cli.convert import convert
 from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
 from drystone.cli.shell import shell
@@ -53,7 +54,7 @@ def _program(
     """Does a structure of loose blocks stand by contact and friction alone?"""
 
 
-for _command in (check, inspect, demo, shell):
+for _command in (check, inspect, convert, demo, shell):
     app.command()(_command)
 
 

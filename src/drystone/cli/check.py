@@ -20,6 +20,7 @@ def check(
     gravity: options.Gravity = None,
     gap: options.Gap = None,
     find_contacts: options.FindContacts = False,
+    split: options.Split = False,
     html: options.Html = None,
     png: options.Png = None,
     strict: Annotated[
@@ -48,6 +49,7 @@ def check(
             gravity=gravity,
             gap=gap,
             find_contacts=find_contacts,
+            split=split,
         )
         result = verdict.solve(prepared, waiting, time_limit)
         files.write(result, waiting)

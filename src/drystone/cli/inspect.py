@@ -20,6 +20,7 @@ def inspect(
     supports: options.Supports = None,
     units: options.Units = None,
     gap: options.Gap = None,
+    split: options.Split = False,
     everything: Annotated[bool, typer.Option("--all", help="List every block.")] = False,
     as_json: options.Json = False,
 ) -> int:
@@ -31,7 +32,7 @@ def inspect(
 
     with Waiting() as waiting:
         waiting.stage("read", f"reading {model}")
-        built = io.inspect(model, units=units)
+        built = io.inspect(model, units=units, split=split)
         assembly = built.assembly
         if assembly is not None and supports is not None:
             assembly = io.supports.select(assembly, supports)

@@ -29,6 +29,9 @@ Density: TypeAlias = Annotated[
 Units: TypeAlias = Annotated[
     str | None, typer.Option(help="Unit of length of the file: mm, cm, m, in or ft.")
 ]
+Split: TypeAlias = Annotated[
+    bool, typer.Option("--split", help="Make blocks of the separate parts of a block.")
+]
 Json: TypeAlias = Annotated[
     bool, typer.Option("--json", help="Print one JSON object and nothing else.")
 ]

@@ -53,6 +53,7 @@ def prepare(
     gravity: str | None,
     gap: float | None = None,
     find_contacts: bool = False,
+    split: bool = False,
 ) -> Prepared:
     """Read a model, fix its supports, find its contacts and load it with its weight.
 
@@ -70,7 +71,7 @@ def prepare(
     from drystone import io  # the commands start fast: work is imported when there is some
 
     waiting.stage("read", f"reading {path}")
-    model = io.read(path, units=units)
+    model = io.read(path, units=units, split=split)
     assembly = supported(model.assembly, supports, path)
     if density is not None:
         assembly = with_density(assembly, density)

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.assembly import Assembly, Block
+from drystone.assembly import Assembly, Block, replace_block
 from drystone.errors import FormatError, InputError
 from drystone.geometry import coincidence, selfcontact
 from drystone.geometry.arrays import frozen_floats
+from drystone.geometry.parts import separate_parts
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.units import scale_of
 
@@ -54,7 +55,7 @@ class Built:
         return Assembly(blocks, np.array(self.fixed, dtype=bool))
 
 
-def build(draft: Draft, path: Path, units: str | None = None) -> Model:
+def build(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Model:
     """The model of a draft.
 
     Raises
@@ -62,7 +63,7 @@ def build(draft: Draft, path: Path, units: str | None = None) -> Model:
     InputError
         The first defect; the number of further ones is told.
     """
-    built = try_blocks(draft, path, units)
+    built = try_blocks(draft, path, units, split=split)
     assembly = built.assembly
     if assembly is None:
         first = built.defects[0]
@@ -74,8 +75,11 @@ def build(draft: Draft, path: Path, units: str | None = None) -> Model:
     return Model(assembly, contacts, loads, results, built.notes)
 
 
-def try_blocks(draft: Draft, path: Path, units: str | None = None) -> Built:
-    """Every block that can be made of a draft, and all that is wrong with the others."""
+def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Built:
+    """Every block that can be made of a draft, and all that is wrong with the others.
+
+    With ``split``, separate parts of a block become blocks of their own.
+    """
     if units is not None and draft.units is not None and units != draft.units:
         if draft.finish is not None:
             raise FormatError(
@@ -83,26 +87,57 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None) -> Built:
                 where=str(path),
                 remedy="leave --units out",
             )
-        said: tuple[str, ...] = (
+        overruled: tuple[str, ...] = (
             f"lengths are taken as {units}, as asked; the file says {draft.units}",
         )
     else:
-        said = ()
+        overruled = ()
     scale = scale_of(units or draft.units or "m")
+    if split and draft.finish is not None:
+        raise FormatError(
+            "its contacts, loads and results are about whole blocks",
+            where=str(path),
+            remedy="leave --split out",
+        )
     blocks: list[Block | None] = []
+    fixed: list[bool] = []
     defects: list[InputError] = []
+    remarks: list[str] = []
     for shape in draft.shapes:
         try:
-            blocks.append(_block(shape, scale))
+            made, said = _in_parts(_block(shape, scale), split)
         except InputError as error:
             defects.append(_located(error, path, shape))
-            blocks.append(None)
+            made, said = [None], []
+        blocks += made
+        fixed += [shape.fixed] * len(made)
+        remarks += said
     good = [block for block in blocks if block is not None]
     defects += _name_defects(draft.shapes, path)
     defects += _self_contact_defects(good, path)
     defects += _duplicate_defects(good, path)
-    notes = (*draft.notes, *said, *_repair_notes(good), *_size_notes(good, units or draft.units))
-    return Built(tuple(blocks), tuple(s.fixed for s in draft.shapes), tuple(defects), notes)
+    sized = _size_notes(good, units or draft.units)
+    notes = (*draft.notes, *overruled, *remarks, *_repair_notes(good), *sized)
+    return Built(tuple(blocks), tuple(fixed), tuple(defects), notes)
+
+
+def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]:
+    """A block whose shells are all turned as they should be; its parts where that is asked for."""
+    parts, turned = separate_parts(block.vertices, block.faces)
+    if turned:
+        loops = tuple(loop for part in parts for loop in part)
+        note = f"{turned} of its shells turned"
+        block = replace_block(block, faces=loops, repairs=(*block.repairs, note))
+    if len(parts) == 1:
+        return [block], []
+    if not split:
+        said = f"block '{block.name}' has {len(parts)} separate parts that move as one (see split)"
+        return [block], [said]
+    made: list[Block | None] = [
+        replace_block(block, faces=tuple(part), name=f"{block.name}-{i}", repairs=())
+        for i, part in enumerate(parts)
+    ]
+    return made, [f"block '{block.name}' split into its {len(parts)} parts"]
 
 
 def _block(shape: Shape, scale: float) -> Block:

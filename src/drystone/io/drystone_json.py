@@ -18,6 +18,7 @@ from drystone.geometry.arrays import Floats
 from drystone.io import npz
 from drystone.io.draft import Draft, Extras, Shape
 from drystone.io.jsontext import Field
+from drystone.io.load_parts import load_of_parts
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Samples, Verdict
 
@@ -26,7 +27,7 @@ VERSION = 1
 TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
-LOAD = ("name", "wrench")
+LOAD = ("name", "wrench", "parts")
 ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop": 6}
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
@@ -136,7 +137,12 @@ def _contacts(field: Field, assembly: Assembly) -> Contacts:
 
 def _load(field: Field, assembly: Assembly) -> LoadCase:
     field.only(LOAD)
-    return LoadCase(field["wrench"].floats(len(assembly), 6), field.get("name", "load").text())
+    name = field.get("name", "load").text()
+    if field.has("parts"):
+        if field.has("wrench"):
+            raise field.error("has both a wrench and parts", "leave one out")
+        return load_of_parts(field["parts"], assembly, name)
+    return LoadCase(field["wrench"].floats(len(assembly), 6), name)
 
 
 def _result(

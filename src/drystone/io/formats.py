@@ -26,6 +26,8 @@ class Format:
         beside it. ``None`` when the format is only written.
     write
         ``write(model, path)``; ``None`` when it is only read.
+    loses
+        What of a model the format has no place for, in words; empty when it keeps everything.
     """
 
     name: str
@@ -33,3 +35,4 @@ class Format:
     suffixes: tuple[str, ...]
     read: Callable[[bytes, Path], Draft] | None = None
     write: Callable[[Model, Path], None] | None = None
+    loses: str = ""

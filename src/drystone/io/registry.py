@@ -34,6 +34,10 @@ def _read_json(data: bytes, path: Path) -> Draft:
     return drystone_json.read(top)
 
 
+LOADS = "loads and results"
+CONTACTS = f"contacts, {LOADS}"
+MATERIAL = f"supports, densities, {CONTACTS}"
+SINGLE = "digits beyond single precision"
 FORMATS: tuple[Format, ...] = (
     Format("drystone", "drystone JSON", (".json",), _read_json, drystone_json_write.write),
     Format("drystone-npz", "drystone JSON with npz", (), None, drystone_json_write.write_beside),
@@ -43,6 +47,7 @@ FORMATS: tuple[Format, ...] = (
         (".json",),
         _read_json,
         compas_json_write.write_assembly,
+        f"friction, {LOADS} but for forces",
     ),
     Format(
         "compas-dem",
@@ -50,12 +55,13 @@ FORMATS: tuple[Format, ...] = (
         (".json",),
         _read_json,
         compas_json_write.write_block_model,
+        f"friction, {LOADS} but for forces",
     ),
-    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write),
-    Format("stl", "STL", (".stl",), stl.read, stl.write),
-    Format("ply", "PLY", (".ply",), ply.read, ply.write),
-    Format("3dm", "Rhino", (".3dm",), rhino.read, rhino.write),
-    Format("glb", "glTF 2.0, binary", (".glb",), glb.read, glb.write),
+    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write, MATERIAL),
+    Format("stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {MATERIAL}"),
+    Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS),
+    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino.write, CONTACTS),
+    Format("glb", "glTF 2.0, binary", (".glb",), glb.read, glb.write, f"{SINGLE}, {CONTACTS}"),
 )
 """In order of preference where several share a suffix."""
 
@@ -83,7 +89,7 @@ def format_of(path: PathLike, name: str | None = None) -> Format:
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 
 
-def read(path: PathLike, *, units: str | None = None) -> Model:
+def read(path: PathLike, *, units: str | None = None, split: bool = False) -> Model:
     """Read a model.
 
     Parameters
@@ -92,6 +98,8 @@ def read(path: PathLike, *, units: str | None = None) -> Model:
         Its suffix tells the format.
     units
         Unit of length of the file: mm, cm, m, in or ft. Left out, what the file says, else metres.
+    split
+        Separate parts of a block become blocks of their own.
 
     Raises
     ------
@@ -112,12 +120,12 @@ def read(path: PathLike, *, units: str | None = None) -> Model:
     >>> model.assembly.names
     ('block-0', 'block-1', 'block-2')
     """
-    return build(_draft(path, units), Path(path), units)
+    return build(_draft(path, units), Path(path), units, split=split)
 
 
-def inspect(path: PathLike, *, units: str | None = None) -> Built:
+def inspect(path: PathLike, *, units: str | None = None, split: bool = False) -> Built:
     """Read as many blocks as can be used, with every defect of the others; see :func:`read`."""
-    return try_blocks(_draft(path, units), Path(path), units)
+    return try_blocks(_draft(path, units), Path(path), units, split=split)
 
 
 def _draft(path: PathLike, units: str | None) -> Draft:

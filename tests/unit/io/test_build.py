@@ -124,3 +124,33 @@ def test_all_defects_of_a_file_are_found_and_counted(tmp_path: Path) -> None:
 def test_unreadable_units_are_refused_before_the_file_is_touched(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="unit 'yard' is not known; use one of mm, cm, m, in, ft"):
         io.read(tmp_path / "missing.json", units="yard")
+
+
+def two_cubes(name: str = "pair") -> dict[str, Any]:
+    vertices = np.concatenate([CUBE.vertices, CUBE.vertices + np.array([2.0, 0, 0])])
+    faces = [[8 * i + corner for corner in face] for i in range(2) for face in CUBE.faces]
+    return {"name": name, "vertices": vertices.tolist(), "faces": faces, "fixed": True}
+
+
+def test_a_block_of_two_parts_moves_as_one_and_that_is_told(tmp_path: Path) -> None:
+    model = io.read(file(tmp_path, two_cubes()))
+    assert model.assembly.names == ("pair",)
+    assert model.assembly.volume == pytest.approx([2.0])
+    assert model.notes == ("block 'pair' has 2 separate parts that move as one (see split)",)
+
+
+def test_the_parts_of_a_block_become_blocks_when_asked_for(tmp_path: Path) -> None:
+    model = io.read(file(tmp_path, two_cubes(), block("b", 9.0)), split=True)
+    assert model.assembly.names == ("pair-0", "pair-1", "b")
+    assert model.assembly.fixed.tolist() == [True, True, False]
+    assert model.assembly.volume == pytest.approx([1.0, 1.0, 1.0])
+
+
+def test_a_part_that_is_inside_out_does_not_eat_the_volume_of_the_other(tmp_path: Path) -> None:
+    shape = two_cubes()
+    shape["faces"][6:] = [face[::-1] for face in shape["faces"][6:]]
+    for vertex in shape["vertices"][8:]:
+        vertex[2] *= 1.25
+    model = io.read(file(tmp_path, shape))
+    assert model.assembly.volume == pytest.approx([2.25])
+    assert "block 'pair': 1 of its shells turned" in model.notes

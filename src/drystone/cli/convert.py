@@ -1,0 +1,77 @@
+"""``drystone convert``: from one file format to another."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from drystone.cli import options, output
+from drystone.cli.session import found, warnings_of
+from drystone.cli.waiting import Waiting
+
+
+def convert(
+    model: options.ModelArgument,
+    target: Annotated[
+        str, typer.Argument(metavar="TARGET", help="File to write; its suffix tells the format.")
+    ],
+    to: Annotated[
+        str | None,
+        typer.Option(
+            help="Format by name, where several share a suffix: drystone, drystone-npz, "
+            "compas-assembly, compas-dem."
+        ),
+    ] = None,
+    supports: options.Supports = None,
+    units: options.Units = None,
+    split: options.Split = False,
+    contacts: Annotated[
+        bool, typer.Option("--contacts", help="Find the contacts and write them too.")
+    ] = False,
+    friction: options.Friction = None,
+    as_json: options.Json = False,
+) -> int:
+    """Write a model in another format, and say what that format has no place for."""
+    from dataclasses import replace
+
+    from drystone import io  # the program starts fast: work is imported when there is some
+
+    chosen = io.format_of(target, to)
+    with Waiting() as waiting:
+        waiting.stage("read", f"reading {model}")
+        read = io.read(model, units=units, split=split)
+        notes = list(read.notes)
+        if supports is not None:
+            read = replace(
+                read, assembly=io.supports.select(read.assembly, supports), results=(), loads=()
+            )
+        if contacts:
+            made, report = found(read.assembly, friction, waiting)
+            notes += warnings_of(report)
+            read = replace(read, contacts=made, results=())
+        waiting.stage("write", f"writing {target}")
+        io.write(read, target, format=to)
+    data = {
+        "model": model,
+        "files": [target],
+        "format": chosen.name,
+        "blocks": len(read.assembly),
+        "fixed": int(read.assembly.fixed.sum()),
+        "interfaces": None if read.contacts is None else read.contacts.count,
+        "notes": notes,
+        "loses": chosen.loses,
+        "time_s": dict(waiting.time_s),
+    }
+    if as_json:
+        output.emit(data)
+        return 0
+    from rich.markup import escape
+
+    console = output.console()
+    console.print(f"wrote {escape(target)}: {data['blocks']} blocks, {chosen.title}")
+    for note in notes:
+        console.print(f"[yellow]note:[/] {escape(note)}")
+    if chosen.loses:
+        console.print(f"[dim]this format has no place for {chosen.loses}[/]")
+    return 0

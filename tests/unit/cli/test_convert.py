@@ -1,0 +1,70 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from drystone import io
+from drystone.cli import main
+from drystone.models import arch, tower
+
+Capsys = pytest.CaptureFixture[str]
+
+
+@pytest.mark.parametrize("suffix", [".json", ".obj", ".stl", ".ply", ".glb"])
+def test_convert_writes_every_format_that_it_reads(
+    tmp_path: Path, capsys: Capsys, suffix: str
+) -> None:
+    source, target = tmp_path / "arch.json", tmp_path / f"out{suffix}"
+    io.write(arch(), source)
+    assert main(["convert", str(source), str(target)]) == 0
+    assert f"wrote {target}: {len(arch())} blocks" in capsys.readouterr().out
+    again = io.read(target).assembly
+    assert again.names == arch().names
+    assert again.volume == pytest.approx(arch().volume, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["drystone", "drystone-npz", "compas-assembly", "compas-dem"])
+def test_the_format_can_be_named_and_contacts_written(
+    tmp_path: Path, capsys: Capsys, name: str
+) -> None:
+    source, target = tmp_path / "tower.obj", tmp_path / "out.json"
+    io.write(tower(3), source)
+    arguments = ["convert", str(source), str(target), "--to", name, "--contacts", "--json"]
+    assert main([*arguments, "--supports", "lowest", "--friction", "0.7"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["blocks"], told["fixed"], told["interfaces"]) == (3, 1, 2)
+    model = io.read(target)
+    assert model.assembly.fixed.tolist() == [True, False, False]
+    assert model.contacts is not None
+    assert model.contacts.count == 2
+    if name.startswith("drystone"):
+        assert model.contacts.friction.tolist() == [0.7, 0.7]
+
+
+def test_what_a_format_has_no_place_for_is_told(tmp_path: Path, capsys: Capsys) -> None:
+    io.write(tower(2), tmp_path / "tower.json")
+    main(["convert", str(tmp_path / "tower.json"), str(tmp_path / "tower.stl")])
+    assert "no place for polygons, supports, densities" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["out.dwg"], "suffix '.dwg' is not known"),
+        (["none/out.obj"], "cannot be written"),
+        (["out.json", "--to", "dwg"], "format 'dwg' is not known"),
+        (["out.obj", "--supports", "pier"], "no block is called 'pier'"),
+        (["out.obj", "--units", "league"], "unit 'league' is not known"),
+    ],
+)
+def test_bad_input_writes_nothing(
+    tmp_path: Path, capsys: Capsys, arguments: list[str], words: str
+) -> None:
+    io.write(tower(2), tmp_path / "tower.json")
+    target, *options = arguments
+    code = main(["convert", str(tmp_path / "tower.json"), str(tmp_path / target), *options])
+    out, err = capsys.readouterr()
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["tower.json"]

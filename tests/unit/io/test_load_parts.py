@@ -1,0 +1,92 @@
+"""Load cases stated in parts in a model file."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drystone import FormatError, LoadCase, io
+from drystone.models import tower
+
+TOWER = tower(2)
+
+
+def read(tmp_path: Path, *loads: dict[str, Any]) -> tuple[LoadCase, ...]:
+    blocks = [
+        {
+            "name": block.name,
+            "vertices": block.vertices.tolist(),
+            "faces": [list(face) for face in block.faces],
+            "fixed": bool(fixed),
+        }
+        for block, fixed in zip(TOWER.blocks, TOWER.fixed, strict=True)
+    ]
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps({"blocks": blocks, "loads": list(loads)}))
+    return io.read(path).loads
+
+
+def test_parts_add_up_with_their_factors(tmp_path: Path) -> None:
+    top = [0.5, 0.5, 2.0]
+    load = read(
+        tmp_path,
+        {
+            "name": "design",
+            "parts": [
+                {"kind": "gravity", "factor": 1.35},
+                {"kind": "seismic", "kx": 0.1},
+                {"kind": "point", "block": "block-1", "force": [10, 0, 0], "at": top},
+                {"kind": "line", "block": 1, "force_per_length": [0, 0, -2], "start": [0, 0.5, 2],
+                 "end": [1, 0.5, 2]},
+                {"kind": "surface", "block": 1, "pressure": 5.0, "facing": [0, 0, 1]},
+                {"kind": "surface", "block": 1, "traction": [0, 3, 0], "faces": [1]},
+                {"kind": "moment", "block": 1, "moment": [0, 0, 7], "factor": 2},
+                {"kind": "mass", "block": 1, "mass": 100, "at": top},
+            ],
+        },
+    )[0]  # fmt: skip
+    expected = LoadCase.combine(
+        [
+            (1.35, LoadCase.gravity(TOWER)),
+            (1.0, LoadCase.seismic(TOWER, 0.1)),
+            (1.0, LoadCase.point_load(TOWER, 1, (10, 0, 0), top)),
+            (1.0, LoadCase.point_load(TOWER, 1, (0, 3, -7), top)),
+            (2.0, LoadCase.moment(TOWER, 1, (0, 0, 7))),
+            (1.0, LoadCase.extra_mass(TOWER, 1, 100.0, top)),
+        ]
+    )
+    assert load.name == "design"
+    np.testing.assert_allclose(load.wrench, expected.wrench, rtol=1e-12, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        ({"kind": "wind"}, r"loads\[0\]\.parts\[0\]\.kind: 'wind' is no load"),
+        (
+            {"kind": "point", "block": "block-0", "force": [1, 0, 0]},
+            r"parts\[0\].*'block-0' is fix",
+        ),
+        ({"kind": "point", "block": "block-7", "force": [1, 0, 0]}, "no block is called"),
+        ({"kind": "point", "block": 1, "force": [1, 0]}, r"parts\[0\]\.force"),
+        ({"kind": "point", "block": 1}, "'force' is missing"),
+        ({"kind": "gravity", "mass": 3}, "unknown field 'mass'"),
+        ({"kind": "surface", "block": 1, "faces": [0]}, "either a traction or a pressure"),
+        ({"kind": "surface", "block": 1, "pressure": 1, "faces": [9]}, "numbered 0 to 5"),
+    ],
+)
+def test_parts_that_cannot_be_used_are_refused_with_their_place(
+    tmp_path: Path, part: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(FormatError, match=words):
+        read(tmp_path, {"parts": [part]})
+
+
+def test_a_load_case_is_stated_in_one_way(tmp_path: Path) -> None:
+    wrench = np.zeros((2, 6)).tolist()
+    with pytest.raises(FormatError, match="both a wrench and parts"):
+        read(tmp_path, {"wrench": wrench, "parts": [{"kind": "gravity"}]})
+    with pytest.raises(FormatError, match="has no parts"):
+        read(tmp_path, {"parts": []})
