@@ -148,7 +148,7 @@ def test_a_plain_block_leans_until_its_weight_leaves_the_bed():
     assert not leans(0.0, 26.65)
 
 
-@pytest.mark.parametrize(("wedge", "angle"), [(0.1, 28.5), (0.2, 31.5), (0.3, 35.0)])
-def test_a_wedge_lets_a_block_lean_farther(wedge, angle):
+@pytest.mark.parametrize(("wedge", "angle"), [(0.1, 28.5), (0.2, 37.5), (0.3, 44.5)])
+def test_the_larger_the_wedge_the_farther_a_block_leans(wedge, angle):
     assert leans(wedge, angle)
     assert not leans(wedge - 0.1, angle)

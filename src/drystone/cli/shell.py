@@ -122,6 +122,8 @@ def shell(
         made = build_shell(shape, layout, body, progress=waiting)
         contacts, report = found(made.assembly, friction, waiting)
         notes += warnings_of(report)
+        if not made.planar.reached:
+            notes.append(f"joints are up to {made.planar.warp_after:.1e} of a block from planar")
         load = weight(made.assembly, None)
         prepared = Prepared(made.assembly, contacts, load, report, tuple(notes))
         result = verdict.solve(prepared, waiting, time_limit)

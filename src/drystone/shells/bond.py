@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,14 +20,32 @@ the usual least lap of masonry is a quarter of the block's length; a little less
 different number meet."""
 
 
-def head_joints(
+@dataclass(frozen=True, eq=False)
+class Bond:
+    """Courses with their head joints.
+
+    Attributes
+    ----------
+    courses
+        The tips of partial courses moved away from head joints, where they met.
+    joints
+        Per course the positions along v of its head joints, ascending. An open course begins and
+        ends with its ends; a closed one with n blocks has n + 1 values, the last one more than the
+        first by 1.
+    """
+
+    courses: Courses
+    joints: tuple[Floats, ...]
+
+
+def lay_bond(
     courses: Courses,
     *,
     blocks: int | Sequence[int] | None = None,
     width: float | None = None,
     staggered: bool = True,
-) -> tuple[Floats, ...]:
-    """Positions along v of the head joints of every course.
+) -> Bond:
+    """Place the head joints of every course.
 
     Parameters
     ----------
@@ -38,12 +57,6 @@ def head_joints(
         Or: the width of block wanted.
     staggered
         Whether every other course starts with a half block.
-
-    Returns
-    -------
-    joints
-        Per course, ascending. An open course begins and ends with its ends; a closed one with n
-        blocks has n + 1 values, the last one more than the first by 1.
 
     Raises
     ------
@@ -61,6 +74,8 @@ def head_joints(
     below: Floats = np.zeros(0)
     joints: list[Floats] = []
     for course in range(courses.count):
+        if staggered:
+            courses = _tips_apart(courses, course, below)
         v, share, length = _along(courses, course)
         number = max(least, round(length / width)) if given is None and width else 0
         number = int(given[course]) if given is not None else number
@@ -78,11 +93,25 @@ def head_joints(
             candidates.reverse()
         placed = [np.interp(c, share, v) for c in candidates]
         chosen = max(placed, key=lambda x: round(_lap(x, below, closed), 3))
-        if staggered:
-            chosen = _apart(chosen, below, closed)
+        chosen = (_apart if staggered else _together)(chosen, below, closed)
         joints.append(np.concatenate([chosen, chosen[:1] + 1.0]) if closed else chosen)
-        below = chosen
-    return tuple(joints)
+        outside = (below < courses.start[course]) | (below > courses.end[course])
+        below = np.sort(np.concatenate([chosen, below[outside]]))
+    return Bond(courses, tuple(joints))
+
+
+def _tips_apart(courses: Courses, course: int, below: Floats) -> Courses:
+    """Move the tips of a partial course away from the head joints of the courses below."""
+    least = 2.0 * LEAST_LAP * courses.taper
+    for name in ("start", "end"):
+        ends = getattr(courses, name)
+        if len(below) and 0.0 < ends[course] < 1.0:
+            near = below[np.argmin(np.abs(below - ends[course]))]
+            if abs(ends[course] - near) < least and 0.0 < near < 1.0:
+                moved = ends.copy()
+                moved[course] = np.clip(near + (least if name == "start" else -least), 0.01, 0.99)
+                courses = replace(courses, **{name: moved})
+    return courses
 
 
 def _numbers(blocks: int | Sequence[int], count: int, where: str) -> list[int]:
@@ -135,16 +164,32 @@ def _lap(joints: Floats, below: Floats, closed: bool) -> float:
     return float(np.abs(_gap(inner, below, closed)).mean()) if len(inner) else np.inf
 
 
+def _narrower(joints: Floats, closed: bool) -> Floats:
+    """Width of the narrower block beside each inner joint."""
+    width = np.diff(np.concatenate([joints, joints[:1] + 1.0]) if closed else joints)
+    after, before = (width, np.roll(width, 1)) if closed else (width[1:], width[:-1])
+    narrower: Floats = np.minimum(after, before)
+    return narrower
+
+
 def _apart(joints: Floats, below: Floats, closed: bool) -> Floats:
     """Move joints away from those below, so that they lap by at least the least lap."""
     inner = joints if closed else joints[1:-1]
     if len(inner) == 0 or len(below) == 0:
         return joints
-    ring = np.concatenate([joints, joints[:1] + 1.0]) if closed else joints
-    width = np.diff(ring)
-    beside = np.minimum(width, np.roll(width, 1)) if closed else np.minimum(width[1:], width[:-1])
     gap = _gap(inner, below, closed)
-    least = LEAST_LAP * beside
+    least = LEAST_LAP * _narrower(joints, closed)
     push = np.where(np.abs(gap) < least, np.where(gap < 0.0, -least, least) - gap, 0.0)
     moved = inner + push
+    return moved if closed else np.concatenate([joints[:1], moved, joints[-1:]])
+
+
+def _together(joints: Floats, below: Floats, closed: bool) -> Floats:
+    """Continue joints that nearly meet those below: a joint beside a joint leaves a sliver."""
+    inner = joints if closed else joints[1:-1]
+    if len(inner) == 0 or len(below) == 0:
+        return joints
+    gap = _gap(inner, below, closed)
+    near = np.abs(gap) < LEAST_LAP * _narrower(joints, closed)
+    moved = inner - np.where(near, gap, 0.0)
     return moved if closed else np.concatenate([joints[:1], moved, joints[-1:]])

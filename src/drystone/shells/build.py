@@ -14,13 +14,14 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.progress import Progress
-from drystone.shells.bond import head_joints
+from drystone.shells.bond import lay_bond
 from drystone.shells.courses import lay_courses
 from drystone.shells.extent import check_radius, mean_width
 from drystone.shells.fit import fit_cells
 from drystone.shells.materialise import (
     Pins,
     Thickness,
+    add_register,
     cell_faces,
     joint_polygons,
     keep_thickness,
@@ -90,7 +91,8 @@ class Body:
         One, one per course, or a function of points; left out, that of the shape.
     density : [kg/m3]
     register_deg : [degrees]
-        Hooks every block over the course below; see :func:`drystone.shells.materialise.raise_pins`.
+        Hooks every block over the course below; see
+        :func:`drystone.shells.materialise.add_register`.
     intrados
     ground
     ground_depth : [m]
@@ -235,52 +237,56 @@ def build_shell(
             heights=plan.heights,
             partial=plan.partial,
         )
-        joints = head_joints(
-            courses, blocks=plan.blocks, width=plan.width, staggered=plan.staggered
-        )
-        patterns.append(lay_pattern(courses, joints, wedge=plan.wedge))
+        bond = lay_bond(courses, blocks=plan.blocks, width=plan.width, staggered=plan.staggered)
+        patterns.append(lay_pattern(bond.courses, bond.joints, wedge=plan.wedge))
     mesh, moved = fit_cells(weld(shape, patterns), shape)
     given = body.thickness if body.thickness is not None else shape.default_thickness
     thickness = vertex_thickness(mesh, given)
     check_radius(shape, float(thickness.max()))
-    pins = raise_pins(mesh, thickness, register_deg=body.register_deg)
-    polygons = joint_polygons(mesh, pins)
-    if body.intrados is Intrados.STRAIGHT:
-        polygons += [cell_faces(mesh, pins, cell)[0] for cell in mesh.cells]
     width = mean_width(mesh)
-    pins, report = _planar(mesh, pins, polygons, thickness, width, body.planar, progress)
+    pins, report = _planar_pins(mesh, thickness, width, body, progress)
     return _finish(shape, mesh, pins, report, moved / width, thickness, body)
 
 
-def _planar(
+def _planar_pins(
     mesh: Tessellation,
-    raised: Pins,
-    polygons: list[tuple[int, ...]],
     thickness: Floats,
     width: float,
-    options: PlanarOptions,
+    body: Body,
     progress: Progress | None,
 ) -> tuple[Pins, PlanarReport]:
-    """Planar joints at the thickness asked for: planarised, lengthened, and planarised again.
+    """Pins with planar joints between them, at the thickness asked for.
 
-    The second time finds nothing to do unless there are registers or planar intrados.
+    Planarised, lengthened, given their register, and planarised again: the second time finds
+    nothing to do unless there are registers or planar intrados, and then little, since a step
+    raised within planar joints hardly warps them.
     """
-    tilted, first = planarise(
-        raised.point, polygons, scale=width, options=options, progress=progress
-    )
-    grown = keep_thickness(mesh, Pins(tilted, raised.start), thickness)
-    point, second = planarise(
-        grown.point, polygons, scale=width, options=options, progress=progress
-    )
-    drift = np.linalg.norm(point - raised.point, axis=1).max() / width
+    raised = raise_pins(mesh, thickness)
+
+    def planar(pins: Pins) -> tuple[Pins, PlanarReport]:
+        polygons = joint_polygons(mesh, pins)
+        if body.intrados is Intrados.STRAIGHT:
+            polygons += [cell_faces(mesh, pins, cell)[0] for cell in mesh.cells]
+        point, report = planarise(
+            pins.point, polygons, scale=width, options=body.planar, progress=progress
+        )
+        return Pins(point, pins.start), report
+
+    tilted, first = planar(raised)
+    grown = keep_thickness(mesh, tilted, thickness)
+    if body.register_deg:
+        grown = add_register(mesh, grown, body.register_deg)
+    pins, second = planar(grown)
+    ends = np.stack([pins.start[:-1], pins.start[1:] - 1], axis=1)
+    drift = np.linalg.norm(pins.point[ends] - raised.point.reshape(-1, 2, 3), axis=2)
     report = replace(
         second,
-        warp_before=first.warp_before,
-        drift=float(drift),
+        warp_before=max(first.warp_before, second.warp_before),
+        drift=float(drift.max()) / width,
         projections=first.projections + second.projections,
         newton=first.newton + second.newton,
     )
-    return Pins(point, raised.start), report
+    return pins, report
 
 
 def _finish(

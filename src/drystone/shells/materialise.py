@@ -20,6 +20,11 @@ Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
 """[m]: one for all, one per course, or a function of points (k, 3) on the middle surface."""
 
 
+LEAST_COSINE = 0.5
+"""Of the angle between a vertex's normal and the flat cells around it, chosen: beyond 60 degrees a
+block's faces say nothing of the surface any more."""
+
+
 @dataclass(frozen=True, eq=False)
 class Pins:
     """Lines of points through the thickness, one line per vertex of the tessellation.
@@ -104,30 +109,58 @@ def facet_cosine(mesh: Tessellation) -> Floats:
     return mean
 
 
-def raise_pins(mesh: Tessellation, thickness: Floats, *, register_deg: float = 0.0) -> Pins:
-    """Pins along the normals, half the thickness to either side.
+def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
+    """Straight pins along the normals, half the thickness (v,) [m] to either side.
 
-    Parameters
-    ----------
-    mesh
-    thickness : (v,) [m]
-    register_deg : [degrees]
-        Turns both halves of every bed joint between two courses about the direction of the course,
-        each about its own outer edge, which leaves a step at mid thickness: the block above hooks
-        over the block below and can only be turned in. Positive holds it against sliding inwards.
+    Raises
+    ------
+    InputError
+        The surface turns so far across a block that it has no thickness to speak of.
     """
-    half = 0.5 * thickness / facet_cosine(mesh)
+    cosine = facet_cosine(mesh)
+    steep = cosine < LEAST_COSINE
+    if steep.any():
+        vertex = int(np.flatnonzero(steep)[0])
+        name = next(n for n, c in zip(mesh.names, mesh.cells, strict=True) if vertex in c)
+        raise InputError(
+            "is too large: the surface turns by more than 60 degrees beside it",
+            where=f"block '{name}'",
+            remedy="give more courses and blocks",
+        )
+    half = 0.5 * thickness / cosine
     low = mesh.point - half[:, None] * mesh.normal
     high = mesh.point + half[:, None] * mesh.normal
-    stepped = mesh.inner if register_deg else np.zeros(len(low), dtype=bool)
-    count = np.where(stepped, 4, 2)
+    point = np.stack([low, high], axis=1).reshape(-1, 3)
+    return Pins(point, 2 * np.arange(len(low) + 1, dtype=np.intp))
+
+
+def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
+    """Give straight pins on bed lines between two courses a step.
+
+    Both halves of every bed joint are turned by ``register_deg`` [degrees] about the direction of
+    the course, each about its own outer edge, which leaves a step at mid thickness: the block above
+    hooks over the block below and can only be turned in. Positive holds it against sliding inwards.
+    The step lies in the head joint that ends at the pin, so that this one stays planar.
+    """
+    low, high = pins.point[0::2], pins.point[1::2]
+    middle, along = 0.5 * (low + high), high - low
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    up = mesh.up.copy()
+    heads = np.array(sorted(mesh.heads), dtype=np.intp).reshape(-1, 2)
+    rise = middle[heads[:, 1]] - middle[heads[:, 0]]
+    rise *= np.sign(np.einsum("hi,hi->h", rise, mesh.up[heads[:, 0]]))[:, None]
+    up[heads[:, 0]] = rise
+    up[heads[:, 1]] = rise
+    axis = along / length
+    up -= np.einsum("vi,vi->v", up, axis)[:, None] * axis
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    step = 0.5 * length * np.tan(np.deg2rad(register_deg)) * up
+    count = np.where(mesh.inner, 4, 2)
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
     point = np.empty((start[-1], 3))
     point[start[:-1]], point[start[1:] - 1] = low, high
-    if register_deg:
-        rise = (np.tan(np.deg2rad(register_deg)) * half)[stepped, None] * mesh.up[stepped]
-        point[start[:-1][stepped] + 1] = mesh.point[stepped] + rise
-        point[start[:-1][stepped] + 2] = mesh.point[stepped] - rise
+    first = start[:-1][mesh.inner]
+    point[first + 1], point[first + 2] = (middle + step)[mesh.inner], (middle - step)[mesh.inner]
     return Pins(point, start)
 
 

@@ -83,7 +83,7 @@ def schedule(shell: Shell) -> tuple[ScheduleRow, ...]:
     >>> shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=10, blocks=4))
     >>> row = schedule(shell)[5]
     >>> row.name, row.joints, round(min(row.bevel_deg), 3)
-    ('c01-b01', 6, 80.985)
+    ('c01-b01', 6, 81.0)
     """
     rows = []
     for block in shell.voussoirs.tolist():

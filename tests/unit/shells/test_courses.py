@@ -5,7 +5,7 @@ import pytest
 
 from drystone.errors import InputError
 from drystone.shells import barrel_vault, dome, patch_from_function
-from drystone.shells.bond import LEAST_LAP, head_joints
+from drystone.shells.bond import LEAST_LAP, lay_bond
 from drystone.shells.courses import lay_courses
 
 
@@ -82,20 +82,20 @@ def test_partial_courses_in_a_closed_patch_are_refused():
 
 
 def test_head_joints_are_staggered_by_half_a_block():
-    joints = head_joints(lay_courses(BARREL, count=3), blocks=4)
+    joints = lay_bond(lay_courses(BARREL, count=3), blocks=4).joints
     assert np.allclose(joints[0], [0, 0.25, 0.5, 0.75, 1])
     assert np.allclose(joints[1], [0, 0.125, 0.375, 0.625, 0.875, 1])
     assert np.allclose(joints[2], joints[0])
 
 
 def test_rings_close_and_are_staggered():
-    joints = head_joints(lay_courses(DOME, count=2), blocks=10)
+    joints = lay_bond(lay_courses(DOME, count=2), blocks=10).joints
     assert np.allclose(joints[0], np.arange(11) / 10)
     assert np.allclose(joints[1], np.arange(11) / 10 + 0.05)
 
 
 def test_head_joints_lap_where_the_number_of_blocks_changes():
-    joints = head_joints(lay_courses(DOME, count=8), width=1.0)
+    joints = lay_bond(lay_courses(DOME, count=8), width=1.0).joints
     assert len({len(x) for x in joints}) > 3
     for below, above in itertools.pairwise(joints):
         gap = np.abs(
@@ -105,7 +105,7 @@ def test_head_joints_lap_where_the_number_of_blocks_changes():
 
 
 def test_unstaggered_joints_are_continuous():
-    joints = head_joints(lay_courses(BARREL, count=3), blocks=4, staggered=False)
+    joints = lay_bond(lay_courses(BARREL, count=3), blocks=4, staggered=False).joints
     assert all(np.allclose(x, joints[0]) for x in joints)
 
 
@@ -122,4 +122,4 @@ def test_unstaggered_joints_are_continuous():
 )
 def test_impossible_bonds_are_refused(patch, options, message):
     with pytest.raises(InputError, match=message):
-        head_joints(lay_courses(patch, count=3), **options)
+        lay_bond(lay_courses(patch, count=3), **options)

@@ -3,14 +3,15 @@ import pytest
 
 from drystone.errors import InputError
 from drystone.shells import Layout, barrel_vault, build_shell, dome, patch_from_function
-from drystone.shells.bond import head_joints
+from drystone.shells.bond import lay_bond
 from drystone.shells.courses import lay_courses
 from drystone.shells.pattern import lay_pattern
 
 
 def pattern_of(patch, *, courses=4, blocks=4, wedge=0.0, partial=0):
     laid = lay_courses(patch, count=courses, partial=partial)
-    return lay_pattern(laid, head_joints(laid, blocks=blocks), wedge=wedge)
+    bond = lay_bond(laid, blocks=blocks)
+    return lay_pattern(bond.courses, bond.joints, wedge=wedge)
 
 
 def areas(pattern):
