@@ -31,13 +31,19 @@ if TYPE_CHECKING:
     from drystone.io import Model as Model
     from drystone.io import read as read
     from drystone.io import write as write
+    from drystone.limits import limit_friction as limit_friction
+    from drystone.limits import limit_load as limit_load
+    from drystone.limits import limit_tilt as limit_tilt
     from drystone.loads import LoadCase as LoadCase
     from drystone.results import Residuals as Residuals
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
+    from drystone.sequence import plan as plan
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
     from drystone.stability import check as check
+    from drystone.stability import solve_cra as solve_cra
+    from drystone.stability import solve_cra_penalty as solve_cra_penalty
     from drystone.stability import solve_rbe as solve_rbe
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
@@ -63,9 +69,15 @@ _HOME = {
     "Verdict": "results",
     "check": "stability",
     "find_contacts": "detection",
+    "limit_friction": "limits",
+    "limit_load": "limits",
+    "limit_tilt": "limits",
+    "plan": "sequence",
     "read": "io",
     "save_figure": "view",
     "save_page": "view",
+    "solve_cra": "stability",
+    "solve_cra_penalty": "stability",
     "solve_rbe": "stability",
     "write": "io",
 }
