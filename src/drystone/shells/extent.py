@@ -11,6 +11,9 @@ from drystone.shells.patch import curvatures
 from drystone.shells.shape import Shape
 from drystone.shells.tessellation import Tessellation
 
+SAMPLES = 48
+"""Along u and v when volumes are summed up, chosen: a dome's is right to 1e-4."""
+
 
 def mean_width(mesh: Tessellation) -> float:
     """[m], square root of the mean area of a cell: the size of a block."""
@@ -46,11 +49,11 @@ def shape_volume(shape: Shape, thickness: float) -> float:
 
     ``t dA (1 + K t^2 / 12)`` with the Gaussian curvature K (Steiner), by the midpoint rule.
     """
-    grid = (np.arange(96) + 0.5) / 96.0
+    grid = (np.arange(SAMPLES) + 0.5) / SAMPLES
     total = 0.0
     for patch in shape.patches:
         by_u, by_v = patch.tangents(grid[:, None], grid[None, :])
-        area = np.linalg.norm(np.cross(by_u, by_v), axis=2) / 96.0**2
+        area = np.linalg.norm(np.cross(by_u, by_v), axis=2) / SAMPLES**2
         gauss = curvatures(patch, grid[:, None], grid[None, :]).prod(axis=2)
         total += float((thickness * area * (1.0 + gauss * thickness**2 / 12.0)).sum())
     return total
