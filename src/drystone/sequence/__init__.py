@@ -5,7 +5,7 @@ from drystone.sequence.insertion import Freedom, RemovalTest, freedom
 from drystone.sequence.plan import Plan, Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.rules import Order, Rules
-from drystone.sequence.stages import Answer, Model, Stage, check_once
+from drystone.sequence.stages import Answer, Model, Stage, check_once, check_thoroughly
 
 __all__ = [
     "Answer",
@@ -23,6 +23,7 @@ __all__ = [
     "Status",
     "Step",
     "check_once",
+    "check_thoroughly",
     "freedom",
     "plan",
 ]

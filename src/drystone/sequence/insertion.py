@@ -71,7 +71,7 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
     >>> freedom(np.array([[0.0, 0.0, 1.0]]), up).preferred.tolist()
     [0.0, 0.0, 1.0]
     >>> walls = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-    >>> freedom(walls, up).generators.round(6).tolist()
+    >>> (freedom(walls, up).generators.round(6) + 0.0).tolist()
     [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]
     >>> freedom(np.concatenate([np.eye(3), -np.eye(3)]), up).blocked
     True

@@ -22,7 +22,8 @@ class Order(enum.Enum):
     """In which order blocks are tried for removal; assembly runs the other way."""
 
     COURSE = "course"
-    """The last course first: by name (``c06-b03``), else by the number of joints to a support."""
+    """Course by course, the last one first; a course is finished before the one before is touched.
+    By name (``c06-b03``), else by the number of joints to a support."""
     TOP = "top"
     """The highest first."""
     BOUNDARY = "boundary"
@@ -53,7 +54,7 @@ class Rules:
     payload: float = float("inf")
     before: Sequence[tuple[str, str]] = ()
     reach: Sequence[Sequence[str]] = ()
-    order: Order | Sequence[str] = Order.COURSE
+    order: Order | Sequence[str] = Order.TOP
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +66,7 @@ class Bound:
     rules
     after : per block the set of blocks that must be placed later
     rank : (n,) lower is removed earlier
+    level : (n,) blocks of a lower level stay while one of a higher level can leave
     lifters : (n,) hands that a block needs
     core
         Free blocks that can never be taken out, and so never put in, and why.
@@ -73,6 +75,7 @@ class Bound:
     rules: Rules
     after: tuple[int, ...]
     rank: Ints
+    level: Floats
     lifters: Ints
     core: int
     reasons: Mapping[int, str] = field(default_factory=dict)
@@ -98,7 +101,8 @@ def bind(rules: Rules, model: Model, removal: RemovalTest) -> Bound:
     lifters = np.maximum(1, np.ceil(model.assembly.mass / rules.payload * (1.0 - 1e-12)))
     lifters = lifters.astype(np.intp)
     core, reasons = _locked(model, removal, after, lifters, rules.hands)
-    return Bound(rules, after, removal_rank(rules.order, model), lifters, core, reasons)
+    level = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
+    return Bound(rules, after, removal_rank(rules.order, model), level, lifters, core, reasons)
 
 
 def removal_rank(order: Order | Sequence[str], model: Model) -> Ints:

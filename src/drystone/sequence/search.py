@@ -217,10 +217,14 @@ class Search:
         return props, together + left
 
     def candidates(self, placed: int) -> Iterator[int]:
-        """Blocks that may and can leave, in the order of removal."""
-        rank = self.bound.rank
+        """Blocks that may and can leave, in the order of removal; of the highest level only."""
+        rank, level = self.bound.rank, self.bound.level
+        highest = None
         for block in sorted(members(placed & ~self.bound.core), key=lambda b: int(rank[b])):
+            if highest is not None and level[block] < highest:
+                return
             if self.bound.allows(block, placed) and self.removal.free(block, placed):
+                highest = level[block]
                 yield block
 
     def removals(self, node: Node) -> list[Node]:

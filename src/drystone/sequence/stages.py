@@ -71,11 +71,16 @@ def members(mask: int) -> Iterator[int]:
 
 
 def check_once(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
-    """The full verdict with one stiffness distribution: what every stage is asked by default.
+    """The verdict with uniform contact stiffness: what every stage is asked by default.
 
-    Structures that stand for other stiffnesses only are not counted upon while they are built.
+    What comes to rest for other stiffnesses only is not counted upon while it is built.
     """
-    return check(assembly, contacts, load, options=CheckOptions(samples=0))
+    return check(assembly, contacts, load, options=CheckOptions(samples=0, search=False))
+
+
+def check_thoroughly(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """The verdict of the whole cascade: any compatible state counts."""
+    return check(assembly, contacts, load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,4 +301,13 @@ def _friction_used(contacts: Contacts, force: Floats) -> float:
     return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
 
 
-__all__ = ["Answer", "Check", "Model", "Stage", "check_once", "mask_of", "members"]
+__all__ = [
+    "Answer",
+    "Check",
+    "Model",
+    "Stage",
+    "check_once",
+    "check_thoroughly",
+    "mask_of",
+    "members",
+]
