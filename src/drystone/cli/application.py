@@ -19,6 +19,7 @@ from drystone.cli.check import check
 from drystone.cli.convert import convert
 from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
+from drystone.cli.limit import limit
 from drystone.cli.shell import shell
 from drystone.errors import DrystoneError, MissingDependency
 
@@ -56,6 +57,7 @@ def _program(
 
 for _command in (check, inspect, convert, demo, shell):
     app.command()(_command)
+app.add_typer(limit, name="limit")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from drystone.cli import options, output, verdict
+from drystone.cli import joint_files, loading, options, output, verdict
 from drystone.cli.session import prepare
 from drystone.cli.waiting import Waiting
 
@@ -18,6 +18,8 @@ def check(
     density: options.Density = None,
     units: options.Units = None,
     gravity: options.Gravity = None,
+    loads: loading.Loads = None,
+    seismic: loading.Seismic = None,
     gap: options.Gap = None,
     find_contacts: options.FindContacts = False,
     split: options.Split = False,
@@ -29,6 +31,8 @@ def check(
             "--strict", help="Only stable if it stands whatever the stiffness of the contacts."
         ),
     ] = False,
+    joints: joint_files.Joints = None,
+    strength: joint_files.Strength = None,
     time_limit: options.TimeLimit = None,
     as_json: options.Json = False,
 ) -> int:
@@ -37,6 +41,7 @@ def check(
     Exit code 0: it stands. 1: it does not, or that could not be decided. 2: bad input.
     """
     files = verdict.Files.checked(html, png)
+    tables = joint_files.checked(joints, strength)
     options.positive(time_limit, "--time-limit")
     with Waiting() as waiting:
         prepared = prepare(
@@ -47,13 +52,18 @@ def check(
             density=density,
             units=units,
             gravity=gravity,
+            loads=loads,
+            seismic=seismic,
             gap=gap,
             find_contacts=find_contacts,
             split=split,
         )
         result = verdict.solve(prepared, waiting, time_limit)
         files.write(result, waiting)
+        written, said = tables.write(result, waiting)
     data = verdict.content(result, prepared, waiting.time_s, model, files)
+    data["files"] += written
+    data["notes"] += said
     if as_json:
         output.emit(data)
     else:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from drystone.cli.loading import loaded
 from drystone.cli.options import gravity_vector, positive
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
@@ -33,6 +35,8 @@ class Prepared:
         Of the contact search; ``None`` where the file brought its contacts.
     notes
         Remarks of the reader and of what was assumed here.
+    cases
+        The load cases of the file.
     """
 
     assembly: Assembly
@@ -40,6 +44,7 @@ class Prepared:
     load: LoadCase
     report: ContactReport | None
     notes: tuple[str, ...]
+    cases: tuple[LoadCase, ...] = ()
 
 
 def prepare(
@@ -54,8 +59,10 @@ def prepare(
     gap: float | None = None,
     find_contacts: bool = False,
     split: bool = False,
+    loads: Sequence[str] | None = None,
+    seismic: str | None = None,
 ) -> Prepared:
-    """Read a model, fix its supports, find its contacts and load it with its weight.
+    """Read a model, fix its supports, find its contacts and load it with its weight and more.
 
     Raises
     ------
@@ -90,7 +97,9 @@ def prepare(
     if model.loads and direction is None and density is None:
         load = model.loads[0]
         notes.append(f"the load case '{load.name}' of the file is used")
-    return Prepared(assembly, contacts, load, report, tuple(notes))
+    load = loaded(assembly, load, loads, seismic)
+    notes += load.notes
+    return Prepared(assembly, contacts, load, report, tuple(notes), model.loads)
 
 
 def supported(assembly: Assembly, spec: str | None, path: str) -> Assembly:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -34,7 +34,16 @@ from drystone.limits.families import (
     number,
     resting,
 )
-from drystone.limits.search import Bracket, Check, Evaluation, Found, Search, plain
+from drystone.limits.search import (
+    Bracket,
+    Check,
+    Evaluation,
+    Found,
+    Search,
+    evaluate,
+    plain,
+    verdict,
+)
 from drystone.loads import LoadCase
 from drystone.progress import Progress
 from drystone.statics import build_statics
@@ -148,7 +157,7 @@ def limit_tilt(
     load: LoadCase | None = None,
     *,
     upper: float = 180.0,
-    check: Check = stability.check,
+    check: Check = verdict,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -206,7 +215,7 @@ def limit_friction(
     *,
     upper: float | None = None,
     scaled: bool = False,
-    check: Check = stability.check,
+    check: Check = verdict,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -239,7 +248,7 @@ def limit_load(
     dead: LoadCase | None = None,
     *,
     upper: float = 1000.0,
-    check: Check = stability.check,
+    check: Check = verdict,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -277,7 +286,7 @@ def limit_shrink(
     contacts: Contacts,
     load: LoadCase | None = None,
     *,
-    check: Check = stability.check,
+    check: Check = verdict,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -301,7 +310,7 @@ def limit_thickness(
     find: Callable[[Assembly], Contacts] | None = None,
     parameter: str = "thickness",
     unit: str = "",
-    check: Check = stability.check,
+    check: Check = verdict,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -416,6 +425,7 @@ def _searched(
             found = search.run(
                 start, outer.stands, width=width, scan=means.options.scan, beyond=outer
             )
+            found = replace(found, bracket=_with_samples(family, found.bracket, means.check))
     means.tell("done", 2)
     ended = time.perf_counter()
     return Limit(
@@ -429,6 +439,13 @@ def _searched(
         () if found is None else found.evaluations,
         {"equilibrium": between - began, "rest": ended - between},
     )
+
+
+def _with_samples(family: Family, bracket: Bracket, check: Check) -> Bracket:
+    """The bracket with all stiffnesses tried at its standing side, to tell how sensitive it is."""
+    if check is not verdict or bracket.stands is None:
+        return bracket
+    return replace(bracket, standing=evaluate(family, stability.check, bracket.stands))
 
 
 def _refuse_nothing_to_do(family: Family, start: float) -> None:

@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from drystone import stability
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats
 from drystone.limits.limits import Limit, LimitOptions, limit_tilt
-from drystone.limits.search import Bracket, Check
+from drystone.limits.search import Bracket, Check, verdict
 from drystone.loads import LoadCase
 from drystone.progress import Progress
 
@@ -69,7 +68,7 @@ def tilt_sweep(
     load: LoadCase | None = None,
     *,
     upper: float = 180.0,
-    check: Check = stability.check,
+    check: Check = verdict,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,

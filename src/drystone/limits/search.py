@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from drystone import stability
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.limits.families import Family
@@ -18,6 +19,21 @@ from drystone.results import Result, Samples, Verdict
 
 Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
 """Any function that answers whether an assembly stands."""
+
+ONE_STIFFNESS = stability.CheckOptions(samples=0, search=False)
+
+
+def verdict(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """Whether it stands, asked in two steps: most structures that stand do so at once.
+
+    Uniform contact stiffness is tried first, and only where that falls the whole cascade of
+    :func:`drystone.check`. How many stiffnesses would do is not asked.
+    """
+    first = stability.check(assembly, contacts, load, options=ONE_STIFFNESS)
+    if first.verdict is Verdict.STABLE:
+        return first
+    return stability.check(assembly, contacts, load)
+
 
 STANDS = {
     Verdict.STABLE: True,

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from drystone import stability
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
@@ -19,7 +18,7 @@ from drystone.geometry.arrays import Floats
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.polygon import following
 from drystone.limits.families import resting
-from drystone.limits.search import STANDS, Check
+from drystone.limits.search import STANDS, Check, verdict
 from drystone.loads import LoadCase
 from drystone.progress import Progress
 from drystone.results import Verdict
@@ -105,7 +104,7 @@ def tolerance(
     draws: int = 100,
     seed: int = 0,
     confidence: float = 0.95,
-    check: Check = stability.check,
+    check: Check = verdict,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Tolerance:
@@ -136,8 +135,8 @@ def tolerance(
     seeds = np.random.SeedSequence(seed).spawn(draws)
     answers: Iterable[Verdict] = map(task, seeds) if executor is None else executor.map(task, seeds)
     verdicts: list[Verdict] = []
-    for verdict in answers:
-        verdicts.append(verdict)
+    for answer in answers:
+        verdicts.append(answer)
         if progress is not None:
             progress("draws", len(verdicts), draws)
     standing = sum(STANDS[verdict] is True for verdict in verdicts)

@@ -1,0 +1,73 @@
+"""Joint tables that a command writes: CSV, JSON, or a page to print."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from drystone.cli.options import output_path, positive
+from drystone.cli.waiting import Waiting
+from drystone.errors import InputError
+
+if TYPE_CHECKING:
+    from drystone.results import Result
+
+Joints: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--joints",
+        help="Write forces, friction, eccentricity and pressure of the joints: .csv or .json for "
+        "all, .html for a page on the worst. Can be given several times.",
+    ),
+]
+Strength: TypeAlias = Annotated[
+    float | None,
+    typer.Option(help="Pressure in MPa that the stone bears; joints above it are marked."),
+]
+
+
+@dataclass(frozen=True)
+class JointFiles:
+    """Where to write, and the strength [Pa] to hold the pressures against."""
+
+    paths: tuple[Path, ...]
+    strength: float | None
+
+    def write(self, result: Result, waiting: Waiting) -> tuple[list[str], list[str]]:
+        """Names of the files that were written, and remarks."""
+        if result.force is None:
+            said = ["no joint table: there are no forces"] if self.paths else []
+            return [], said
+        if not self.paths and self.strength is None:
+            return [], []
+        from drystone.io.joint_table import write_joints  # work is imported when there is some
+        from drystone.joints import joint_table
+        from drystone.view.report import save_report
+
+        waiting.stage("pictures", "writing joints")
+        table = joint_table(result, strength=self.strength)
+        for path in self.paths:
+            if path.suffix.lower() == ".html":
+                save_report(result, path, strength=self.strength)
+            else:
+                write_joints(table, path)
+        said = []
+        if self.strength is not None:
+            over = int(table.over_strength.sum())
+            said.append(
+                f"the peak pressure exceeds {self.strength / 1e6:g} MPa at {over} of "
+                f"{len(table)} joints"
+            )
+        return [str(path) for path in self.paths], said
+
+
+def checked(paths: list[str] | None, strength: float | None) -> JointFiles:
+    """Refuse wrong suffixes and missing folders before the work begins."""
+    positive(strength, "--strength")
+    chosen = [output_path(path, "--joints", (".csv", ".json", ".html")) for path in paths or ()]
+    if len(set(chosen)) < len(chosen):
+        raise InputError("a file is named twice", where="--joints", remedy="name each once")
+    return JointFiles(tuple(chosen), None if strength is None else 1e6 * strength)

@@ -1,0 +1,132 @@
+"""Limits on the terminal, as JSON, and as pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drystone.cli import options, output
+from drystone.cli.session import Prepared
+from drystone.cli.waiting import Waiting
+
+if TYPE_CHECKING:
+    from drystone.limits import Limit, TiltSweep
+
+NAMED = 12
+"""Blocks named on the terminal; --json has all."""
+
+
+@dataclass(frozen=True)
+class Files:
+    """The pictures that were asked for: the page of a fall, the plot of a sweep."""
+
+    html: Path | None
+    png: Path | None
+
+    @classmethod
+    def checked(cls, html: str | None, png: str | None) -> Files:
+        """Refuse wrong suffixes and missing folders before the work begins."""
+        return cls(
+            None if html is None else options.output_path(html, "--html", (".html", ".htm")),
+            None if png is None else options.output_path(png, "--png", (".png", ".svg")),
+        )
+
+
+def tell(
+    found: Limit, model: str, notes: Iterable[str], files: Files, waiting: Waiting, as_json: bool
+) -> int:
+    """Print a limit and write its page; 0 when there is one, 1 when it never stood."""
+    data = {"model": model, **found.to_dict(), "notes": list(notes), "files": []}
+    data["time_s"] = {**waiting.time_s, **data["time_s"]}
+    falling = found.best.falling
+    state = falling if falling is not None else found.best.standing
+    if files.html is not None and state is not None:
+        from drystone import view  # the program starts fast: pictures are imported when asked for
+
+        view.save_page(state, files.html)
+        data["files"].append(str(files.html))
+    if as_json:
+        output.emit(data)
+    else:
+        _show(data)
+    return 0 if found.best.stands is not None else 1
+
+
+def tell_sweep(
+    sweep: TiltSweep, model: str, prepared: Prepared, files: Files, waiting: Waiting, as_json: bool
+) -> int:
+    """Print a polar sweep and write its plot."""
+    data = {"model": model, **sweep.to_dict(), "notes": list(prepared.notes), "files": []}
+    data["time_s"] = dict(waiting.time_s)
+    if files.png is not None:
+        from drystone.view.polar import save_polar  # as above
+
+        save_polar(sweep, files.png, title=Path(model).stem)
+        data["files"].append(str(files.png))
+    if as_json:
+        output.emit(data)
+    else:
+        _show_sweep(data)
+    return 0 if all(limit.best.stands is not None for limit in sweep.limits) else 1
+
+
+def _show(data: dict[str, Any]) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
+    console = output.console()
+    unit = f" [{data['unit']}]" if data["unit"] else ""
+    title = escape(f"limit of {data['parameter']}{unit}")
+    console.print(f"[bold]{title}[/]  {escape(data['model'])}")
+    table = Table("", "stands at", "falls at", box=None)
+    for title, key in (("some forces balance the loads", "equilibrium"), ("stands", "rest")):
+        bracket = data[key]
+        if bracket is not None:
+            table.add_row(
+                title, _value(bracket["stands"], "nowhere"), _value(bracket["falls"], "-")
+            )
+    console.print(table)
+    if data["sensitive"]:
+        console.print("at the limit it stands for some contact stiffnesses only")
+    for low, high in data["islands"]:
+        console.print(f"[yellow]island:[/] it stands again from {low:.6g} to {high:.6g}")
+    if data["falling"]:
+        names = ", ".join(data["falling"][:NAMED])
+        more = len(data["falling"]) - NAMED
+        console.print(f"falls: {escape(names)}" + (f" and {more} more" if more > 0 else ""))
+        console.print(escape(data["message"]))
+    _show_end(console, data)
+
+
+def _show_sweep(data: dict[str, Any]) -> None:
+    from rich.markup import escape
+    from rich.table import Table
+
+    console = output.console()
+    title = escape("largest tilt [deg] towards each direction")
+    console.print(f"[bold]{title}[/]  {escape(data['model'])}")
+    table = Table("direction", "balances up to", "stands up to", box=None)
+    for azimuth, limit in zip(data["azimuth"], data["limits"], strict=True):
+        rest = limit["rest"] or limit["equilibrium"]
+        mark = "  weakest" if azimuth == data["weakest_azimuth"] else ""
+        balances = _value(limit["equilibrium"]["stands"], "nowhere")
+        table.add_row(f"{azimuth:g}", balances, _value(rest["stands"], "nowhere") + mark)
+    console.print(table)
+    _show_end(console, data)
+
+
+def _show_end(console: Any, data: dict[str, Any]) -> None:
+    from rich.markup import escape
+
+    for note in data["notes"]:
+        console.print(f"[yellow]note:[/] {escape(note)}")
+    times = ", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items())
+    console.print(f"[dim]{times}[/]")
+    for name in data["files"]:
+        console.print(f"wrote {escape(name)}")
+
+
+def _value(value: float | None, none: str) -> str:
+    return none if value is None else f"{value:.6g}"

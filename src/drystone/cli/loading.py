@@ -1,0 +1,119 @@
+"""Loads on the command line: forces, masses and moments on blocks, earthquakes, cases of a file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from drystone.cli.options import vector
+from drystone.errors import InputError
+
+if TYPE_CHECKING:
+    from drystone.assembly import Assembly
+    from drystone.loads import LoadCase
+
+Loads: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--load",
+        metavar="BLOCK:WHAT[@X,Y,Z]",
+        help="A load on a block, at its centroid or at a point in m: a force FX,FY,FZ in N, a mass "
+        "such as 80kg, or a moment m=MX,MY,MZ in N m. Can be given several times.",
+    ),
+]
+Seismic: TypeAlias = Annotated[
+    str | None,
+    typer.Option(metavar="KX,KY", help="Horizontal forces as shares of the weight, along x and y."),
+]
+MASS = re.compile(r"(?P<mass>[^@,=]+)kg")
+
+
+def parsed_load(text: str, assembly: Assembly, where: str = "--load") -> LoadCase:
+    """A load case from ``BLOCK:WHAT[@X,Y,Z]``.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or the block is fixed or unknown.
+    """
+    from drystone.loads import LoadCase
+
+    block, colon, rest = text.rpartition(":")
+    what, at_sign, place = rest.partition("@")
+    if not colon or not block:
+        raise InputError(
+            f"'{text}' names no block", where=where, remedy="write BLOCK:FX,FY,FZ[@X,Y,Z]"
+        )
+    at = vector(place, where) if at_sign else None
+    mass = MASS.fullmatch(what.strip())
+    try:
+        if mass is not None:
+            return LoadCase.extra_mass(assembly, block, _number(mass["mass"], where), at)
+        if what.startswith("m="):
+            if at is not None:
+                raise InputError("a moment acts at no point", remedy="leave out what follows @")
+            return LoadCase.moment(assembly, block, vector(what[2:], where))
+        return LoadCase.point_load(assembly, block, vector(what, where), at)
+    except InputError as error:
+        if error.where:
+            raise
+        raise InputError(error.what, where=where, remedy=error.remedy) from error
+
+
+def parsed_seismic(text: str, assembly: Assembly) -> LoadCase:
+    """A load case from ``KX,KY``."""
+    from drystone.loads import LoadCase
+
+    parts = text.split(",")
+    if len(parts) not in (1, 2):
+        raise InputError(f"'{text}' is not KX,KY", where="--seismic", remedy="write 0.1,0")
+    return LoadCase.seismic(assembly, *(_number(part, "--seismic") for part in parts))
+
+
+def loaded(
+    assembly: Assembly, base: LoadCase, loads: Iterable[str] | None, seismic: str | None
+) -> LoadCase:
+    """The base load with those of the options on top."""
+    total = base
+    for text in loads or ():
+        total = total + parsed_load(text, assembly)
+    if seismic is not None:
+        total = total + parsed_seismic(seismic, assembly)
+    return total
+
+
+def chosen_case(text: str, assembly: Assembly, cases: Iterable[LoadCase]) -> LoadCase:
+    """A load case of the file by its name, ``seismic:KX,KY``, or ``BLOCK:WHAT[@X,Y,Z]``.
+
+    Raises
+    ------
+    InputError
+        None of the three.
+    """
+    known = list(cases)
+    for case in known:
+        if case.name == text:
+            return case
+    if text.startswith("seismic:"):
+        return parsed_seismic(text.removeprefix("seismic:"), assembly)
+    if ":" not in text:
+        names = ", ".join(f"'{case.name}'" for case in known) or "none"
+        raise InputError(
+            f"no load case is called '{text}'",
+            where="CASE",
+            remedy=f"the file has {names}; or write seismic:KX,KY or BLOCK:FX,FY,FZ[@X,Y,Z]",
+        )
+    return parsed_load(text, assembly, "CASE")
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        value = float(text)
+    except ValueError as error:
+        raise InputError(f"'{text}' is not a number", where=where) from error
+    if not abs(value) < float("inf"):
+        raise InputError(f"is {value}", where=where, remedy="give a finite number")
+    return value

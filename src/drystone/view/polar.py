@@ -1,0 +1,86 @@
+"""Tilt limits in every direction as a polar plot, through matplotlib when asked."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from drystone.errors import FormatError
+from drystone.geometry.arrays import Floats
+from drystone.io.files import write_whole
+from drystone.limits import TiltSweep
+from drystone.view.palette import ROLE_COLOUR
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SUFFIXES = ("png", "svg", "pdf")
+
+
+def save_polar(sweep: TiltSweep, path: str | PathLike[str], *, title: str = "") -> None:
+    """Draw the largest tilt towards every direction, by both definitions.
+
+    Parameters
+    ----------
+    sweep
+    path
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+    title
+
+    Raises
+    ------
+    FormatError
+        Another suffix, or the file cannot be written.
+    """
+    kind = Path(path).suffix.lower().lstrip(".")
+    if kind not in SUFFIXES:
+        raise FormatError(
+            f"a plot cannot be written as '.{kind}'",
+            where=str(path),
+            remedy="end the name in .png, .svg or .pdf",
+        )
+    drawing = draw(sweep, title)
+
+    def fill(file: BinaryIO) -> None:
+        drawing.savefig(file, format=kind, dpi=150.0)
+
+    write_whole(path, fill)
+
+
+def draw(sweep: TiltSweep, title: str) -> Figure:
+    """The plot as a matplotlib figure."""
+    from matplotlib.figure import Figure  # optional work: plotting is slow to import
+
+    colour = ROLE_COLOUR["light"]
+    figure = Figure(figsize=(6.0, 6.2))
+    axes: Any = figure.add_subplot(projection="polar")
+    for values, label, ink, style in (
+        (sweep.equilibrium, "equilibrium exists", colour["pressure"], "--"),
+        (sweep.rest, "stands", colour["resultant"], "-"),
+    ):
+        axes.plot(
+            *_closed(sweep.azimuth, values), style, color=ink, label=label, marker="o", markersize=3
+        )
+    weakest = sweep.weakest
+    angle = float(sweep.rest[weakest])
+    if np.isfinite(angle):
+        azimuth = float(sweep.azimuth[weakest])
+        axes.plot([np.deg2rad(azimuth)], [angle], "D", color=colour["tension"], markersize=7)
+        title = f"{title}\nweakest towards {azimuth:g} deg: {angle:.2f} deg".strip()
+    axes.set_title(title, fontsize=10)
+    axes.set_ylim(bottom=0.0)
+    axes.set_rlabel_position(45.0)
+    axes.set_xlabel("largest tilt [deg] towards each direction, seen from above, x to the right")
+    figure.legend(*axes.get_legend_handles_labels(), loc="lower right", frameon=False, fontsize=9)
+    return figure
+
+
+def _closed(azimuth: Floats, values: Floats) -> tuple[Floats, Floats]:
+    ring = np.append(np.arange(len(azimuth)), 0)
+    return np.deg2rad(azimuth[ring]), values[ring]
+
+
+__all__ = ["save_polar"]
