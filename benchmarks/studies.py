@@ -1,0 +1,112 @@
+"""Published tilt limits of small models, and how to build them.
+
+Source of the figures: Kao 2023, doctoral dissertation, ETH Zurich; Kao et al. 2022, "Coupled
+Rigid-Block Analysis", Computer-Aided Design 146. Angles in degrees; 180 where it never fell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from drystone import Assembly, models
+
+Axis = tuple[float, float, float]
+
+X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+XY30 = (1.7320508075688772, 1.0, 0.0)
+XY, XNY = (1.0, 1.0, 0.0), (1.0, -1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Study:
+    """One tilt test.
+
+    Attributes
+    ----------
+    model, axis_name
+        For the table.
+    build
+    axis
+        The assembly turns counter-clockwise about it.
+    friction
+    dem, cra, rbe : [degrees]
+        Published: 3DEC, CRA and RBE; None where not published.
+    tolerance : [degrees]
+        Half the last digit of the published 3DEC figure, and some: 0.5 or 1.5.
+    """
+
+    model: str
+    axis_name: str
+    build: Callable[[], Assembly] = field(repr=False)
+    axis: Axis
+    friction: float
+    dem: float
+    cra: float
+    rbe: float | None
+    tolerance: float = 0.5
+
+    @property
+    def key(self) -> str:
+        """Name of the study."""
+        return f"{self.model} {self.axis_name} mu {self.friction:.2f}"
+
+
+WEDGES = {
+    "a": ((21.8, 21.8, 25.0, 59.2, 59.2, 180.0), (71.3, 71.3, 71.3, 100.0, 100.0, 180.0),
+          (24.8, 24.7, 28.0, 62.7, 62.9, 180.0)),
+    "b": ((21.8, 21.8, 25.0, 58.7, 58.5, 180.0), (67.4, 67.4, 67.4, 109.1, 109.1, 180.0),
+          (24.8, 24.7, 28.0, 63.1, 62.0, 180.0)),
+    "c": ((13.0, 13.0, 13.0, 44.1, 44.1, 47.0), (41.3, 41.3, 41.3, 64.5, 64.4, 65.7),
+          (14.9, 14.9, 15.0, 48.1, 40.2, 51.0)),
+    "d": ((13.0, 13.0, 13.0, 44.1, 44.1, 50.0), (41.3, 41.3, 41.3, 70.0, 70.0, 70.0),
+          (14.9, 14.9, 15.0, 49.0, 48.5, 54.0)),
+}  # fmt: skip
+"""Per axis x, y, xy30: 3DEC, CRA, RBE at mu 0.20, then at mu 0.84."""
+
+
+def studies() -> list[Study]:
+    """All published tilt tests, in the order of the dissertation."""
+    found: list[Study] = []
+    for kind, rows in WEDGES.items():
+        for (name, axis), row in zip((("x", X), ("y", Y), ("xy30", XY30)), rows, strict=True):
+            for friction, published in ((0.20, row[:3]), (0.84, row[3:])):
+                build = partial(models.wedge, kind)
+                found.append(Study(f"type-{kind}", name, build, axis, friction, *published))
+    for mu, dem, cra in ((0.84, 40, 40), (0.10, 5, 5)):
+        build = partial(models.concave, "short")
+        found.append(Study("concave-short", "y", build, Y, mu, dem, cra, None, 1.5))
+    for mu, dem, cra in ((0.84, 56, 54), (0.10, 10, 9)):
+        build = partial(models.concave, "long")
+        # published as "xy", but the figures are those of the tilt about y: the plank slides out at
+        # tan(tilt) = mu (1 + 2 c / d), its centre c beyond the slab's edge and hooked d behind it
+        found.append(Study("concave-long", "y", build, Y, mu, dem, cra, None, 1.5))
+    for name, axis, dem, cra, rbe in (
+        ("y", Y, 8, 8, 8),
+        ("-y", (0.0, -1.0, 0.0), 53, 53, 53),
+        ("x", X, 24, 24, 26),
+        ("xy", XY, 11, 12, 12),
+        ("xny", XNY, 46, 47, 48),
+    ):
+        build = models.curve_three_blocks
+        found.append(Study("curve-3-blocks", name, build, axis, 0.84, dem, cra, rbe, 1.5))
+    for height, angles in (
+        ("short", ((72, 70), (68, 69), (80, 79))),
+        ("tall", ((41, 40), (39, 39), (59, 51))),
+    ):
+        for (name, axis), (dem, cra) in zip(
+            (("x", (-1.0, 0.0, 0.0)), ("xy", XY), ("xny", XNY)), angles, strict=True
+        ):
+            build = partial(models.cube_curve, height)
+            model = f"cube-curve-{height}"
+            found.append(Study(model, name, build, axis, 0.84, dem, cra, 180.0, 1.5))
+    for angle, tilt in ((43.0, 8.2), (21.8, 3.0)):
+        mu = float(np.tan(np.deg2rad(angle)))
+        found.append(Study("arch", "y", models.arch, Y, mu, tilt, tilt, tilt))
+    return found
+
+
+__all__ = ["Study", "studies"]
