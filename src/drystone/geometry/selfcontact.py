@@ -26,6 +26,10 @@ MANY_PAIRS = 2_000_000
 BATCH = 2_000
 """Edges or vertices compared at a time with all faces near them, chosen: bounds the memory."""
 
+MOST_PAIRS = 20_000_000
+"""After so many pairs of boxes that overlap the search gives up, chosen: some seconds. A body whose
+parts are all in each other's way is not looked through to the end."""
+
 Finding = tuple[int, str]
 
 
@@ -197,9 +201,13 @@ def _crossed_outlines(surface: _Surface) -> Iterator[Finding]:
 def _near(low: Floats, high: Floats, others: tuple[Floats, Floats]) -> Iterator[tuple[Ints, Ints]]:
     """Pairs of axis-aligned boxes that overlap, in batches: position, position among others."""
     tree = shapely.STRtree(_boxes(*others))
+    looked_at = 0
     for start in range(0, len(low), BATCH):
         part = slice(start, start + BATCH)
         one, other = tree.query(_boxes(low[part], high[part]))
+        looked_at += len(one)
+        if looked_at > MOST_PAIRS:
+            return
         one = one + start
         meet = (low[one, 2] <= others[1][other, 2] + TOUCH) & (
             high[one, 2] >= others[0][other, 2] - TOUCH

@@ -7,7 +7,6 @@ COMPAS 1 wrote ``value`` for ``data``.
 
 from __future__ import annotations
 
-import ast
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -49,11 +48,11 @@ def _data(field: Field) -> Field:
 
 
 def _name(key: str) -> str:
-    """Name of a graph's node: its key, which COMPAS writes as Python would."""
+    """Name of a graph's node: its key, which COMPAS writes as Python's ``repr`` does."""
     if len(key) > 2 and key[0] == key[-1] and key[0] in "'\"":
         try:
-            return str(ast.literal_eval(key))
-        except (ValueError, SyntaxError):
+            return key[1:-1].encode("latin-1", "backslashreplace").decode("unicode_escape")
+        except UnicodeDecodeError:
             return key
     return key
 

@@ -31,6 +31,8 @@ FLOAT = 5126
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Turns y up into z up."""
 MOST_NODES = 1_000_000
+MOST_TRIANGLES = 5_000_000
+"""Of all nodes together, chosen; nodes may share a mesh, so that a small file can name many."""
 SINGLE = 1e-6
 """What counts as the same place, relative to the extent, in single precision."""
 
@@ -47,12 +49,16 @@ def read(data: bytes, path: Path) -> Draft:
         )
     shapes: list[Shape] = []
     notes: list[str] = []
+    triangles = 0
     for number, (node, matrix) in enumerate(_placed_nodes(top)):
         if not node.has("mesh"):
             continue
         mesh = _item(top, "meshes", node["mesh"])
         name = node.get("name", mesh.get("name", f"node-{number}").text()).text()
         vertices, faces = _geometry(top, binary, mesh)
+        triangles += len(faces)
+        if triangles > MOST_TRIANGLES:
+            raise node.error(f"brings the scene over {MOST_TRIANGLES:,} triangles")
         turned = Z_UP @ matrix[:3, :3]
         vertices = vertices @ turned.T + Z_UP @ matrix[:3, 3]
         if np.linalg.det(matrix[:3, :3]) < 0.0:

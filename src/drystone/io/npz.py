@@ -9,7 +9,11 @@ from __future__ import annotations
 
 import hashlib
 import io
+import math
+import re
+import struct
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +21,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.errors import FormatError
-from drystone.io.files import LARGEST_FILE, read_bytes
+from drystone.io.files import read_bytes
 from drystone.io.jsontext import Field
 
-HEADER = 4096
-"""[bytes], chosen: the header of an array of numbers takes some 128."""
+HEADER = re.compile(
+    rb"\x93NUMPY\x01\x00(..)\{'descr': '([<|](?:f[48]|[iu][1248]))', 'fortran_order': False, "
+    rb"'shape': \(([0-9, ]{0,60})\), \} *\n",
+    re.DOTALL,
+)
+"""What numpy writes before plain arrays of numbers, in C order. Source: numpy.lib.format, 1.0."""
+UNPACKED, RATIO = 2**26, 100
+"""[bytes] An archive may unpack to so much, and to so many times its own size on top; chosen."""
+UNREADABLE = (
+    *(zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, NotImplementedError),
+    *(RuntimeError, EOFError, OSError, OverflowError),
+)
+"""What the standard library raises over a damaged archive."""
 
 
 class Packer:
@@ -87,7 +102,8 @@ def resolve(top: Field) -> Field:
         )
     arrays = _load(data, path)
     rest = {key: value for key, value in top.value.items() if key != "arrays"}
-    return Field(_expand(Field(rest, "", top.file), arrays), "", top.file)
+    budget = [2 * sum(array.size for array in arrays.values()) + 1000]
+    return Field(_expand(Field(rest, "", top.file), arrays, budget), "", top.file)
 
 
 def _load(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
@@ -95,51 +111,47 @@ def _load(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()
-            if sum(member.file_size for member in members) > LARGEST_FILE:
+            if sum(member.file_size for member in members) > UNPACKED + RATIO * len(data):
                 raise FormatError(
-                    f"unpacks to more than {LARGEST_FILE // 2**20} MiB", where=str(path)
+                    "unpacks to far more than its own size",
+                    where=str(path),
+                    remedy="write it again",
                 )
             return {
                 member.filename.removesuffix(".npy"): _array(archive, member, path)
                 for member in members
             }
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError) as error:
+    except FormatError:
+        raise
+    except UNREADABLE as error:
         raise FormatError(f"is no npz file: {error}", where=str(path)) from error
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> NDArray[Any]:
     where = f"{path}, array '{member.filename[:40]}'"
+    if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise FormatError("is compressed in an unusual way", where=where, remedy="write it again")
     with archive.open(member) as file:
         content = file.read(member.file_size + 1)
-    head = io.BytesIO(content[:HEADER])
-    try:
-        if np.lib.format.read_magic(head) != (1, 0):
-            raise ValueError("npy version is not 1.0")
-        shape, fortran, dtype = np.lib.format.read_array_header_1_0(head, max_header_size=HEADER)
-    except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError) as error:
-        raise FormatError(f"is no npy array: {error}", where=where) from error
-    body = content[head.tell() :]
-    count = 1
-    for size in shape:
-        count *= size
-    numbers = dtype.kind in "fiu" and dtype.itemsize <= 8
-    if (
-        not numbers
-        or fortran
-        or any(size < 0 for size in shape)
-        or (count * dtype.itemsize != len(body))
-    ):
+    match = HEADER.match(content)
+    if match is None or match.end() != 10 + int.from_bytes(match[1], "little"):
         raise FormatError("is no plain array of numbers", where=where, remedy="write it again")
+    dtype = np.dtype(match[2].decode())
+    shape = tuple(int(size) for size in match[3].decode().replace(",", " ").split())
+    body = content[match.end() :]
+    if math.prod(shape) * dtype.itemsize != len(body):
+        raise FormatError("does not hold what it announces", where=where, remedy="write it again")
     return np.frombuffer(body, dtype=dtype).reshape(shape)
 
 
-def _expand(field: Field, arrays: dict[str, NDArray[Any]]) -> Any:
+def _expand(field: Field, arrays: dict[str, NDArray[Any]], budget: list[int]) -> Any:
+    """Values with references replaced; ``budget`` [numbers] keeps a few bytes from naming much."""
     if isinstance(field.value, list):
-        return [_expand(element, arrays) for element in field.elements()]
+        return [_expand(element, arrays, budget) for element in field.elements()]
     if not isinstance(field.value, dict):
         return field.value
     if "npz" not in field.value:
-        return {key: _expand(value, arrays) for key, value in field.items()}
+        return {key: _expand(value, arrays, budget) for key, value in field.items()}
     field.only(("npz", "rows", "lengths"))
     key = field["npz"].text()
     if key not in arrays or arrays[key].ndim == 0:
@@ -150,6 +162,9 @@ def _expand(field: Field, arrays: dict[str, NDArray[Any]]) -> Any:
         if not 0 <= first <= last <= len(array):
             raise field["rows"].error(f"are not in the array, which has {len(array)} rows")
         array = array[first:last]
+    budget[0] -= array.size
+    if budget[0] < 0:
+        raise field.error("names the same numbers over and over", "write the file again")
     if not field.has("lengths"):
         return array.tolist()
     lengths = field["lengths"].integers(None)

@@ -9,7 +9,7 @@ import json
 import sys
 from typing import Any
 
-MEMORY = 4 * 2**30
+MEMORY = 2 * 2**30
 """[bytes], chosen: enough for large models, and no more for a file that lies about its size."""
 DEPTH = 16
 """Nesting of block definitions, chosen."""

@@ -1,0 +1,435 @@
+"""Damaged files: every reader answers with a model or with one clear error, soon, and does no more.
+
+``python -m benchmarks.fuzz [--inputs 100000] [--seed 0] [--only obj,ply] [--keep FOLDER]``
+
+Files of all formats are made from small models and damaged: bits turned, bytes cut, doubled and
+moved, numbers replaced by awkward ones, words of the format strewn in, values of a JSON file
+replaced by others, archives that unpack to more than they are. Each input gets 5 s and 1.5 GiB; an
+audit hook watches for what a reader must not do: run code, start programs, open sockets, write.
+The reader of 3dm is a program of its own, so it gets a share of the inputs only.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io as text_io
+import json
+import random
+import signal
+import sys
+import tempfile
+import time
+import zipfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import numpy as np
+
+from drystone import io
+from drystone.assembly import Assembly
+from drystone.detection import find_contacts
+from drystone.errors import InputError
+from drystone.io import Model
+from drystone.loads import LoadCase
+from drystone.models import arch, concave, tower
+
+LIMIT_S = 5.0
+MEMORY = 3 * 2**29
+"""[bytes]"""
+SHARES = {
+    "drystone": 0.24,
+    "npz": 0.08,
+    "compas-assembly": 0.1,
+    "compas-dem": 0.1,
+    "obj": 0.2,
+    "stl": 0.1,
+    "ply": 0.1,
+    "glb": 0.078,
+    "3dm": 0.002,
+}
+"""Of the inputs, by format."""
+AWKWARD = (
+    *("0", "-0", "1e308", "-1e308", "1e-320", "nan", "NaN", "inf", "-inf", "Infinity", "1e999"),
+    *("99999999999999999999", "-1", "4294967295", "2147483648", "0x10", "1_0", "١", "1.", ".5"),
+    *("true", "null", '""', "[]", "{}", "[[]]", '"x"', "1" * 400, "-" * 50, "9" * 5000),
+)
+WORDS = {
+    "obj": ("f -1 -2 -3", "o", "g", "o a", "v", "f", "curv 0 1", "call x", "\\", "l 1 2", "#"),
+    "stl": ("solid x", "endsolid", "facet", "outer loop", "vertex 0 0 0", "endloop", "endfacet"),
+    "ply": ("element vertex 9", "property list int int x", "end_header", "comment", "format"),
+}
+FORBIDDEN = (
+    *("exec", "compile", "subprocess.Popen", "os.system", "os.exec", "os.fork", "os.posix_spawn"),
+    *("socket.connect", "socket.bind", "pickle.find_class", "ctypes.dlopen", "os.remove"),
+    *("os.rename", "os.mkdir", "os.rmdir", "shutil.rmtree", "webbrowser.open", "urllib.Request"),
+)
+"""Audit events that no reader has a reason for."""
+
+
+@dataclass
+class Tally:
+    """What became of the inputs.
+
+    Attributes
+    ----------
+    outcomes
+        Number by format and kind of outcome.
+    failures
+        Each a format, the number of the input and what went wrong.
+    slowest
+        [s] by format.
+    """
+
+    outcomes: Counter[tuple[str, str]] = field(default_factory=Counter)
+    failures: list[tuple[str, int, str]] = field(default_factory=list)
+    slowest: dict[str, float] = field(default_factory=dict)
+
+
+class TooSlowError(Exception):
+    """An input took longer than :data:`LIMIT_S`."""
+
+
+@cache
+def samples() -> dict[str, list[bytes]]:
+    """Sound files of every format, as bytes."""
+    models = [tower(2), concave("short"), arch(voussoirs=5)]
+    made: dict[str, list[bytes]] = {name: [] for name in SHARES}
+    with tempfile.TemporaryDirectory() as folder:
+        for model in models:
+            contacts = find_contacts(model).contacts
+            full = Model(model, contacts, (LoadCase.gravity(model),))
+            for name in SHARES:
+                made[name] += _written(full, name, Path(folder))
+    made["stl"].append(_binary_stl(models[0]))
+    return {name: files for name, files in made.items() if files}
+
+
+def _written(model: Model, name: str, folder: Path) -> list[bytes]:
+    if name == "npz":
+        io.write(model, folder / "model.json", format="drystone-npz")
+        return [(folder / "model.npz").read_bytes()]
+    path = folder / f"model.{io.format_of('x', name).suffixes[0]}"
+    try:
+        io.write(model, path, format=name)
+    except ImportError:
+        return []
+    return [path.read_bytes()]
+
+
+def _binary_stl(model: Assembly) -> bytes:
+    faces = model.faces
+    corner = np.concatenate(
+        [faces.point[faces.loop[a : a + 3]] for a in faces.start[:-1].tolist()]
+    ).reshape(-1, 9)
+    record = np.zeros(len(corner), np.dtype([("n", "<f4", 3), ("c", "<f4", 9), ("s", "<u2")]))
+    record["c"] = corner
+    return bytes(80) + len(corner).to_bytes(4, "little") + record.tobytes()
+
+
+def damaged(name: str, files: list[bytes], rng: random.Random) -> bytes:
+    """One input."""
+    data = rng.choice(files)
+    if name == "npz" and rng.random() < 0.3:
+        return _odd_archive(data, rng)
+    if name.startswith(("drystone", "compas")) and rng.random() < 0.5:
+        return _odd_json(data, rng)
+    kinds: list[Callable[[bytes, random.Random], bytes]] = [_flip, _cut, _repeat, _swap]
+    if name in WORDS or name.startswith(("drystone", "compas")):
+        kinds += [_number, _number]
+    for _ in range(rng.choice((1, 1, 1, 2, 4, 16))):
+        data = rng.choice(kinds)(data, rng)
+    if name in WORDS and rng.random() < 0.3:
+        lines = data.split(b"\n")
+        lines.insert(rng.randrange(len(lines) + 1), rng.choice(WORDS[name]).encode())
+        data = b"\n".join(lines)
+    return data
+
+
+def _flip(data: bytes, rng: random.Random) -> bytes:
+    out = bytearray(data)
+    for _ in range(rng.choice((1, 1, 2, 8))):
+        if out:
+            out[rng.randrange(len(out))] ^= 1 << rng.randrange(8)
+    return bytes(out)
+
+
+def _cut(data: bytes, rng: random.Random) -> bytes:
+    a = rng.randrange(len(data) + 1)
+    return data[:a] if rng.random() < 0.3 else data[:a] + data[a + rng.choice((1, 2, 7, 64)) :]
+
+
+def _repeat(data: bytes, rng: random.Random) -> bytes:
+    a = rng.randrange(len(data) + 1)
+    b = min(len(data), a + rng.choice((1, 4, 50, 500)))
+    return data[:b] + data[a:b] * rng.choice((1, 2, 20)) + data[b:]
+
+
+def _swap(data: bytes, rng: random.Random) -> bytes:
+    a, b = sorted(rng.randrange(len(data) + 1) for _ in range(2))
+    return data[b:] + data[a:b] + data[:a]
+
+
+def _number(data: bytes, rng: random.Random) -> bytes:
+    """One number replaced by an awkward one."""
+    a = rng.randrange(len(data) + 1)
+    digits = b"0123456789.-+e"
+    while a < len(data) and data[a] not in digits:
+        a += 1
+    b = a
+    while b < len(data) and data[b] in digits:
+        b += 1
+    return data[:a] + rng.choice(AWKWARD).encode() + data[b:]
+
+
+def _odd_json(data: bytes, rng: random.Random) -> bytes:
+    """Some values of a JSON file replaced, removed or doubled."""
+    content = json.loads(data)
+    for _ in range(rng.choice((1, 1, 2, 5))):
+        at, key = _somewhere(content, rng)
+        if at is None:
+            break
+        action = rng.random()
+        if action < 0.2:
+            del at[key]
+        elif action < 0.3 and isinstance(at, list):
+            at.insert(key, at[key])
+        else:
+            at[key] = rng.choice(
+                (None, True, -1, 0, 1.5, 10**30, "x", "", [], {}, [[]], float("nan"), [1e308] * 3)
+            )
+    return json.dumps(content).encode()
+
+
+def _somewhere(content: Any, rng: random.Random) -> tuple[Any, Any]:
+    """A container in the tree and a key in it, shallow ones as likely as deep ones."""
+    at, key = None, None
+    value = content
+    while isinstance(value, dict | list) and value:
+        at = value
+        key = rng.choice(list(value)) if isinstance(value, dict) else rng.randrange(len(value))
+        value = at[key]
+        if rng.random() < 0.25:
+            break
+    return at, key
+
+
+def _odd_archive(data: bytes, rng: random.Random) -> bytes:
+    """A zip that unpacks to much, claims odd shapes, or holds an object array."""
+    buffer = text_io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        kind = rng.randrange(4)
+        if kind == 0:
+            archive.writestr("vertices.npy", bytes(rng.choice((10, 10**6, 3 * 10**7))))
+        elif kind == 1:
+            shape = rng.choice(("(10**12,)", "(1000000000000, 3)", "(-1,)", "()", "(0,)", "[1]"))
+            kinds = ("<f8", "|O", "<U9", "<i8", ">f8", "<M8[s]")
+            dtype = rng.choice(kinds)
+            head = f"{{'descr': '{dtype}', 'fortran_order': False, 'shape': {shape}, }}"
+            text = head.encode().ljust(117) + b"\n"
+            magic = b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little")
+            archive.writestr("vertices.npy", magic + text + bytes(24))
+        elif kind == 2:
+            archive.writestr("../../evil.npy", data[:100])
+        else:
+            archive.writestr("vertices.npy", b"cos\nsystem\n(S'true'\ntR.")
+    return buffer.getvalue()
+
+
+class Watch:
+    """Notes what the running reader must not do. There is one, since hooks cannot be removed."""
+
+    def __init__(self) -> None:
+        self.active = False
+        self.seen: list[str] = []
+        sys.addaudithook(self._hook)
+
+    def _hook(self, event: str, arguments: tuple[Any, ...]) -> None:
+        if not self.active:
+            return
+        if event in FORBIDDEN:
+            self.seen.append(f"{event} {str(arguments)[:80]}")
+        if event == "open" and isinstance(arguments[1], str) and set(arguments[1]) & set("wax+"):
+            self.seen.append(f"open {str(arguments)[:80]}")
+
+
+def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = None) -> Tally:
+    """Read ``inputs`` damaged files and tally what became of them.
+
+    Parameters
+    ----------
+    inputs
+    seed
+    only
+        Formats; all when empty.
+    keep
+        Folder for the inputs that failed.
+    """
+    files = samples()
+    tally = Tally()
+    watch = watching()
+    _warm_up(files)
+    before = _limited_memory()
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            for number, name, data in _inputs(files, inputs, seed, only):
+                _one(name, number, data, Path(folder), tally, watch, keep)
+    finally:
+        _restore_memory(before)
+    return tally
+
+
+def _inputs(
+    files: dict[str, list[bytes]], inputs: int, seed: int, only: tuple[str, ...]
+) -> Iterator[tuple[int, str, bytes]]:
+    names = [name for name in files if not only or name in only]
+    weights = [SHARES[name] for name in names]
+    for number in range(inputs):
+        rng = random.Random(f"{seed}-{number}")
+        (name,) = rng.choices(names, weights)
+        yield number, name, damaged(name, files[name], rng)
+
+
+def _warm_up(files: dict[str, list[bytes]]) -> None:
+    """Everything that is imported late is imported now, outside the watch."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, (first, *_) in files.items():
+            for data in (first, first[: len(first) // 2]):
+                try:
+                    io.read(_file(name, data, Path(folder)))
+                except InputError:
+                    continue
+
+
+def _file(name: str, data: bytes, folder: Path) -> Path:
+    if name == "npz":
+        from drystone.io.npz import digest
+
+        (folder / "model.npz").write_bytes(data)
+        told = {"file": "model.npz", "sha256": digest(data)}
+        vertices = {"npz": "vertices", "rows": [0, 8]}
+        corners = {"npz": "corners", "rows": [0, 24], "lengths": [4] * 6}
+        block = {"name": "a", "vertices": vertices, "faces": corners}
+        path = folder / "model.json"
+        path.write_text(json.dumps({"arrays": told, "blocks": [block]}), encoding="utf-8")
+        return path
+    path = folder / f"model{io.format_of('x', name).suffixes[0]}"
+    path.write_bytes(data)
+    return path
+
+
+def _one(
+    name: str,
+    number: int,
+    data: bytes,
+    folder: Path,
+    tally: Tally,
+    watch: Watch,
+    keep: Path | None,
+) -> None:
+    path = _file(name, data, folder)
+    there = sorted(p.name for p in folder.iterdir())
+    begin = time.perf_counter()
+    wrong = ""
+    try:
+        with _deadline(LIMIT_S if name != "3dm" else 40.0 * LIMIT_S):
+            watch.active = name != "3dm"
+            io.read(path)
+        outcome = "model"
+    except InputError as error:
+        outcome = type(error).__name__
+        if isinstance(error.__cause__, MemoryError):
+            wrong = "asks for too much memory"
+        if "\n" in str(error) or len(str(error)) > 1000:
+            wrong = "error of several lines"
+    except TooSlowError:
+        outcome, wrong = "hang", f"more than {LIMIT_S} s"
+    except Exception as error:  # any other kind is what is looked for
+        outcome, wrong = "other", f"{type(error).__name__}: {error}"
+    finally:
+        watch.active = False
+    spent = time.perf_counter() - begin
+    tally.slowest[name] = max(spent, tally.slowest.get(name, 0.0))
+    tally.outcomes[name, outcome] += 1
+    if watch.seen:
+        wrong = f"did {watch.seen[0]}"
+        watch.seen.clear()
+    if sorted(p.name for p in folder.iterdir()) != there:
+        wrong = "left a file"
+    if wrong:
+        tally.failures.append((name, number, wrong))
+        if keep is not None:
+            keep.mkdir(parents=True, exist_ok=True)
+            (keep / f"{number}-{name}{path.suffix}").write_bytes(data)
+
+
+class _deadline:  # noqa: N801  # reads as a verb
+    """Ends what takes longer, where the system has alarms."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+
+    def __enter__(self) -> None:
+        if hasattr(signal, "setitimer"):
+            signal.signal(signal.SIGALRM, self._ring)
+            signal.setitimer(signal.ITIMER_REAL, self.seconds)
+
+    def __exit__(self, *_: object) -> None:
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+    @staticmethod
+    def _ring(_: int, __: FrameType | None) -> None:
+        raise TooSlowError
+
+
+def _limited_memory() -> tuple[int, int] | None:
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    used = pages * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, before[1]))
+    return before
+
+
+def _restore_memory(before: tuple[int, int] | None) -> None:
+    if before is not None:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def main() -> int:
+    """Run, print a table, and fail when anything else than a model or a clear error came back."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--inputs", type=int, default=100_000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--keep", type=Path, default=None)
+    chosen = parser.parse_args()
+    only = tuple(name for name in chosen.only.split(",") if name)
+    begin = time.perf_counter()
+    tally = run(chosen.inputs, chosen.seed, only, chosen.keep)
+    spent = time.perf_counter() - begin
+    kinds = sorted({kind for _, kind in tally.outcomes})
+    print("| format | " + " | ".join(kinds) + " | slowest [s] |")
+    print("|---" * (len(kinds) + 2) + "|")
+    for name in sorted(tally.slowest):
+        counts = " | ".join(f"{tally.outcomes[name, kind]:,}" for kind in kinds)
+        print(f"| {name} | {counts} | {tally.slowest[name]:.2f} |")
+    print(f"{sum(tally.outcomes.values()):,} inputs in {spent:.0f} s, seed {chosen.seed}")
+    for name, number, wrong in tally.failures[:20]:
+        print(f"FAILED {name} input {number}: {wrong}")
+    print(f"{len(tally.failures)} failures")
+    return 1 if tally.failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
