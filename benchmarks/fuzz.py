@@ -257,6 +257,12 @@ class Watch:
             self.seen.append(f"open {str(arguments)[:80]}")
 
 
+@cache
+def watching() -> Watch:
+    """The watch of this process."""
+    return Watch()
+
+
 def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = None) -> Tally:
     """Read ``inputs`` damaged files and tally what became of them.
 
