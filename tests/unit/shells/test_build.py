@@ -15,7 +15,10 @@ from drystone.shells import (
     build_shell,
     cross_vault,
     dome,
+    find_form,
+    patch_from_function,
     pavilion_vault,
+    rectangular_plan,
     shape_volume,
 )
 from drystone.shells.materialise import cell_faces
@@ -39,6 +42,18 @@ def matched(shell):
     return {len(users) for users in shell.beside.values()} <= {1, 2}
 
 
+FORM = find_form(rectangular_plan(6.0, 5.0), height=1.8)
+
+
+def fan():
+    """A low vault, 3 m wide at one end and 7 m at the other."""
+
+    def point(u, v):
+        return np.stack([(3.0 + 4.0 * v) * (u - 0.5), 6.0 * v, 4.8 * u * (1.0 - u)], axis=-1)
+
+    return patch_from_function(point, name="fan")
+
+
 SHELLS = {
     "cross vault": lambda: build_shell(cross_vault(), Layout(courses=11, width=0.8, wedge=0.1)),
     "pavilion vault": lambda: build_shell(pavilion_vault(), Layout(courses=5, width=1.0)),
@@ -50,6 +65,16 @@ SHELLS = {
     ),
     "by course": lambda: build_shell(
         barrel_vault(), LAYOUT, Body(thickness=np.linspace(0.5, 0.3, 9).tolist())
+    ),
+    "partial courses": lambda: build_shell(
+        Shape((fan(),), supports=(Edge(0, Side.BOTTOM), Edge(0, Side.TOP))),
+        Layout(height=0.5, width=0.6, wedge=0.15, partial=None),
+        Body(thickness=0.2),
+    ),
+    "by stress": lambda: build_shell(
+        FORM.shape,
+        Layout(courses=6, width=1.0, wedge=0.2),
+        Body(thickness=FORM.stress_thickness(4e4, least=0.15, most=0.3)),
     ),
     "half supported": lambda: build_shell(
         barrel_vault().supported_on(Edge(0, Side.BOTTOM, 0.0, 0.45), Edge(0, Side.TOP)), LAYOUT
@@ -64,6 +89,13 @@ def test_joints_are_planar_and_shared(kind):
     assert warps(shell.pins.point, joints(shell)).max() < 1e-8
     assert matched(shell)
     assert not any(block.repairs for block in shell.assembly.blocks)
+
+
+def test_stress_makes_a_shell_thicker_where_it_works_harder():
+    shell = SHELLS["by stress"]()
+    assert shell.thickness.min() >= 0.15 - 1e-12
+    assert shell.thickness.max() <= 0.3 + 1e-12
+    assert np.ptp(shell.thickness) > 0.05
 
 
 def test_a_straight_intrados_is_planar():

@@ -79,6 +79,14 @@ def test_block_files_hold_one_block_each(tmp_path):
     )
 
 
+def test_blocks_may_be_written_as_stl(tmp_path):
+    paths = write_blocks(SHELL, tmp_path, suffix=".stl")
+    assert {path.suffix for path in paths} == {".stl"}
+    (volume,) = read(tmp_path / "c03-b02.stl").assembly.volume
+    whole = SHELL.assembly.volume[SHELL.assembly.index("c03-b02")]
+    assert volume == pytest.approx(whole, rel=5e-3)  # warped outer faces are cut into triangles
+
+
 def test_flat_faces_keep_lengths_and_areas():
     i = SHELL.assembly.index("c03-b02")
     for face in flat_faces(SHELL, i):
