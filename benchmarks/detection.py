@@ -28,8 +28,8 @@ from drystone.geometry.polygon import area_vectors
 from drystone.models import cube_curve, curve_three_blocks, random_pack, wall
 
 WALLS = {403: (13, 31, 1_122), 1_988: (28, 71, 5_767), 10_017: (63, 159, 29_608)}
-"""Blocks: courses c, blocks per course l, and the ``c (l - 1) + (c - 1) (2 l - 1)`` joints of a wall
-in toothed bond, every other course shifted by half a block and no half blocks."""
+"""Blocks: courses c, blocks per course l, and the ``c (l - 1) + (c - 1) (2 l - 1)`` joints of a
+wall in toothed bond, every other course shifted by half a block and no half blocks."""
 TIMED_OUT = 1_200
 """[s] that a peer gets."""
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "NUMBA")

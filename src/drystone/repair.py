@@ -8,8 +8,9 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
 from drystone.errors import InputError
-from drystone.geometry import coincidence, polyhedron, solid
+from drystone.geometry import coincidence
 from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.geometry.parts import separate_parts
 from drystone.geometry.polyhedron import Loop
 
 MERGE = 1e-6
@@ -74,36 +75,12 @@ def mended_block(
     return Block(points, tuple(kept), name, density, repairs=tuple(notes))
 
 
-def shells(block: Block) -> tuple[tuple[int, ...], ...]:
-    """Faces of the parts of a block that hang together, each with the cavities inside it.
-
-    Examples
-    --------
-    >>> from drystone.models import box
-    >>> shells(box((1.0, 1.0, 1.0)))
-    ((0, 1, 2, 3, 4, 5),)
-    """
-    parts = polyhedron.face_components(block.faces)
-    if len(parts) == 1:
-        return (tuple(parts[0]),)
-    loops: list[list[Loop]] = [[block.faces[f] for f in part] for part in parts]
-    faces = polyhedron.stack_faces([block.vertices] * len(parts), loops)
-    volume, _ = polyhedron.mass_properties(faces, len(parts))
-    outer = [i for i in range(len(parts)) if volume[i] > 0.0]
-    members = {i: list(parts[i]) for i in outer}
-    triangles, face = polyhedron.fan_triangles(faces)
-    for i in np.flatnonzero(volume <= 0.0).tolist():
-        corner = block.vertices[[loops[i][0][0]]]
-        around = [j for j in outer if solid.inside(corner, triangles[faces.owner[face] == j])[0]]
-        members[min(around, key=lambda j: float(volume[j])) if around else outer[0]] += parts[i]
-    return tuple(tuple(sorted(members[i])) for i in outer)
-
-
 def split_shells(assembly: Assembly) -> Assembly:
     """The assembly with every block that consists of separate parts split into blocks.
 
-    A part is a closed surface with the cavities in it. The parts of ``x`` are called ``x/0``,
-    ``x/1``, ... and keep its density, metadata and support; ``repairs`` says where they are from.
+    A part is a closed surface with the cavities in it; a shell that is inside out is turned. The
+    parts of ``x`` are called ``x-0``, ``x-1``, ... and keep its density, metadata and support;
+    ``repairs`` says what was done.
 
     Examples
     --------
@@ -114,31 +91,31 @@ def split_shells(assembly: Assembly) -> Assembly:
     blocks: list[Block] = []
     fixed: list[bool] = []
     for block, held in zip(assembly.blocks, assembly.fixed.tolist(), strict=True):
-        parts = shells(block)
-        if len(parts) == 1:
+        parts, turned = separate_parts(block.vertices, block.faces)
+        notes = (*block.repairs, *([f"{turned} of its shells turned"] if turned else []))
+        if len(parts) == 1 and not turned:
             blocks.append(block)
-        for number, part in enumerate(parts if len(parts) > 1 else ()):
-            own, loops = _own(block, part)
-            note = f"part {number + 1} of {len(parts)} of '{block.name}'"
-            blocks.append(
-                replace_block(
-                    block,
-                    vertices=own,
-                    faces=loops,
-                    name=f"{block.name}/{number}",
-                    repairs=(*block.repairs, note),
-                )
-            )
+        elif len(parts) == 1:
+            blocks.append(replace_block(block, faces=tuple(parts[0]), repairs=notes))
+        else:
+            for number, part in enumerate(parts):
+                origin = f"part {number + 1} of {len(parts)} of '{block.name}'"
+                blocks.append(_part(block, part, f"{block.name}-{number}", (*notes, origin)))
         fixed += [held] * len(parts)
     return Assembly(tuple(blocks), np.array(fixed, dtype=bool))
 
 
-def _own(block: Block, part: Sequence[int]) -> tuple[Floats, tuple[Loop, ...]]:
-    """Vertices and faces of some faces of a block."""
-    loops = [block.faces[f] for f in part]
+def _part(block: Block, loops: Sequence[Loop], name: str, repairs: tuple[str, ...]) -> Block:
+    """A block of some faces of another, with only the vertices that they use."""
     used = sorted({i for loop in loops for i in loop})
     place = {old: new for new, old in enumerate(used)}
-    return block.vertices[used], tuple(tuple(place[i] for i in loop) for loop in loops)
+    return replace_block(
+        block,
+        vertices=block.vertices[used],
+        faces=tuple(tuple(place[i] for i in loop) for loop in loops),
+        name=name,
+        repairs=repairs,
+    )
 
 
-__all__ = ["mended_block", "shells", "split_shells"]
+__all__ = ["mended_block", "split_shells"]

@@ -1,10 +1,12 @@
 """From an assembly to its contacts, with a report of what was found, left out and why."""
 
 from drystone.detection.find import Detection, find_contacts
-from drystone.detection.freeform import contacts_from_mesh, regroup
+from drystone.detection.freeform import regroup
+from drystone.detection.given import contacts_from_mesh
 from drystone.detection.options import DetectionOptions, EdgeContacts
 from drystone.detection.penetration import Penetration
-from drystone.detection.report import ContactReport, Missed, Reason
+from drystone.detection.reasons import Missed, Reason
+from drystone.detection.report import ContactReport
 from drystone.detection.sweep import GapSweep, gap_sweep
 
 __all__ = [

@@ -15,13 +15,15 @@ from drystone.detection.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.misses import dropped, judge, misses
 from drystone.detection.nearest import uncovered
 from drystone.detection.options import DetectionOptions, EdgeContacts
-from drystone.detection.overlap import negligible, overlaps, planes_between, widths, within
+from drystone.detection.overlap import negligible, overlaps, within
 from drystone.detection.patches import Patches, patches_of
 from drystone.detection.penetration import penetrations
-from drystone.detection.report import ContactReport, Missed, Reason
+from drystone.detection.planes import planes_between, widths
+from drystone.detection.reasons import Missed, Reason
+from drystone.detection.report import ContactReport
 from drystone.geometry.arrays import Ints
 from drystone.geometry.coincidence import duplicates
-from drystone.repair import shells
+from drystone.geometry.parts import separate_parts
 
 SAME = 1e-6
 """Blocks whose vertices agree within this share of their size are one block twice."""
@@ -173,15 +175,20 @@ def _report(
         isolated=tuple(np.flatnonzero(~touched).tolist()),
         penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(together), tolerance),
         duplicates=_duplicates(assembly, patches, pairs),
-        parts=tuple(
-            (i, len(shells(assembly.blocks[i])))
-            for i in np.flatnonzero(~patches.one_surface).tolist()
-            if len(shells(assembly.blocks[i])) > 1
-        ),
+        parts=_parts(assembly, patches),
         repairs=tuple(
             (i, what) for i, block in enumerate(assembly.blocks) for what in block.repairs
         ),
     )
+
+
+def _parts(assembly: Assembly, patches: Patches) -> tuple[tuple[int, int], ...]:
+    """Blocks of several separate parts, and how many."""
+    counts = []
+    for i in np.flatnonzero(~patches.one_surface).tolist():
+        block = assembly.blocks[i]
+        counts.append((i, len(separate_parts(block.vertices, block.faces)[0])))
+    return tuple((i, count) for i, count in counts if count > 1)
 
 
 def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tuple[int, int], ...]:

@@ -1,4 +1,4 @@
-"""Joints on curved surfaces: their pieces merged, regrouped, or given by the user."""
+"""Joints on curved surfaces: their pieces merged and regrouped."""
 
 from __future__ import annotations
 
@@ -7,16 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
+from drystone.contacts import Contacts
 from drystone.detection.interfaces import Interfaces, joined
 from drystone.errors import InputError
 from drystone.geometry import facets as geometry
-from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.geometry.arrays import Floats
 from drystone.geometry.facets import Facet
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
-from drystone.geometry.solid import distance
 
 UNEVEN = 0.5
 """Pieces are looked at when one of their pair is narrower than this share of another; chosen above
@@ -156,7 +154,7 @@ def regroup(
             (contacts.polygon(i), contacts.frame[i], *couple, float(contacts.friction[i]))
             for i in kept
         ]
-    return _contacts(rows)
+    return contacts_of(rows)
 
 
 def _regrouped(
@@ -191,7 +189,7 @@ def _joints(facets: Sequence[Facet], size: float) -> list[list[int]]:
     return list(joints.values())
 
 
-def _contacts(rows: Sequence[tuple[Floats, Floats, int, int, float]]) -> Contacts:
+def contacts_of(rows: Sequence[tuple[Floats, Floats, int, int, float]]) -> Contacts:
     """Contacts from (corners, frame, block a, block b, friction) each."""
     if not rows:
         return Contacts.empty()
@@ -210,95 +208,4 @@ def _contacts(rows: Sequence[tuple[Floats, Floats, int, int, float]]) -> Contact
     )
 
 
-def contacts_from_mesh(
-    assembly: Assembly,
-    block_a: int | str,
-    block_b: int | str,
-    vertices: Floats,
-    faces: Sequence[Sequence[int]],
-    *,
-    friction: float = DEFAULT_FRICTION,
-) -> Contacts:
-    """Interfaces between two blocks from a mesh of their joint, a plane interface per face.
-
-    Parameters
-    ----------
-    assembly
-    block_a, block_b
-        Position or name.
-    vertices : (v, 3) [m]
-    faces
-        Loops of vertex indices, in any direction; a warped one is flattened onto its plane.
-    friction
-
-    Returns
-    -------
-    Contacts
-        Normals point from the lower to the higher position of the two blocks: away from the nearest
-        face of the one, towards that of the other.
-
-    Raises
-    ------
-    InputError
-        The blocks are one, a face names no vertex or has no area.
-
-    Examples
-    --------
-    >>> from drystone.models import tower
-    >>> joint = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
-    >>> found = contacts_from_mesh(tower(2), 0, 1, joint, [(0, 1, 2), (2, 3, 0)])
-    >>> found.count, found.frame[:, 0].round(6).tolist()
-    (2, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
-    """
-    a, b = sorted(int(i) for i in assembly.indices([block_a, block_b]))
-    if a == b:
-        raise InputError("a joint needs two blocks", where=f"block '{assembly.names[a]}'")
-    where = f"joint of '{assembly.names[a]}' and '{assembly.names[b]}'"
-    point = frozen_floats(vertices, (None, 3), "vertices")
-    loops = [np.array(face, dtype=np.intp) for face in faces]
-    for number, loop in enumerate(loops):
-        if loop.ndim != 1 or len(loop) < 3 or loop.min() < 0 or loop.max() >= len(point):
-            raise InputError(f"face {number} is no loop of vertices", where=where)
-    start = np.concatenate([[0], np.cumsum([len(loop) for loop in loops])]).astype(np.intp)
-    corner = point[np.concatenate([np.zeros(0, dtype=np.intp), *loops])]
-    vectors = area_vectors(corner, start)
-    area = np.sqrt((vectors * vectors).sum(axis=1))
-    if not (area > 0.0).all():
-        raise InputError(f"face {int(np.argmin(area))} has no area", where=where)
-    normals = vectors / area[:, None]
-    mu = float(check_friction(friction, 1)[0])
-    rows = []
-    for i, loop in enumerate(loops):
-        middle = corner[start[i] : start[i + 1]].mean(axis=0)
-        points = point[loop]
-        points = points - ((points - middle) @ normals[i])[:, None] * normals[i]
-        outward = _normal_near(assembly, a, middle) - _normal_near(assembly, b, middle)
-        turn = -1.0 if normals[i] @ outward < 0.0 else 1.0
-        frame = frames_from_normals(turn * normals[i][None])[0]
-        rows.append((points if turn > 0.0 else points[::-1], frame, a, b, mu))
-    return _contacts(rows)
-
-
-def _normal_near(assembly: Assembly, block: int, point: Floats) -> Floats:
-    """Outward normal (3,) of the face of a block that is nearest to a point."""
-    body = assembly.blocks[block]
-    best, normal = np.inf, np.zeros(3)
-    for face in body.faces:
-        corner = body.vertices[list(face)]
-        vector = area_vectors(corner, np.array([0, len(corner)], dtype=np.intp))[0]
-        fan = np.stack(
-            [
-                np.broadcast_to(corner.mean(axis=0), corner.shape),
-                corner,
-                np.roll(corner, -1, axis=0),
-            ],
-            axis=1,
-        )
-        away = float(distance(point[None], fan)[0])
-        length = float(np.sqrt(vector @ vector))
-        if away < best and length > 0.0:
-            best, normal = away, vector / length
-    return normal
-
-
-__all__ = ["contacts_from_mesh", "merge_slivers", "regroup"]
+__all__ = ["contacts_of", "merge_slivers", "regroup"]

@@ -8,8 +8,8 @@ import numpy as np
 
 from drystone.contacts import Contacts, check_friction
 from drystone.detection.nearest import gaps
-from drystone.detection.overlap import Pieces, Planes
 from drystone.detection.patches import Patches
+from drystone.detection.planes import Pieces, Planes
 from drystone.geometry import clip
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.geometry.boxes import expand

@@ -10,9 +10,9 @@ from drystone.detection.candidates import slack
 from drystone.detection.interfaces import Interfaces, angles, from_pieces
 from drystone.detection.nearest import gaps
 from drystone.detection.options import DetectionOptions
-from drystone.detection.overlap import Pieces, Planes, widths
 from drystone.detection.patches import Patches
-from drystone.detection.report import Missed, Reason
+from drystone.detection.planes import Pieces, Planes, widths
+from drystone.detection.reasons import Missed, Reason
 from drystone.geometry import clip
 from drystone.geometry.arrays import Bools, Floats, Ints
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.detection.overlap import Pieces, Planes, merged, tidy, widths
 from drystone.detection.patches import Patches
+from drystone.detection.planes import Pieces, Planes, merged, tidy, widths
 from drystone.geometry import boxes, planar
 from drystone.geometry.arrays import Bools, Floats, Ints
 

@@ -4,66 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 import numpy as np
 
+from drystone.detection.advice import SHOWN, counted, listed, suggestions
 from drystone.detection.options import DetectionOptions
 from drystone.detection.penetration import Penetration
+from drystone.detection.reasons import Missed, Reason
 from drystone.geometry.arrays import Bools, Floats, Ints
-
-SHOWN = 8
-"""Names listed in one line of the summary."""
-
-
-class Reason(StrEnum):
-    """Why two faces that nearly touch were not joined."""
-
-    GAP = "too far apart"
-    OVERLAP = "too deep in each other"
-    ANGLE = "not parallel enough"
-    WARP = "too warped"
-    SLIVER = "overlap too narrow"
-    HIDDEN = "another block lies between"
-
-
-@dataclass(frozen=True)
-class Missed:
-    """Two faces that nearly touch, and were not joined.
-
-    Attributes
-    ----------
-    block_a, block_b
-        Positions, a < b.
-    face_a, face_b
-        Numbers of the faces in their blocks; the first where coplanar faces were merged.
-    reason
-    gap : [m]
-        Smallest distance over the shared area, negative where they overlap.
-    angle : [deg]
-    area : [m2]
-        Shared area in projection.
-    needed
-        What ``gap`` (for ``Reason.GAP`` and ``OVERLAP``) or ``angle`` [deg] (for ``ANGLE``) of the
-        options would join them; NaN for other reasons.
-    polygon : (c, 3) [m]
-        The shared area, halfway between the faces.
-    joined
-        Whether the two blocks touch elsewhere.
-    """
-
-    block_a: int
-    block_b: int
-    face_a: int
-    face_b: int
-    reason: Reason
-    gap: float
-    angle: float
-    area: float
-    needed: float
-    polygon: Floats
-    joined: bool
 
 
 @dataclass(frozen=True)
@@ -135,44 +84,14 @@ class ContactReport:
 
     def suggestions(self) -> tuple[str, ...]:
         """What would join more pairs of blocks that do not touch yet, in plain words."""
-        said = []
-        apart = [m for m in self.missed if not m.joined]
-        for reason, knob, unit, digits in (
-            (Reason.GAP, "gap", "", 2),
-            (Reason.ANGLE, "angle", " degrees", 2),
-        ):
-            needed: dict[tuple[int, int], float] = {}
-            for miss in apart:
-                if miss.reason is reason and not np.isnan(miss.needed):
-                    pair = (miss.block_a, miss.block_b)
-                    needed[pair] = min(miss.needed, needed.get(pair, np.inf))
-            if needed:
-                value = _rounded_up(max(needed.values()), digits)
-                said.append(
-                    f"raise {knob} from {getattr(self.options, knob):g} to {value:g}{unit}"
-                    f" to join {_count(len(needed), 'more pair')}"
-                )
-        if self.penetrations:
-            pairs = _count(len(self.penetrations), "pair")
-            said.append(f"{pairs} of blocks overlap: move them apart in the model")
-        if self.parts:
-            said.append("split the parts into blocks of their own (drystone.repair.split_shells)")
-        explained = {i for pair in self.undirected for i in pair}
-        explained |= {i for p in self.penetrations for i in (p.block_a, p.block_b)}
-        explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
-        lost = [self.names[i] for i in self.isolated if i not in explained]
-        if lost:
-            said.append(
-                f"nothing is near {self._list(lost)}: is a block missing, or in other units?"
-            )
-        return tuple(said)
+        return suggestions(self)
 
     def summary(self) -> list[str]:
         """The report as lines of text."""
-        lines = [f"{_count(len(self.area), 'interface')} in {_count(self.pair_count, 'pair')}"]
+        lines = [f"{counted(len(self.area), 'interface')} in {counted(self.pair_count, 'pair')}"]
         kinds = Counter(self.kind.tolist())
         if kinds[2] or kinds[1]:
-            lines[0] += f", {_count(kinds[2], 'line')} and {_count(kinds[1], 'point')} among them"
+            lines[0] += f", {counted(kinds[2], 'line')} and {counted(kinds[1], 'point')} among them"
         if len(self.gap):
             lines.append(
                 f"gaps {_mm(self.gap.min())} to {_mm(self.gap.max())} mm,"
@@ -181,25 +100,25 @@ class ContactReport:
             )
         if self.clipped.any():
             lines.append(
-                f"{_count(int(self.clipped.sum()), 'interface')} within tolerance on a part only"
+                f"{counted(int(self.clipped.sum()), 'interface')} within tolerance on a part only"
             )
         if (self.merged > 1).any():
             many = self.merged > 1
             lines.append(
                 f"{int(self.merged[many].sum())} pieces merged into"
-                f" {_count(int(many.sum()), 'interface')}"
+                f" {counted(int(many.sum()), 'interface')}"
             )
         lines += self._missed_lines()
         if self.undirected:
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
             lines.append(
-                f"{_count(len(shown), 'pair')} not joined, edge meets edge and the direction of"
-                f" contact is open: {self._list(shown)}"
+                f"{counted(len(shown), 'pair')} not joined, edge meets edge and the direction of"
+                f" contact is open: {listed(shown)}"
             )
         if self.isolated:
             lines.append(
-                f"{_count(len(self.isolated), 'block')} touch nothing:"
-                f" {self._list([self.names[i] for i in self.isolated])}"
+                f"{counted(len(self.isolated), 'block')} touch nothing:"
+                f" {listed([self.names[i] for i in self.isolated])}"
             )
         for deep in sorted(self.penetrations, key=lambda p: -p.depth)[:SHOWN]:
             lines.append(
@@ -226,17 +145,13 @@ class ContactReport:
         lines = []
         for reason, pairs in apart.items():
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in sorted(pairs)]
-            lines.append(f"{_count(len(pairs), 'pair')} not joined, {reason}: {self._list(shown)}")
+            lines.append(f"{counted(len(pairs), 'pair')} not joined, {reason}: {listed(shown)}")
         beside = Counter(str(miss.reason) for miss in self.missed if miss.joined)
         lines += [
-            f"{_count(count, 'overlap')} dropped between blocks that touch elsewhere, {reason}"
+            f"{counted(count, 'overlap')} dropped between blocks that touch elsewhere, {reason}"
             for reason, count in beside.items()
         ]
         return lines
-
-    def _list(self, items: list[str]) -> str:
-        more = f" and {len(items) - SHOWN} more" if len(items) > SHOWN else ""
-        return ", ".join(items[:SHOWN]) + more
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain lists, numbers and strings, for JSON."""
@@ -291,10 +206,6 @@ class ContactReport:
         }
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
 def _face(number: Any) -> int | None:
     """A face number; none for the side of a contact that is an edge or a corner."""
     return int(number) if number >= 0 else None
@@ -303,12 +214,6 @@ def _face(number: Any) -> int | None:
 def _mm(length: float) -> str:
     """A length [m] in millimetres, to a nanometre."""
     return f"{round(1e3 * float(length), 6) + 0.0:.3g}"
-
-
-def _rounded_up(value: float, digits: int) -> float:
-    """The next larger number with a few significant digits, so that it is enough."""
-    step = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
-    return float((np.floor(value / step * (1.0 + 1e-9)) + 1.0) * step)
 
 
 __all__ = ["ContactReport", "Missed", "Penetration", "Reason"]

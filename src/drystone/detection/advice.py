@@ -1,0 +1,75 @@
+"""What a contact report suggests, and how it words numbers and names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from drystone.detection.reasons import Reason
+
+if TYPE_CHECKING:
+    from drystone.detection.report import ContactReport
+
+SHOWN = 8
+"""Names listed in one line."""
+
+
+def suggestions(report: ContactReport) -> tuple[str, ...]:
+    """What would join more pairs of blocks that do not touch yet, in plain words."""
+    said = []
+    apart = [m for m in report.missed if not m.joined]
+    for reason, knob, unit, digits in (
+        (Reason.GAP, "gap", "", 2),
+        (Reason.ANGLE, "angle", " degrees", 2),
+    ):
+        needed: dict[tuple[int, int], float] = {}
+        for miss in apart:
+            if miss.reason is reason and not np.isnan(miss.needed):
+                pair = (miss.block_a, miss.block_b)
+                needed[pair] = min(miss.needed, needed.get(pair, np.inf))
+        if needed:
+            value = _rounded_up(max(needed.values()), digits)
+            said.append(
+                f"raise {knob} from {getattr(report.options, knob):g} to {value:g}{unit}"
+                f" to join {counted(len(needed), 'more pair')}"
+            )
+    if report.penetrations:
+        pairs = counted(len(report.penetrations), "pair")
+        said.append(f"{pairs} of blocks overlap: move them apart in the model")
+    if report.parts:
+        said.append("split separate parts into blocks (--split, drystone.repair.split_shells)")
+    explained = {i for pair in report.undirected for i in pair}
+    explained |= {i for p in report.penetrations for i in (p.block_a, p.block_b)}
+    explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
+    lost = [report.names[i] for i in report.isolated if i not in explained]
+    if lost:
+        said.append(f"nothing is near {listed(lost)}: is a block missing, or in other units?")
+    return tuple(said)
+
+
+def _rounded_up(value: float, digits: int) -> float:
+    """The next larger number with a few significant digits, so that it is enough."""
+    step = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
+    return float((np.floor(value / step * (1.0 + 1e-9)) + 1.0) * step)
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things in words.
+
+    Examples
+    --------
+    >>> counted(1, "pair"), counted(1200, "pair")
+    ('1 pair', '1,200 pairs')
+    """
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
+def listed(items: Sequence[str]) -> str:
+    """The first of several names, and how many more there are."""
+    more = f" and {len(items) - SHOWN} more" if len(items) > SHOWN else ""
+    return ", ".join(items[:SHOWN]) + more
+
+
+__all__ = ["SHOWN", "counted", "listed", "suggestions"]

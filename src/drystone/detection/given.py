@@ -1,0 +1,110 @@
+"""Joints that the user gives as a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
+from drystone.detection.freeform import contacts_of
+from drystone.errors import InputError
+from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polygon import area_vectors
+from drystone.geometry.solid import distance
+
+
+def contacts_from_mesh(
+    assembly: Assembly,
+    block_a: int | str,
+    block_b: int | str,
+    vertices: Floats,
+    faces: Sequence[Sequence[int]],
+    *,
+    friction: float = DEFAULT_FRICTION,
+) -> Contacts:
+    """Interfaces between two blocks from a mesh of their joint, a plane interface per face.
+
+    Parameters
+    ----------
+    assembly
+    block_a, block_b
+        Position or name.
+    vertices : (v, 3) [m]
+    faces
+        Loops of vertex indices, in any direction; a warped one is flattened onto its plane.
+    friction
+
+    Returns
+    -------
+    Contacts
+        Normals point from the lower to the higher position of the two blocks: away from the nearest
+        face of the one, towards that of the other.
+
+    Raises
+    ------
+    InputError
+        The blocks are one, a face names no vertex or has no area.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> joint = [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    >>> found = contacts_from_mesh(tower(2), 0, 1, joint, [(0, 1, 2), (2, 3, 0)])
+    >>> found.count, found.frame[:, 0].round(6).tolist()
+    (2, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
+    """
+    a, b = sorted(int(i) for i in assembly.indices([block_a, block_b]))
+    if a == b:
+        raise InputError("a joint needs two blocks", where=f"block '{assembly.names[a]}'")
+    where = f"joint of '{assembly.names[a]}' and '{assembly.names[b]}'"
+    point = frozen_floats(vertices, (None, 3), "vertices")
+    loops = [np.array(face, dtype=np.intp) for face in faces]
+    for number, loop in enumerate(loops):
+        if loop.ndim != 1 or len(loop) < 3 or loop.min() < 0 or loop.max() >= len(point):
+            raise InputError(f"face {number} is no loop of vertices", where=where)
+    start = np.concatenate([[0], np.cumsum([len(loop) for loop in loops])]).astype(np.intp)
+    corner = point[np.concatenate([np.zeros(0, dtype=np.intp), *loops])]
+    vectors = area_vectors(corner, start)
+    area = np.sqrt((vectors * vectors).sum(axis=1))
+    if not (area > 0.0).all():
+        raise InputError(f"face {int(np.argmin(area))} has no area", where=where)
+    normals = vectors / area[:, None]
+    mu = float(check_friction(friction, 1)[0])
+    rows = []
+    for i, loop in enumerate(loops):
+        middle = corner[start[i] : start[i + 1]].mean(axis=0)
+        points = point[loop]
+        points = points - ((points - middle) @ normals[i])[:, None] * normals[i]
+        outward = _normal_near(assembly, a, middle) - _normal_near(assembly, b, middle)
+        turn = -1.0 if normals[i] @ outward < 0.0 else 1.0
+        frame = frames_from_normals(turn * normals[i][None])[0]
+        rows.append((points if turn > 0.0 else points[::-1], frame, a, b, mu))
+    return contacts_of(rows)
+
+
+def _normal_near(assembly: Assembly, block: int, point: Floats) -> Floats:
+    """Outward normal (3,) of the face of a block that is nearest to a point."""
+    body = assembly.blocks[block]
+    best, normal = np.inf, np.zeros(3)
+    for face in body.faces:
+        corner = body.vertices[list(face)]
+        vector = area_vectors(corner, np.array([0, len(corner)], dtype=np.intp))[0]
+        fan = np.stack(
+            [
+                np.broadcast_to(corner.mean(axis=0), corner.shape),
+                corner,
+                np.roll(corner, -1, axis=0),
+            ],
+            axis=1,
+        )
+        away = float(distance(point[None], fan)[0])
+        length = float(np.sqrt(vector @ vector))
+        if away < best and length > 0.0:
+            best, normal = away, vector / length
+    return normal
+
+
+__all__ = ["contacts_from_mesh"]
