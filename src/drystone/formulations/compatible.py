@@ -29,6 +29,9 @@ MARGIN = 1e-3
 LEVEL = 1e-6
 """Overlaps this near to the largest are equal to it."""
 
+PATIENCE = 4
+"""Steps with little progress after which a motion is given up: a good one is found in fewer."""
+
 TURN = 0.02
 """Slides below this share of the mean one may change by it whatever their size."""
 
@@ -195,8 +198,8 @@ def improve(
         motion = _scaled(statics, motion)
     pressing = _pressing(statics, motion, equal_overlap)
     force, unbalanced = compatible_forces(statics, motion, pressing=pressing)
-    trust, steps = 0.5, 1
-    while unbalanced > goal and trust > 1e-4 and steps < iteration_limit:
+    trust, steps, idle = 0.5, 1, 0
+    while unbalanced > goal and trust > 1e-4 and steps < iteration_limit and idle < PATIENCE:
         if stop is not None and stop():
             break
         change = _joint_step(statics, motion, force, pressing, trust, equal_overlap)
@@ -211,6 +214,7 @@ def improve(
         else:
             trial = _scaled(statics, trial)
         trial_force, left = compatible_forces(statics, trial, pressing=may_press)
+        idle = 0 if left < 0.8 * unbalanced else idle + 1
         if left < (1.0 - 1e-4) * unbalanced:
             motion, force, unbalanced, pressing = trial, trial_force, left, may_press
             trust = min(1.5 * trust, 0.9)
