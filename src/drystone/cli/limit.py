@@ -2,40 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from collections.abc import Sequence
+from typing import Annotated, Any
 
 import typer
 
-from drystone.cli import limit_answer, loading, options
+from drystone.cli import limit_answer, limit_options, loading, options
+from drystone.cli.limit_models import thickness, tolerance
+from drystone.cli.limit_options import search_options, working
 from drystone.cli.session import Prepared, prepare
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
-
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
-    from drystone.limits import LimitOptions
-
-Width: TypeAlias = Annotated[
-    float | None, typer.Option(help="Width of the brackets, in the unit of the limit.")
-]
-Scan: TypeAlias = Annotated[
-    int, typer.Option(help="Steps of the scan for islands before the limit is bisected.")
-]
-Cone: TypeAlias = Annotated[
-    str, typer.Option(help="Friction of the equilibrium limit: exact, or octagon as published.")
-]
-EquilibriumOnly: TypeAlias = Annotated[
-    bool, typer.Option("--equilibrium-only", help="Leave out the full verdict.")
-]
-Workers: TypeAlias = Annotated[int, typer.Option(help="Processes that work side by side.")]
 
 limit = typer.Typer(
     help="By how much does it stand: largest tilt or load, least friction, thickness, joint size.",
     no_args_is_help=True,
 )
+limit.command()(thickness)
+limit.command()(tolerance)
 
 
 @limit.command()
@@ -54,11 +38,11 @@ def tilt(
     units: options.Units = None,
     gravity: options.Gravity = None,
     loads: loading.Loads = None,
-    width: Width = None,
-    scan: Scan = 6,
-    cone: Cone = "exact",
-    equilibrium_only: EquilibriumOnly = False,
-    workers: Workers = 1,
+    width: limit_options.Width = None,
+    scan: limit_options.Scan = 6,
+    cone: limit_options.Cone = "exact",
+    equilibrium_only: limit_options.EquilibriumOnly = False,
+    workers: limit_options.Workers = 1,
     html: options.Html = None,
     png: options.Png = None,
     as_json: options.Json = False,
@@ -71,7 +55,7 @@ def tilt(
     if html is not None and polar is not None:
         raise InputError("shows one fall", where="--html", remedy="give an --axis, not --polar")
     files = limit_answer.Files.checked(html, png)
-    search = _search(width, scan, cone, equilibrium_only)
+    search = search_options(width, scan, cone, equilibrium_only)
     with Waiting() as waiting:
         from drystone import limits
 
@@ -79,7 +63,7 @@ def tilt(
         prepared = _prepared(model, waiting, supports, friction, density, units, gravity, loads)
         waiting.stage("solve", "searching")
         arguments: dict[str, Any] = {"upper": upper, "options": search, "progress": waiting}
-        with _working(workers) as executor:
+        with working(workers) as executor:
             if polar is not None:
                 sweep = limits.tilt_sweep(
                     prepared.assembly,
@@ -119,17 +103,17 @@ def friction_(
     gravity: options.Gravity = None,
     loads: loading.Loads = None,
     seismic: loading.Seismic = None,
-    width: Width = None,
-    scan: Scan = 6,
-    cone: Cone = "exact",
-    equilibrium_only: EquilibriumOnly = False,
-    workers: Workers = 1,
+    width: limit_options.Width = None,
+    scan: limit_options.Scan = 6,
+    cone: limit_options.Cone = "exact",
+    equilibrium_only: limit_options.EquilibriumOnly = False,
+    workers: limit_options.Workers = 1,
     html: options.Html = None,
     as_json: options.Json = False,
 ) -> int:
     """The least friction coefficient at which a model stands."""
     files = limit_answer.Files.checked(html, None)
-    search = _search(width, scan, cone, equilibrium_only)
+    search = search_options(width, scan, cone, equilibrium_only)
     with Waiting() as waiting:
         from drystone import limits
 
@@ -137,7 +121,7 @@ def friction_(
             model, waiting, supports, friction, density, units, gravity, loads, seismic
         )
         waiting.stage("solve", "searching")
-        with _working(workers) as executor:
+        with working(workers) as executor:
             found = limits.limit_friction(
                 prepared.assembly,
                 prepared.contacts,
@@ -170,17 +154,17 @@ def load(
     gravity: options.Gravity = None,
     loads: loading.Loads = None,
     seismic: loading.Seismic = None,
-    width: Width = None,
-    scan: Scan = 6,
-    cone: Cone = "exact",
-    equilibrium_only: EquilibriumOnly = False,
-    workers: Workers = 1,
+    width: limit_options.Width = None,
+    scan: limit_options.Scan = 6,
+    cone: limit_options.Cone = "exact",
+    equilibrium_only: limit_options.EquilibriumOnly = False,
+    workers: limit_options.Workers = 1,
     html: options.Html = None,
     as_json: options.Json = False,
 ) -> int:
     """The largest factor of a load on top of the weight and of --load."""
     files = limit_answer.Files.checked(html, None)
-    search = _search(width, scan, cone, equilibrium_only)
+    search = search_options(width, scan, cone, equilibrium_only)
     with Waiting() as waiting:
         from drystone import limits
 
@@ -189,7 +173,7 @@ def load(
         )
         live = loading.chosen_case(case, prepared.assembly, prepared.cases)
         waiting.stage("solve", "searching")
-        with _working(workers) as executor:
+        with working(workers) as executor:
             found = limits.limit_load(
                 prepared.assembly,
                 prepared.contacts,
@@ -214,17 +198,17 @@ def shrink(
     gravity: options.Gravity = None,
     loads: loading.Loads = None,
     seismic: loading.Seismic = None,
-    width: Width = None,
-    scan: Scan = 6,
-    cone: Cone = "exact",
-    equilibrium_only: EquilibriumOnly = False,
-    workers: Workers = 1,
+    width: limit_options.Width = None,
+    scan: limit_options.Scan = 6,
+    cone: limit_options.Cone = "exact",
+    equilibrium_only: limit_options.EquilibriumOnly = False,
+    workers: limit_options.Workers = 1,
     html: options.Html = None,
     as_json: options.Json = False,
 ) -> int:
     """The least share of the size of all joints; its inverse is a geometric safety factor."""
     files = limit_answer.Files.checked(html, None)
-    search = _search(width, scan, cone, equilibrium_only)
+    search = search_options(width, scan, cone, equilibrium_only)
     with Waiting() as waiting:
         from drystone import limits
 
@@ -232,7 +216,7 @@ def shrink(
             model, waiting, supports, friction, density, units, gravity, loads, seismic
         )
         waiting.stage("solve", "searching")
-        with _working(workers) as executor:
+        with working(workers) as executor:
             found = limits.limit_shrink(
                 prepared.assembly,
                 prepared.contacts,
@@ -268,19 +252,6 @@ def _prepared(
     )
 
 
-def _search(width: float | None, scan: int, cone: str, equilibrium_only: bool) -> LimitOptions:
-    options.positive(width, "--width")
-    if scan < 1:
-        raise InputError(f"is {scan}", where="--scan", remedy="give one step or more")
-    from drystone.limits import LimitOptions
-    from drystone.stability import FrictionCone
-
-    cones = {"exact": FrictionCone.exact, "octagon": FrictionCone.octagon}
-    if cone not in cones:
-        raise InputError(f"is '{cone}'", where="--cone", remedy=f"one of {', '.join(cones)}")
-    return LimitOptions(width=width, scan=scan, cone=cones[cone](), full=not equilibrium_only)
-
-
 def _axis(text: str | None) -> Any:
     from drystone.limits.limits import axis_vector
 
@@ -291,17 +262,3 @@ def _axis(text: str | None) -> Any:
         if error.where:
             raise
         raise InputError(error.what, where="--axis", remedy=error.remedy) from error
-
-
-@contextmanager
-def _working(workers: int) -> Iterator[Executor | None]:
-    """Processes to work on, or none for one worker."""
-    if workers < 1:
-        raise InputError(f"is {workers}", where="--workers", remedy="give one or more")
-    if workers == 1:
-        yield None
-        return
-    from concurrent.futures import ProcessPoolExecutor
-
-    with ProcessPoolExecutor(workers) as executor:
-        yield executor

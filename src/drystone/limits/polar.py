@@ -48,7 +48,7 @@ class TiltSweep:
     @property
     def weakest(self) -> int:
         """The direction in which it falls first."""
-        return int(np.argmin(np.nan_to_num(self.rest, nan=-1.0)))
+        return int(np.argmin(np.nan_to_num(self.rest, nan=-1.0).round(6)))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""

@@ -55,15 +55,14 @@ def draw(sweep: TiltSweep, title: str) -> Figure:
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     colour = ROLE_COLOUR["light"]
-    figure = Figure(figsize=(6.0, 6.2))
+    figure = Figure(figsize=(6.0, 6.8))
     axes: Any = figure.add_subplot(projection="polar")
-    for values, label, ink, style in (
-        (sweep.equilibrium, "equilibrium exists", colour["pressure"], "--"),
-        (sweep.rest, "stands", colour["resultant"], "-"),
+    for values, label, ink, width in (
+        (sweep.equilibrium, "some forces balance the loads", colour["missed"], 5.0),
+        (sweep.rest, "stands", colour["pressure"], 1.5),
     ):
-        axes.plot(
-            *_closed(sweep.azimuth, values), style, color=ink, label=label, marker="o", markersize=3
-        )
+        ring = _closed(sweep.azimuth, values)
+        axes.plot(*ring, "-", color=ink, label=label, linewidth=width)
     weakest = sweep.weakest
     angle = float(sweep.rest[weakest])
     if np.isfinite(angle):
@@ -72,9 +71,11 @@ def draw(sweep: TiltSweep, title: str) -> Figure:
         title = f"{title}\nweakest towards {azimuth:g} deg: {angle:.2f} deg".strip()
     axes.set_title(title, fontsize=10)
     axes.set_ylim(bottom=0.0)
-    axes.set_rlabel_position(45.0)
+    axes.set_rlabel_position(67.5)
     axes.set_xlabel("largest tilt [deg] towards each direction, seen from above, x to the right")
-    figure.legend(*axes.get_legend_handles_labels(), loc="lower right", frameon=False, fontsize=9)
+    handles = axes.get_legend_handles_labels()
+    figure.legend(*handles, loc="lower center", ncol=2, frameon=False, fontsize=9)
+    figure.subplots_adjust(bottom=0.16, top=0.84)
     return figure
 
 

@@ -1,0 +1,195 @@
+"""What the limits, the loads and the joint tables answer on the command line."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drystone import LoadCase, io
+from drystone.cli import main
+from drystone.io import Model
+from drystone.models import tower
+
+Capsys = pytest.CaptureFixture[str]
+TOWER = tower(2)
+SLIDE = float(np.rad2deg(np.arctan(0.6)))
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> str:
+    path = tmp_path / "tower.json"
+    io.write(TOWER, path)
+    return str(path)
+
+
+def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:
+    code = main([*arguments, "--json"])
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.count("\n") == 1
+    return code, json.loads(out)
+
+
+def refused(capsys: Capsys, *arguments: str) -> str:
+    assert main(list(arguments)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    return err
+
+
+def test_tilt_has_both_definitions_and_the_blocks_that_fall(model: str, capsys: Capsys) -> None:
+    code, told = answer(capsys, "limit", "tilt", model, "--axis", "1,0,0", "--scan", "1")
+    assert code == 0
+    for key in ("equilibrium", "rest"):
+        assert told[key]["stands"] < SLIDE < told[key]["falls"]
+    assert told["falling"] == ["block-1"]
+    assert told["parameter"] == "tilt"
+    assert told["islands"] == told["notes"] == told["files"] == []
+
+
+def test_a_sweep_writes_its_plot(model: str, tmp_path: Path, capsys: Capsys) -> None:
+    plot = tmp_path / "polar.png"
+    code, told = answer(
+        capsys, "limit", "tilt", model, "--polar", "3", "--equilibrium-only", "--png", str(plot)
+    )
+    assert code == 0
+    assert told["azimuth"] == [0.0, 120.0, 240.0]
+    assert plot.read_bytes()[:4] == b"\x89PNG"
+    assert told["files"] == [str(plot)]
+
+
+def test_friction_and_its_page(model: str, tmp_path: Path, capsys: Capsys) -> None:
+    page = tmp_path / "fall.html"
+    code, told = answer(
+        capsys, "limit", "friction", model, "--seismic", "0.3,0", "--html", str(page),
+        "--width", "0.01", "--scan", "1",
+    )  # fmt: skip
+    assert code == 0
+    assert told["rest"]["value"] == pytest.approx(0.3, abs=0.01)
+    assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
+
+
+def test_a_load_grows_until_the_block_topples(model: str, capsys: Capsys) -> None:
+    code, told = answer(
+        capsys, "limit", "load", model, "block-1:100,0,0@0.5,0.5,2.2", "--scan", "1"
+    )
+    assert code == 0
+    expected = 2400.0 * 9.81 * 0.5 / 1.2 / 100.0
+    assert told["rest"]["value"] == pytest.approx(expected, rel=1e-3)
+    assert told["notes"] == ["the point 0.5, 0.5, 2.2 is 0.2 m off block 'block-1'"]
+
+
+def test_a_load_case_of_the_file_can_grow(tmp_path: Path, capsys: Capsys) -> None:
+    wind = LoadCase.point_load(TOWER, 1, (1000.0, 0.0, 0.0))
+    loads = (LoadCase.gravity(TOWER), LoadCase(wind.wrench, "wind"))
+    path = tmp_path / "loaded.json"
+    io.write(Model(TOWER, None, loads, ()), path)
+    code, told = answer(capsys, "limit", "load", str(path), "wind", "--equilibrium-only")
+    assert code == 0
+    assert told["rest"] is None
+    assert told["equilibrium"]["value"] == pytest.approx(0.6 * 2.4 * 9.81, rel=1e-3)
+
+
+def test_shrink_tolerance_and_thickness_answer(model: str, capsys: Capsys) -> None:
+    code, told = answer(capsys, "limit", "shrink", model, "--seismic", "0.25", "--scan", "1")
+    assert code == 0
+    assert told["rest"]["value"] == pytest.approx(0.25, abs=1e-3)
+    code, told = answer(
+        capsys, "limit", "tolerance", model, "--friction-range", "0.2,0.4", "--seismic", "0.3",
+        "--draws", "8",
+    )  # fmt: skip
+    assert code == 1
+    assert (told["draws"], 0 < told["standing"] < 8) == (8, True)
+    code, told = answer(
+        capsys, "limit", "thickness", "arch", "--set", "voussoirs=8", "--friction", "1",
+        "--width", "0.001", "--equilibrium-only",
+    )  # fmt: skip
+    assert code == 0
+    assert told["equilibrium"]["value"] == pytest.approx(0.09997, abs=1e-3)
+    assert told["parameter"] == "thickness_ratio"
+
+
+def test_what_never_stood_has_exit_code_one(model: str, capsys: Capsys) -> None:
+    code, told = answer(
+        capsys, "limit", "tilt", model, "--load", "block-1:9e9,0,0", "--scan", "1", "--upper", "9"
+    )
+    assert code == 1
+    assert told["rest"]["stands"] is None
+
+
+def test_a_person_reads_the_same(model: str, capsys: Capsys) -> None:
+    assert main(["limit", "tilt", model, "--scan", "1"]) == 0
+    out = capsys.readouterr().out
+    assert "limit of tilt [deg]" in out
+    assert "some forces balance the loads" in out
+    assert "falls: block-1" in out
+    assert main(["limit", "tilt", model, "--polar", "2", "--equilibrium-only"]) == 0
+    assert "weakest" in capsys.readouterr().out
+    assert main(["limit", "tolerance", model, "--offset", "0.01", "--draws", "2"]) == 0
+    assert "2 of 2" in capsys.readouterr().out
+
+
+def test_check_takes_loads_and_an_earthquake(model: str, capsys: Capsys) -> None:
+    mass = ("--load", "block-1:100kg", "--load", "block-1:m=0,0,5")
+    code, told = answer(capsys, "check", model, *mass, "--seismic", "0.1,0.1")
+    assert code == 0
+    force = told["largest"]["force"]
+    assert force["normal"] == pytest.approx(2500.0 * 9.81)
+    assert force["tangential"] == pytest.approx(2400.0 * 9.81 * 0.1 * np.sqrt(2.0))
+    assert answer(capsys, "check", model, "--seismic", "0.7,0")[0] == 1
+
+
+def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -> None:
+    names = [str(tmp_path / f"joints.{suffix}") for suffix in ("csv", "json", "html")]
+    options = [part for name in names for part in ("--joints", name)]
+    code, told = answer(capsys, "check", model, *options, "--strength", "0.01")
+    assert code == 0
+    assert told["files"] == names
+    assert told["notes"] == ["the peak pressure exceeds 0.01 MPa at 1 of 1 joints"]
+    rows = list(csv.DictReader(Path(names[0]).read_text(encoding="utf-8").splitlines()))
+    assert float(rows[0]["normal [N]"]) == pytest.approx(2400.0 * 9.81)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["limit", "tilt", "MODEL", "--axis", "0,0,0"], "--axis: axis is zero"),
+        (["limit", "tilt", "MODEL", "--axis", "w"], "no axis is called 'w'"),
+        (["limit", "tilt", "MODEL", "--axis", "x", "--polar", "4"], "contradict"),
+        (["limit", "tilt", "MODEL", "--polar", "0"], "0 directions"),
+        (["limit", "tilt", "MODEL", "--png", "a.png"], "add --polar"),
+        (["limit", "tilt", "MODEL", "--polar", "4", "--html", "a.html"], "give an --axis"),
+        (["limit", "tilt", "MODEL", "--width", "0"], "--width: is 0"),
+        (["limit", "tilt", "MODEL", "--scan", "0"], "--scan: is 0"),
+        (["limit", "tilt", "MODEL", "--workers", "0"], "--workers: is 0"),
+        (["limit", "tilt", "MODEL", "--cone", "square"], "exact, octagon"),
+        (["limit", "load", "MODEL", "wind"], "no load case is called 'wind'"),
+        (["limit", "load", "MODEL", "block-0:1,0,0"], "'block-0' is fixed"),
+        (["limit", "load", "MODEL", "block-7:1,0,0"], "no block is called 'block-7'"),
+        (["limit", "thickness", "cube"], "there is no 'cube'"),
+        (["limit", "thickness", "arch", "--set", "voussoirs"], "not NAME=VALUE"),
+        (["limit", "thickness", "arch", "--set", "voussoirs=x"], "not a whole number"),
+        (["limit", "thickness", "arch", "--set", "colour=1"], "no parameter 'colour'"),
+        (["limit", "thickness", "arch", "--set", "thickness_ratio=1"], "what is searched"),
+        (["limit", "thickness", "arch", "--parameter", "radius"], "--from and --to"),
+        (["limit", "tolerance", "MODEL"], "nothing is imperfect"),
+        (["limit", "tolerance", "MODEL", "--friction-range", "1"], "not LOW,HIGH"),
+        (["check", "MODEL", "--load", "block-1"], "names no block"),
+        (["check", "MODEL", "--load", "block-1:1,2"], "not three finite numbers"),
+        (["check", "MODEL", "--load", "block-1:xkg"], "'x' is not a number"),
+        (["check", "MODEL", "--load", "block-1:m=1,0,0@0,0,0"], "acts at no point"),
+        (["check", "MODEL", "--load", "block-0:1,0,0"], "'block-0' is fixed"),
+        (["check", "MODEL", "--seismic", "1,2,3"], "not KX,KY"),
+        (["check", "MODEL", "--joints", "joints.xls"], "does not end in"),
+        (["check", "MODEL", "--strength", "-1"], "--strength: is -1"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused_in_one_line(
+    model: str, capsys: Capsys, arguments: list[str], words: str
+) -> None:
+    given = [model if argument == "MODEL" else argument for argument in arguments]
+    assert words in refused(capsys, *given)
