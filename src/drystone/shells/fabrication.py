@@ -21,6 +21,9 @@ from drystone.shells.schedule import block_frame
 MARGIN = 0.25
 """Space between flattened faces, by the mean height of a face."""
 
+LABEL = 0.06
+"""Height of a label by the width of its face, chosen: two names fit into it."""
+
 
 @dataclass(frozen=True, eq=False)
 class FlatFace:
@@ -159,11 +162,11 @@ def _label(face: FlatFace) -> str:
 def _svg(placed: Sequence[tuple[FlatFace, Floats]]) -> str:
     every = np.concatenate([corner for _, corner in placed])
     width, height = np.ceil(every.max(axis=0)) + 20.0
-    size = max(2.0, 0.02 * float(np.mean([np.ptp(c[:, 0]) for _, c in placed])))
+    size = LABEL * float(np.mean([np.ptp(c[:, 0]) for _, c in placed]))
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}mm" height="{height:.0f}mm" '
         f'viewBox="-10 -10 {width:.0f} {height:.0f}">',
-        f'<g fill="none" stroke="black" stroke-width="{0.1 * size:.2f}">',
+        f'<g fill="none" stroke="black" stroke-width="{0.05 * size:.2f}">',
     ]
     for _, corner in placed:
         points = " ".join(f"{x:.3f},{height - 20.0 - y:.3f}" for x, y in corner)
@@ -184,7 +187,7 @@ def _dxf(placed: Sequence[tuple[FlatFace, Floats]]) -> str:
             out += [(0, "VERTEX"), (8, "JOINTS"), (10, f"{x:.4f}"), (20, f"{y:.4f}"), (30, 0)]
         out += [(0, "SEQEND"), (8, "JOINTS")]
         x, y = corner.mean(axis=0)
-        size = 0.03 * float(np.ptp(corner[:, 0])) + 1.0
+        size = LABEL * float(np.ptp(corner[:, 0]))
         out += [(0, "TEXT"), (8, "LABELS"), (10, f"{x:.4f}"), (20, f"{y:.4f}"), (30, 0)]
         out += [(40, f"{size:.3f}"), (1, _label(face))]
     out += [(0, "ENDSEC"), (0, "EOF")]
