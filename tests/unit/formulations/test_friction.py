@@ -1,0 +1,46 @@
+"""Friction laws: inside the cone, against the slide, with right derivatives."""
+
+import numpy as np
+import pytest
+
+from drystone.formulations.friction import SlipLength, StickSlip
+
+K = 40
+RNG = np.random.default_rng(2)
+FRICTION = RNG.uniform(0.1, 1.2, K)
+NORMAL = RNG.uniform(0.1, 3.0, K)
+SLIDE = RNG.normal(size=(K, 2)) * 10.0 ** RNG.uniform(-3, 3, (K, 1))
+LAWS = [
+    SlipLength(FRICTION, RNG.uniform(0.1, 2.0, K)),
+    StickSlip(FRICTION, RNG.uniform(0.1, 2.0, K)),
+]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_friction_stays_inside_the_cone_and_points_along_the_slide(law):
+    force = law(NORMAL, SLIDE).force
+    assert (np.linalg.norm(force, axis=1) <= FRICTION * NORMAL * (1.0 + 1e-12)).all()
+    cross = force[:, 0] * SLIDE[:, 1] - force[:, 1] * SLIDE[:, 0]
+    assert np.allclose(cross, 0.0, atol=1e-12 * np.abs(SLIDE).max())
+    assert ((force * SLIDE).sum(axis=1) > 0.0).all()
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_derivatives_agree_with_central_differences(law):
+    response = law(NORMAL, SLIDE)
+    step = 1e-6 * np.linalg.norm(SLIDE, axis=1)
+    for axis in range(2):
+        shift = np.zeros((K, 2))
+        shift[:, axis] = step
+        numeric = (law(NORMAL, SLIDE + shift).force - law(NORMAL, SLIDE - shift).force) / (
+            2.0 * step[:, None]
+        )
+        scale = np.abs(response.by_slide).max(axis=(1, 2))
+        assert np.allclose((numeric - response.by_slide[:, :, axis]) / scale[:, None], 0, atol=1e-6)
+    more, less = law(NORMAL + 1e-6, SLIDE).force, law(NORMAL - 1e-6, SLIDE).force
+    assert np.allclose((more - less) / 2e-6, response.by_normal, atol=1e-7)
+
+
+def test_a_corner_that_does_not_slide_feels_no_friction():
+    for law in LAWS:
+        assert not law(NORMAL, np.zeros((K, 2))).force.any()

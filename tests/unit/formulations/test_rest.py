@@ -1,0 +1,95 @@
+"""Rest states: the tangent, closed forms on one block, and what the ground carries."""
+
+import numpy as np
+import pytest
+
+from drystone import LoadCase, find_contacts
+from drystone.assembly import Assembly
+from drystone.formulations import compliance
+from drystone.formulations.rest import RestOptions, _Path, find_rest
+from drystone.models import arch, box, shelf, tower
+from drystone.stability.problem import Problem
+
+
+def problem_of(assembly, friction, load=None):
+    contacts = find_contacts(assembly, friction=friction).contacts
+    return Problem.build(assembly, contacts, load)
+
+
+@pytest.mark.parametrize("model", [arch(0.15, voussoirs=7), shelf(), tower(4)])
+def test_assembled_tangent_is_the_product_of_its_factors(model):
+    problem = problem_of(model, 0.7)
+    statics, system = problem.statics, problem.system
+    rng = np.random.default_rng(0)
+    tangent = rng.normal(size=(statics.corner_count, 3, 3))
+    weight = rng.uniform(size=(statics.free_count, 6))
+    blocks = system.blocks(tangent, weight)
+    n = 6 * statics.free_count
+    dense = np.zeros((statics.free_count, 6, statics.free_count, 6))
+    dense[system.row, :, system.column, :] = blocks
+    matrix = statics.matrix.toarray().reshape(n, -1, 3)
+    expected = np.einsum("nki,kij,mkj->nm", matrix, tangent, matrix) + np.diag(weight.ravel())
+    assert np.allclose(dense.reshape(n, n), expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_newton_tangent_is_the_derivative_of_the_unbalanced_wrench():
+    problem = problem_of(arch(0.15, voussoirs=7), 0.5)
+    statics = problem.statics
+    for law in (compliance.uniform(statics), compliance.uniform(statics, slip=0.7)):
+        path = _Path(problem.system, law, RestOptions(ground=0.1))
+        rng = np.random.default_rng(1)
+        motion = rng.normal(size=(statics.free_count, 6))
+
+        def unbalanced(q, path=path):
+            gap = statics.displacement(q)[:, 0]
+            return path.evaluate(q, path.kn * np.maximum(0.0, -gap), 0.0)
+
+        point = unbalanced(motion)
+        step, _, _ = path.newton_step(point, 0.0)
+        h = 1e-6 / np.abs(step).max()
+        change = (
+            unbalanced(motion + h * step).unbalanced - unbalanced(motion - h * step).unbalanced
+        ) / (2.0 * h)
+        assert np.allclose(change, -point.unbalanced, atol=1e-5 * np.abs(point.unbalanced).max())
+
+
+def test_a_block_on_the_ground_sinks_by_weight_over_stiffness():
+    problem = problem_of(tower(2), 0.5)
+    statics = problem.statics
+    springs = compliance.uniform(statics)
+    state = find_rest(problem.system, springs, RestOptions(ground=1e-14))
+    assert state.converged
+    assert state.motion[0, 2] == pytest.approx(-1.0 / springs.normal.sum(), rel=1e-9)
+    assert state.force[:, 0] == pytest.approx(np.full(4, 0.25), rel=1e-9)
+
+
+def test_a_block_in_the_air_leans_on_the_ground_with_its_whole_weight():
+    pair = Assembly(
+        (box((1, 1, 1), name="base"), box((1, 1, 1), (0, 0, 3.0), name="floating")),
+        np.array([True, False]),
+    )
+    problem = problem_of(pair, 0.5)
+    state = find_rest(problem.system, compliance.uniform(problem.statics))
+    assert state.converged
+    assert state.ground[0] == pytest.approx([0, 0, -1.0, 0, 0, 0], abs=1e-9)
+
+
+def test_a_warm_start_takes_fewer_steps():
+    model = arch(0.15)
+    contacts = find_contacts(model, friction=0.9).contacts
+    level = Problem.build(model, contacts, None)
+    tilted = Problem.build(model, contacts, LoadCase.tilt(model, (0, 1, 0), 0.2))
+    springs = compliance.uniform(level.statics)
+    cold = find_rest(tilted.system, springs)
+    warm = find_rest(tilted.system, springs, start=find_rest(level.system, springs))
+    assert cold.converged
+    assert warm.converged
+    assert np.allclose(cold.force, warm.force, atol=1e-8)
+    assert warm.iterations < cold.iterations
+
+
+def test_stopping_returns_what_is_there():
+    problem = problem_of(arch(0.15), 0.9)
+    state = find_rest(problem.system, compliance.uniform(problem.statics), stop=lambda: True)
+    assert not state.converged
+    assert state.iterations == 0

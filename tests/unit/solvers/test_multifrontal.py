@@ -1,0 +1,60 @@
+"""Block elimination against dense algebra."""
+
+import numpy as np
+import pytest
+
+from drystone.errors import SolverError
+from drystone.solvers.multifrontal import BlockOrdering
+
+
+def random_system(count, width, rng, reach):
+    """Points in space coupled with their neighbours; unsymmetric, diagonally dominant."""
+    position = rng.uniform(size=(count, 3))
+    distance = np.linalg.norm(position[:, None] - position[None], axis=2)
+    row, column = np.nonzero(distance < reach)
+    blocks = rng.normal(size=(len(row), width, width))
+    blocks[row == column] += 3.0 * count * np.eye(width)
+    dense = np.zeros((count, width, count, width))
+    dense[row, :, column, :] = blocks
+    return position, row, column, blocks, dense.reshape(count * width, count * width)
+
+
+@pytest.mark.parametrize(
+    ("count", "reach"), [(1, 1.0), (7, 0.8), (60, 0.3), (300, 0.15), (90, 0.0)]
+)
+def test_solution_is_that_of_the_dense_matrix(count, reach):
+    rng = np.random.default_rng(count)
+    position, row, column, blocks, dense = random_system(count, 3, rng, max(reach, 1e-9))
+    factor = BlockOrdering(position, row, column, 3).factorise(blocks)
+    right = rng.normal(size=(count, 3))
+    assert np.allclose(dense @ factor.solve(right).ravel(), right.ravel(), atol=1e-9)
+    assert np.allclose(dense.T @ factor.solve_transposed(right).ravel(), right.ravel(), atol=1e-9)
+
+
+def test_every_node_is_eliminated_once_after_all_its_children():
+    rng = np.random.default_rng(5)
+    position, row, column, _, _ = random_system(200, 1, rng, 0.2)
+    fronts = BlockOrdering(position, row, column, 1).fronts
+    pivots = np.concatenate([front.pivots for front in fronts])
+    assert sorted(pivots.tolist()) == list(range(200))
+    seen: set[int] = set()
+    for front in fronts:
+        assert not seen & set(front.boundary.tolist())
+        seen |= set(front.pivots.tolist())
+
+
+def test_points_on_top_of_each_other_are_still_divided():
+    count = 100
+    row = np.concatenate([np.arange(count), np.arange(count - 1), np.arange(1, count)])
+    column = np.concatenate([np.arange(count), np.arange(1, count), np.arange(count - 1)])
+    blocks = np.where(row == column, 4.0, -1.0)[:, None, None]
+    ordering = BlockOrdering(np.zeros((count, 3)), row, column, 1)
+    x = ordering.factorise(blocks).solve(np.ones((count, 1)))
+    assert np.allclose(4.0 * x[1:-1] - x[:-2] - x[2:], 1.0)
+
+
+def test_a_singular_matrix_is_an_error_with_the_front_named():
+    index = np.arange(4)
+    ordering = BlockOrdering(np.eye(4)[:, :3], index, index, 2)
+    with pytest.raises(SolverError, match="singular"):
+        ordering.factorise(np.zeros((4, 2, 2)))
