@@ -1,14 +1,6 @@
 """Shells: from a surface to courses, a staggered pattern, and blocks with planar joints."""
 
-from drystone.shells.build import (
-    Body,
-    Ground,
-    Intrados,
-    Layout,
-    SharedFace,
-    Shell,
-    build_shell,
-)
+from drystone.shells.build import SharedFace, Shell, build_shell
 from drystone.shells.extent import shape_volume
 from drystone.shells.fabrication import (
     FlatFace,
@@ -24,6 +16,7 @@ from drystone.shells.formfinding import (
     find_form,
 )
 from drystone.shells.meshfit import MeshFit, patch_from_mesh, read_surface
+from drystone.shells.options import Body, Ground, Intrados, Layout
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.plans import rectangular_plan, three_legged_plan

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from drystone.assembly import DEFAULT_DENSITY, Assembly
+from drystone.assembly import Assembly
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.progress import Progress
@@ -20,7 +19,6 @@ from drystone.shells.extent import check_radius, mean_width
 from drystone.shells.fit import fit_cells
 from drystone.shells.materialise import (
     Pins,
-    Thickness,
     add_register,
     cell_faces,
     joint_polygons,
@@ -29,84 +27,12 @@ from drystone.shells.materialise import (
     raise_pins,
     vertex_thickness,
 )
-from drystone.shells.pattern import Wedge, lay_pattern
-from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
+from drystone.shells.options import Body, Ground, Intrados, Layout
+from drystone.shells.pattern import lay_pattern
+from drystone.shells.planarise import PlanarReport, planarise
 from drystone.shells.shape import Shape
 from drystone.shells.supports import add_ground, springers
 from drystone.shells.tessellation import Tessellation, weld
-
-
-class Intrados(enum.Enum):
-    """The inner faces of the blocks."""
-
-    OFFSET = "offset"
-    """They follow the surface at the thickness; slightly warped where it is doubly curved."""
-    STRAIGHT = "straight"
-    """Each is planar, so that a block can be sawn; the thickness varies a little."""
-
-
-class Ground(enum.Enum):
-    """What holds a shell."""
-
-    BLOCKS = "blocks"
-    """A fixed block is added under every springer."""
-    SPRINGERS = "springers"
-    """The springers themselves are fixed."""
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Courses and blocks of a patch.
-
-    Attributes
-    ----------
-    courses, height, heights
-        One of them: number of full courses, height wanted [m], or relative heights.
-    partial
-        Courses that end inside; None lets the height decide.
-    blocks, width
-        One of them: number per course, one or one each, or width wanted [m].
-    staggered
-    wedge
-        Shift of bed-joint corners towards the neighbouring course, by its height.
-    """
-
-    courses: int | None = None
-    height: float | None = None
-    heights: Sequence[float] | None = None
-    partial: int | None = 0
-    blocks: int | Sequence[int] | None = None
-    width: float | None = None
-    staggered: bool = True
-    wedge: Wedge = 0.0
-
-
-@dataclass(frozen=True)
-class Body:
-    """What the cells become.
-
-    Attributes
-    ----------
-    thickness : [m]
-        One, one per course, or a function of points; left out, that of the shape.
-    density : [kg/m3]
-    register_deg : [degrees]
-        Hooks every block over the course below; see
-        :func:`drystone.shells.materialise.add_register`.
-    intrados
-    ground
-    ground_depth : [m]
-        Depth of the ground blocks; left out, the mean thickness.
-    planar
-    """
-
-    thickness: Thickness | None = None
-    density: float = DEFAULT_DENSITY
-    register_deg: float = 0.0
-    intrados: Intrados = Intrados.OFFSET
-    ground: Ground = Ground.BLOCKS
-    ground_depth: float | None = None
-    planar: PlanarOptions = field(default_factory=PlanarOptions)
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ from types import MappingProxyType
 
 from drystone.errors import InputError
 from drystone.progress import Progress
-from drystone.shells.build import Body, Layout, Shell, build_shell
+from drystone.shells.build import Shell, build_shell
 from drystone.shells.families import barrel_vault, dome
 from drystone.shells.formfinding import find_form
+from drystone.shells.options import Body, Layout
 from drystone.shells.plans import rectangular_plan, three_legged_plan
 from drystone.shells.shape import Shape
 

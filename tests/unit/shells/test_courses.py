@@ -123,3 +123,19 @@ def test_unstaggered_joints_are_continuous():
 def test_impossible_bonds_are_refused(patch, options, message):
     with pytest.raises(InputError, match=message):
         lay_bond(lay_courses(patch, count=3), **options)
+
+
+def test_partial_courses_do_not_end_on_a_head_joint_of_the_course_below():
+    bond = lay_bond(lay_courses(FAN, height=0.5, partial=None), width=0.6)
+    courses = bond.courses
+    partial = [c for c in range(1, courses.count) if courses.start[c] > 0.0]
+    assert len(partial) == 8
+    for course in partial:
+        tip = courses.start[course]
+        reached = [c for c in range(course) if courses.start[c] < tip]
+        assert np.abs(bond.joints[reached[-1]][1:-1] - tip).min() > 0.3 * courses.taper
+
+
+def test_unstaggered_joints_run_on_where_the_courses_differ_a_little():
+    joints = lay_bond(lay_courses(FAN, count=5), blocks=6, staggered=False).joints
+    assert all(np.array_equal(x, joints[0]) for x in joints)
