@@ -136,6 +136,13 @@ def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
     assert set(re.findall(r"^\| ([a-z][\w.-]*) \| [A-Z]", page, re.MULTILINE)) == needed
 
 
+def test_every_dependency_of_the_core_is_imported() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    source = "".join(path.read_text("utf-8") for path in (ROOT / "src").rglob("*.py"))
+    needed = {re.match(r"\w+", requirement)[0] for requirement in project["dependencies"]}  # type: ignore[index]
+    assert {name for name in needed if not re.search(rf"(import|from) {name}\b", source)} == set()
+
+
 def test_an_extra_that_an_error_names_exists() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     named = {
