@@ -36,7 +36,8 @@ class Statics:
     lever_a, lever_b : (k, 3) from the block's centroid to the corner, by the block's length
     frame : (k, 3, 3) rows n, u, v
     friction : (k,)
-    tributary : (k,) area by the mean area of a loaded corner
+    tributary : (k,) area by the mean area of a corner
+    block_area : (k,) squared size of the smaller of the two blocks, by the same area
     interface : (k,)
     load : (n, 6) scaled wrench
     mass : (n,) by the mean mass of a free block
@@ -54,6 +55,7 @@ class Statics:
     frame: Floats
     friction: Floats
     tributary: Floats
+    block_area: Floats
     interface: Ints
     load: Floats
     mass: Floats
@@ -136,6 +138,7 @@ class Statics:
                 "frame",
                 "friction",
                 "tributary",
+                "block_area",
                 "interface",
             )
         }
@@ -224,6 +227,7 @@ def build_statics(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Sta
         frame=contacts.frame[contacts.interface],
         friction=contacts.friction[contacts.interface],
         tributary=area / mean_area,
+        block_area=np.minimum(length[of_a], length[of_b]) ** 2 / mean_area,
         interface=contacts.interface,
         load=scaled,
         mass=mass / mass.mean() if len(free) else mass,

@@ -11,6 +11,9 @@ from drystone.formulations.friction import FrictionLaw, SlipLength, StickSlip
 from drystone.geometry.arrays import Floats
 from drystone.statics import Statics
 
+SPECK = 1e-4
+"""Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
+
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
@@ -75,7 +78,7 @@ def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
 
 
 def normal_stiffness(statics: Statics) -> Floats:
-    """Tributary area, no less than 5 % of the interface's mean, and never zero.
+    """Tributary area, no less than 5 % of the interface's mean and a speck of the smaller block.
 
     Slivers spoil the conditioning; lines and points have no area at all.
     """
@@ -84,8 +87,7 @@ def normal_stiffness(statics: Statics) -> Floats:
         return area
     count = np.bincount(statics.interface)
     mean = np.bincount(statics.interface, area) / np.maximum(count, 1)
-    typical = np.median(area[area > 0.0]) if (area > 0.0).any() else 1.0
-    return np.maximum(np.maximum(area, 0.05 * mean[statics.interface]), 1e-3 * typical)
+    return np.maximum(np.maximum(area, 0.05 * mean[statics.interface]), SPECK * statics.block_area)
 
 
 def corner_load(statics: Statics) -> Floats:
