@@ -144,18 +144,18 @@ def bridge(
     piers = []
     for name, side in (("left", -1.0), ("right", 1.0)):
         back = half + tail
-        pier = [(side * half, 0.0), (side * back, 0.0), (side * back, height), (side * half, height)]
-        piers.append(prism(pier, span, f"pier-{name}"))
+        pier = np.array([(half, 0.0), (back, 0.0), (back, height), (half, height)])
+        piers.append(prism(pier * (side, 1.0), span, f"pier-{name}"))
         for i in range(corbels):
             tip = half - (i + 1) * reach
             low, high = (i + 1) * height, (i + 2) * height
             top = tip + rise if i == corbels - 1 else tip
-            section = [(side * tip, low), (side * back, low), (side * back, high), (side * top, high)]
-            arms[name].append(prism(section, span, f"{name}-{i + 1}"))
+            arm = np.array([(tip, low), (back, low), (back, high), (top, high)])
+            arms[name].append(prism(arm * (side, 1.0), span, f"{name}-{i + 1}"))
     low, high = corbels * height, (corbels + 1) * height
     wide = 0.5 * gap
-    section = [(-wide, low), (wide, low), (wide + rise, high), (-wide - rise, high)]
-    blocks = (*piers, *arms["left"], *arms["right"], prism(section, span, "key"))
+    key = [(-wide, low), (wide, low), (wide + rise, high), (-wide - rise, high)]
+    blocks = (*piers, *arms["left"], *arms["right"], prism(key, span, "key"))
     return Assembly(blocks, np.arange(len(blocks)) < 2)
 
 

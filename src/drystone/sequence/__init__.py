@@ -1,17 +1,34 @@
 """Assembly planning: in which order, what to hold, what to prop."""
 
-from drystone.sequence.evaluation import Evaluator, LocalWorkers
+from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.insertion import Freedom, RemovalTest, freedom
+from drystone.sequence.margins import (
+    FrictionSweep,
+    Margin,
+    MarginOptions,
+    Margins,
+    least_buildable_friction,
+    margins,
+    sweep_friction,
+)
 from drystone.sequence.plan import Plan, Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
+from drystone.sequence.report import save_table, table_text
 from drystone.sequence.rules import Order, Rules
 from drystone.sequence.stages import Answer, Model, Stage, check_once, check_thoroughly
+from drystone.sequence.workers import DaskWorkers, ExecutorFactory, LocalWorkers
 
 __all__ = [
     "Answer",
+    "DaskWorkers",
     "Evaluator",
+    "ExecutorFactory",
     "Freedom",
+    "FrictionSweep",
     "LocalWorkers",
+    "Margin",
+    "MarginOptions",
+    "Margins",
     "Model",
     "Order",
     "Plan",
@@ -25,5 +42,10 @@ __all__ = [
     "check_once",
     "check_thoroughly",
     "freedom",
+    "least_buildable_friction",
+    "margins",
     "plan",
+    "save_table",
+    "sweep_friction",
+    "table_text",
 ]

@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 import functools
-import hashlib
-import json
 import logging
 import pickle
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TypeAlias
 
-import numpy as np
-
-from drystone.errors import FormatError
-from drystone.io.files import PathLike, write_bytes
-from drystone.results import Verdict
+from drystone.io.files import PathLike
+from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stages import Answer, Model, Stage
+from drystone.sequence.workers import ExecutorFactory
 
-ExecutorFactory: TypeAlias = Callable[[], Executor]
-"""Starts workers; called again when one of them died and took the executor with it."""
-
-FORMAT, VERSION = "drystone-stages", 1
 SAVE_EVERY_S = 10.0
 """Between two writes of the checkpoint. Chosen: what a user does not mind losing."""
 REVIVALS = 5
@@ -185,109 +175,4 @@ def _unpacked(payload: bytes) -> Model:
     return model
 
 
-def fingerprint(model: Model) -> str:
-    """What tells one model from another: geometry, contacts, friction, load, and the judge."""
-    digest = hashlib.sha256()
-    contacts, assembly = model.contacts, model.assembly
-    for array in (
-        assembly.fixed, assembly.centroid, assembly.mass, contacts.block_a, contacts.block_b,
-        contacts.frame, contacts.friction, contacts.point, contacts.interface, model.load.wrench,
-    ):  # fmt: skip
-        digest.update(np.ascontiguousarray(array).tobytes())
-    judge = model.judge
-    digest.update(repr(getattr(judge, "__qualname__", judge)).encode())
-    return digest.hexdigest()
-
-
-def write_checkpoint(path: Path, model: Model, known: dict[Stage, Answer]) -> None:
-    """Keep answers, without their forces, as JSON; written aside and renamed."""
-    data = {
-        "format": FORMAT,
-        "version": VERSION,
-        "model": fingerprint(model),
-        "parts": [
-            {
-                "placed": f"{part.placed:x}",
-                "held": f"{part.held:x}",
-                "verdict": found.verdict.name,
-                "message": found.message,
-                "falling": list(found.falling),
-                "reaction": {str(b): wrench.tolist() for b, wrench in found.reaction.items()},
-                "used": found.used,
-            }
-            for part, found in known.items()
-        ],
-    }
-    write_bytes(path, json.dumps(data).encode("ascii"))
-
-
-def read_checkpoint(path: Path, model: Model) -> dict[Stage, Answer]:
-    """The answers that a checkpoint holds.
-
-    Raises
-    ------
-    FormatError
-        It cannot be read, or belongs to another model.
-    """
-    try:
-        data = json.loads(path.read_bytes())
-        if data["format"] != FORMAT or data["version"] != VERSION:
-            raise FormatError("is no checkpoint of this version", where=str(path))
-        if data["model"] != fingerprint(model):
-            raise FormatError(
-                "the checkpoint belongs to another model",
-                where=str(path),
-                remedy="name another file, or remove this one",
-            )
-        return {_stage(record): _answer(record) for record in data["parts"]}
-    except FormatError:
-        raise
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise FormatError(
-            "the checkpoint cannot be read", where=str(path), remedy="remove it to start anew"
-        ) from error
-
-
-def _stage(record: Any) -> Stage:
-    return Stage(int(record["placed"], 16), int(record["held"], 16))
-
-
-def _answer(record: Any) -> Answer:
-    return Answer(
-        Verdict[record["verdict"]],
-        str(record["message"]),
-        tuple(int(b) for b in record["falling"]),
-        {int(b): np.array(wrench, dtype=np.float64) for b, wrench in record["reaction"].items()},
-        float(record["used"]),
-    )
-
-
-@dataclass(frozen=True)
-class LocalWorkers:
-    """Starts worker processes on this machine: an :data:`ExecutorFactory`.
-
-    Attributes
-    ----------
-    count
-    """
-
-    count: int
-
-    def __call__(self) -> Executor:
-        """Start them."""
-        import multiprocessing
-        from concurrent.futures import ProcessPoolExecutor
-
-        # spawned, not forked: numerical libraries keep threads, which a fork would tear
-        context = multiprocessing.get_context("spawn")
-        return ProcessPoolExecutor(self.count, mp_context=context)
-
-
-__all__ = [
-    "Evaluator",
-    "ExecutorFactory",
-    "LocalWorkers",
-    "read_checkpoint",
-    "solve_remote",
-    "write_checkpoint",
-]
+__all__ = ["Evaluator", "solve_remote"]

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import nnls
 
 from drystone.geometry.arrays import Floats
 from drystone.sequence.stages import Model, members
@@ -31,7 +32,7 @@ class Freedom:
     generators : (g, 3) unit
         Every free direction is a sum of these with factors of zero or more; none when blocked.
     preferred : (3,) unit, or None when blocked
-        Up where that is free, else the middle of the cone.
+        The free direction nearest to up.
     """
 
     generators: Floats
@@ -100,11 +101,12 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
         return Freedom(free, None)
     if (distinct @ up >= -tolerance).all():
         return Freedom(free, up)
-    middle = free.sum(axis=0)
-    length = float(np.linalg.norm(middle))
-    if length < 1e-6:
-        middle, length = free[int(np.argmax(free @ up))], 1.0
-    return Freedom(free, middle / length)
+    share, _ = nnls(free.T, up)
+    steepest = free.T @ share
+    length = float(np.linalg.norm(steepest))
+    if length < tolerance:
+        steepest, length = free[int(np.argmax(free @ up))], 1.0
+    return Freedom(free, steepest / length)
 
 
 class RemovalTest:

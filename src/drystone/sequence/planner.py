@@ -14,13 +14,14 @@ from drystone.contacts import Contacts
 from drystone.io.files import PathLike
 from drystone.loads import LoadCase
 from drystone.progress import Progress
-from drystone.sequence.evaluation import Evaluator, ExecutorFactory
+from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.exact import search_exactly
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plan import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
 from drystone.sequence.search import Found, Node, Search, SearchOptions
 from drystone.sequence.stages import Answer, Check, Model, Stage, check_once, mask_of, members
+from drystone.sequence.workers import ExecutorFactory
 
 EFFORT = 2000
 """Checks without progress, times free blocks, before the planner gives in and holds or props.

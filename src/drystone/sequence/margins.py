@@ -1,0 +1,255 @@
+"""By how much each stage of a plan stands, and at which friction there is a plan without props."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from drystone.contacts import Contacts
+from drystone.errors import InputError
+from drystone.limits import LimitOptions, limit_friction, tilt_sweep
+from drystone.loads import LoadCase
+from drystone.progress import Progress
+from drystone.sequence.plan import Plan
+from drystone.sequence.stages import Model, Stage, mask_of, members
+
+PlanAt: TypeAlias = Callable[[Contacts], Plan]
+"""The planner with everything given but the contacts."""
+
+
+@dataclass(frozen=True)
+class MarginOptions:
+    """How closely margins are asked.
+
+    Attributes
+    ----------
+    friction_width
+        Of the bracket of the least friction.
+    tilt_width, tilt_upper : [degrees]
+        Of the bracket of the tilt limit, and the angle at which its search ends.
+    directions
+        Horizontal directions of tilt.
+    """
+
+    friction_width: float = 0.01
+    tilt_width: float = 0.5
+    tilt_upper: float = 45.0
+    directions: int = 4
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far a stage is from falling.
+
+    Attributes
+    ----------
+    least_friction
+        Coefficient, one for all joints, down to which it stands; infinity where it does not.
+    tilt : [degrees]
+        Down to the direction in which it can be tilted least; the end of the search where it stands
+        until there.
+    """
+
+    least_friction: float
+    tilt: float
+
+
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """The margins of all stages of a plan, in the order of its steps.
+
+    Attributes
+    ----------
+    plan
+    stages
+    """
+
+    plan: Plan
+    stages: tuple[Margin, ...]
+
+    @property
+    def least_friction(self) -> float:
+        """The coefficient that the most demanding stage needs: the order works down to it."""
+        return max((one.least_friction for one in self.stages), default=0.0)
+
+    @property
+    def weakest(self) -> int:
+        """The step after which the least tilt makes it fall."""
+        return int(np.argmin([one.tilt for one in self.stages]))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values: each stage, the weakest one, the friction that the order needs."""
+        stages = [
+            {"step": i, "least_friction": one.least_friction, "tilt_deg": one.tilt}
+            for i, one in enumerate(self.stages)
+        ]
+        return {
+            "stages": stages,
+            "weakest": stages[self.weakest],
+            "least_friction": self.least_friction,
+        }
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The plan's table with the margins of each stage."""
+        return [
+            row
+            | {
+                "least_friction": self.stages[row["stage"] - 1].least_friction,
+                "tilt_deg": self.stages[row["stage"] - 1].tilt,
+            }
+            for row in self.plan.rows()
+        ]
+
+
+def margins(
+    plan: Plan,
+    *,
+    options: MarginOptions | None = None,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Margins:
+    """Least friction and tilt limit of every stage of a plan, its props being in place.
+
+    Equilibrium gives the bound, and the plan's own verdict is asked inside it.
+
+    Parameters
+    ----------
+    plan
+    options
+    executor
+        Works on stages side by side.
+    progress
+    """
+    chosen = options if options is not None else MarginOptions()
+    task = partial(margin_of, plan.model, options=chosen)
+    stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]
+    answers = map(task, stages) if executor is None else executor.map(task, stages)
+    found = []
+    for one in answers:
+        found.append(one)
+        if progress is not None:
+            progress("margins", len(found), len(stages))
+    return Margins(plan, tuple(found))
+
+
+def margin_of(model: Model, stage: Stage, *, options: MarginOptions) -> Margin:
+    """Margins of one stage."""
+    stage = Stage(*stage)
+    fixed = np.flatnonzero(model.assembly.fixed).tolist()
+    blocks = np.array(sorted([*fixed, *members(stage.placed)]), dtype=np.intp)
+    some = model.assembly.with_fixed([*fixed, *members(stage.held)]).subset(blocks.tolist())
+    contacts = model.contacts.of_blocks(blocks, len(model.assembly))
+    still = some.fixed
+    contacts = contacts.select(~(still[contacts.block_a] & still[contacts.block_b]))
+    load = LoadCase(model.load.wrench[blocks], model.load.name)
+    if still.all():
+        return Margin(0.0, options.tilt_upper)
+    least = limit_friction(
+        some,
+        contacts,
+        load,
+        check=model.judge,
+        options=LimitOptions(width=options.friction_width, scan=1),
+    ).best
+    sweep = tilt_sweep(
+        some,
+        contacts,
+        options.directions,
+        load,
+        upper=options.tilt_upper,
+        check=model.judge,
+        options=LimitOptions(width=options.tilt_width, scan=2),
+    )
+    tilt = min(0.0 if one.best.stands is None else one.best.stands for one in sweep.limits)
+    return Margin(np.inf if least.stands is None else float(least.stands), float(tilt))
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionSweep:
+    """The same structure planned at several coefficients.
+
+    Attributes
+    ----------
+    friction : coefficients, ascending
+    plans
+    """
+
+    friction: tuple[float, ...]
+    plans: tuple[Plan, ...]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Counts at each coefficient; None where the complete structure does not stand."""
+        return [
+            {
+                "friction": friction,
+                "stands": plan.complete.stands,
+                "free": plan.counts["free"] if plan.steps else None,
+                "held": plan.counts["held"] if plan.steps else None,
+                "propped": plan.counts["propped"] if plan.steps else None,
+            }
+            for friction, plan in zip(self.friction, self.plans, strict=True)
+        ]
+
+
+def sweep_friction(
+    contacts: Contacts, frictions: Sequence[float], plan_at: PlanAt
+) -> FrictionSweep:
+    """Plan at several friction coefficients, one for all joints each."""
+    if not frictions:
+        raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
+    values = tuple(sorted(float(f) for f in frictions))
+    return FrictionSweep(values, tuple(plan_at(contacts.with_friction(f)) for f in values))
+
+
+def least_buildable_friction(
+    contacts: Contacts, plan_at: PlanAt, *, upper: float, width: float = 0.005
+) -> tuple[float, float]:
+    """Coefficients between which building without props becomes possible: (too little, enough).
+
+    Bisection: it is taken that more friction never hurts.
+
+    Parameters
+    ----------
+    contacts
+    plan_at
+    upper
+        Where a plan without props exists.
+    width
+        Of the answer.
+
+    Raises
+    ------
+    InputError
+        There is none at ``upper``.
+    """
+    low, high = 0.0, float(upper)
+    if not _unpropped(plan_at(contacts.with_friction(high))):
+        raise InputError(f"there is no plan without props at friction {high:g}")
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        if _unpropped(plan_at(contacts.with_friction(middle))):
+            high = middle
+        else:
+            low = middle
+    return low, high
+
+
+def _unpropped(plan: Plan) -> bool:
+    return bool(plan.steps) and plan.verdict.value == "stable" and not plan.props
+
+
+__all__ = [
+    "FrictionSweep",
+    "Margin",
+    "MarginOptions",
+    "Margins",
+    "least_buildable_friction",
+    "margin_of",
+    "margins",
+    "sweep_friction",
+]

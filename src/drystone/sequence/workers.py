@@ -1,0 +1,104 @@
+"""Where stages are checked: processes of this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from drystone.errors import InputError, MissingDependency
+
+ExecutorFactory: TypeAlias = Callable[[], Executor]
+"""Starts workers; called again when one of them died and took the executor with it."""
+
+
+@dataclass(frozen=True)
+class LocalWorkers:
+    """Starts worker processes on this machine: an :data:`ExecutorFactory`.
+
+    Attributes
+    ----------
+    count
+    """
+
+    count: int
+
+    def __call__(self) -> Executor:
+        """Start them."""
+        # spawned, not forked: numerical libraries keep threads, which a fork would tear
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(self.count, mp_context=context)
+
+
+@dataclass(frozen=True)
+class DaskWorkers:
+    """Works on a running Dask scheduler: an :data:`ExecutorFactory`.
+
+    Attributes
+    ----------
+    address
+        Such as ``tcp://127.0.0.1:8786``.
+    """
+
+    address: str
+
+    def __call__(self) -> Executor:
+        """Connect.
+
+        Raises
+        ------
+        MissingDependency
+            Dask is not installed.
+        InputError
+            Nothing answers at the address.
+        """
+        try:
+            from distributed import Client  # optional: a cluster
+        except ImportError as error:
+            raise MissingDependency("distributed", extra="cluster", purpose="Dask") from error
+        connect: Any = Client
+        try:
+            client = connect(self.address, timeout="5s", set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise InputError(
+                f"no Dask scheduler answers at '{self.address}'",
+                where="dask",
+                remedy="start one with 'dask scheduler'",
+            ) from error
+        if not client.scheduler_info()["workers"]:
+            client.close()
+            raise InputError(
+                f"the Dask scheduler at '{self.address}' has no workers",
+                where="dask",
+                remedy=f"start some with 'dask worker {self.address}'",
+            )
+        return _DaskExecutor(client)
+
+
+class _DaskExecutor(Executor):
+    """A Dask client as an executor; Dask itself gives the work of a dead worker to another one."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._payload: tuple[bytes, Any] | None = None
+        self._max_workers = max(1, len(client.scheduler_info()["workers"]))
+
+    def submit(  # type: ignore[override]
+        self, function: Callable[..., Any], payload: bytes, /, *arguments: Any
+    ) -> Future[Any]:
+        """Ask for one piece of work; a payload travels once."""
+        if self._payload is None or self._payload[0] is not payload:
+            self._payload = (payload, self._client.scatter(payload, broadcast=True, hash=True))
+        future: Future[Any] = self._client.submit(
+            function, self._payload[1], *arguments, pure=False, retries=3
+        )
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        """Leave the scheduler running, and let go of it."""
+        self._client.close()
+
+
+__all__ = ["DaskWorkers", "ExecutorFactory", "LocalWorkers"]
