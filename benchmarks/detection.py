@@ -2,7 +2,8 @@
 
 ``python -m benchmarks.detection [--compas-cra PYTHON] [--compas-dem PYTHON] [--sizes 403,1988]
 [--armadillo MODEL.json INTERFACES.json] [--strips]``; each PYTHON is that of an environment with
-the package. Every run is a process of its own with one thread.
+the package. Every run is a process of its own with one thread; seconds are those of the CPU, which
+other work on the machine disturbs least, and ``wall`` is the shortest time on the clock.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from drystone.models import cube_curve, curve_three_blocks, random_pack, wall
 WALLS = {403: (13, 31, 1_122), 1_988: (28, 71, 5_767), 10_017: (63, 159, 29_608)}
 """Blocks: courses c, blocks per course l, and the ``c (l - 1) + (c - 1) (2 l - 1)`` joints of a
 wall in toothed bond, every other course shifted by half a block and no half blocks."""
-TIMED_OUT = 1_200
+TIMED_OUT = 3_600
 """[s] that a peer gets."""
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "NUMBA")
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in LIBRARIES}
@@ -45,17 +46,18 @@ def measure(blocks: int, repeats: int) -> dict[str, Any]:
     """Our own time: from blocks as read to contacts and report. The joints are counted first."""
     assembly = one_wall(blocks)
     expected = WALLS[blocks][2]
-    seconds = []
+    seconds, clock = [], []
     for _ in range(repeats):
         fresh = Assembly(assembly.blocks, assembly.fixed)  # nothing kept from the last time
-        begin = time.perf_counter()
+        begin, busy = time.perf_counter(), time.process_time()
         found = find_contacts(fresh)
-        seconds.append(time.perf_counter() - begin)
+        seconds.append(time.process_time() - busy)
+        clock.append(time.perf_counter() - begin)
         assert found.contacts.count == expected, (found.contacts.count, expected)
     return {
         "contacts": expected,
         "seconds": float(np.median(seconds)),
-        "best": min(seconds),
+        "wall": min(clock),
         "peak_gib": _peak_memory() / 2**30,
     }
 
@@ -106,14 +108,14 @@ def _run(command: Sequence[str]) -> str:
 
 def walls(sizes: Sequence[int], repeats: int, peers: dict[str, str]) -> None:
     """The table of the walls, pair by pair in the same run."""
-    print(f"{'blocks':>7} {'joints':>7} {'drystone':>10} {'best':>8} {'peak GiB':>9}", end="")
+    print(f"{'blocks':>7} {'joints':>7} {'drystone':>10} {'wall':>8} {'peak GiB':>9}", end="")
     print("".join(f" {name:>12} {'joints':>7} {'times':>6}" for name in peers))
     times = []
     for blocks in sizes:
         mine = ours(blocks, repeats)
         times.append(mine["seconds"])
         print(
-            f"{blocks:>7,} {mine['contacts']:>7,} {mine['seconds']:>8.3f} s {mine['best']:>6.3f} s"
+            f"{blocks:>7,} {mine['contacts']:>7,} {mine['seconds']:>8.3f} s {mine['wall']:>6.3f} s"
             f" {mine['peak_gib']:>9.2f}",
             end="",
             flush=True,
@@ -135,9 +137,9 @@ def walls(sizes: Sequence[int], repeats: int, peers: dict[str, str]) -> None:
 def pack(count: int = 10_000, sample: int = 300) -> None:
     """Random boxes: the contacts of a sample of blocks against intervals of all others."""
     assembly = random_pack(count, seed=1)
-    begin = time.perf_counter()
+    begin = time.process_time()
     contacts = find_contacts(assembly).contacts
-    seconds = time.perf_counter() - begin
+    seconds = time.process_time() - begin
     area: dict[tuple[int, int], float] = {}
     for i, pair in enumerate(
         zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
@@ -169,9 +171,9 @@ def armadillo(model: str, stored: str, repeats: int) -> None:
     seconds = []
     for _ in range(max(repeats, 5)):
         fresh = Assembly(assembly.blocks, assembly.fixed)
-        begin = time.perf_counter()
+        begin = time.process_time()
         contacts = find_contacts(fresh).contacts
-        seconds.append(time.perf_counter() - begin)
+        seconds.append(time.process_time() - begin)
     found: dict[tuple[int, int], float] = {}
     for i, pair in enumerate(
         zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
@@ -197,16 +199,15 @@ def strips() -> None:
     """Limit tilt of the curved models against the number of strips of their joints."""
     from drystone.limits import LimitOptions, limit_tilt
 
-    print(
-        "strips   joints curve-3-blocks, y      joints cube-curve, -x   (RBE bound, full verdict)"
-    )
+    print("strips  joints  curve-3-blocks about y  joints  cube-curve about -x")
     for count in (5, 10, 20, 40):
         line = f"{count:>6}"
         for model, axis in ((curve_three_blocks(count), "y"), (cube_curve(strips=count), "-x")):
             contacts = find_contacts(model, friction=0.84).contacts
-            limit = limit_tilt(model, contacts, axis, options=LimitOptions(width=0.1))
-            rest = limit.best.value
-            line += f"  {contacts.count:>7} {limit.equilibrium.value:>8.1f} {rest:>8.1f} deg"
+            limit = limit_tilt(model, contacts, axis, upper=90.0, options=LimitOptions(width=0.1))
+            value = limit.best.value
+            reached = "above 90" if value is None else f"{value:.1f}"
+            line += f"  {contacts.count:>6}  {reached:>22}"
         print(line, flush=True)
 
 
