@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 from pathlib import Path
@@ -26,9 +27,15 @@ def fingerprint(model: Model) -> str:
         contacts.frame, contacts.friction, contacts.point, contacts.interface, model.load.wrench,
     ):  # fmt: skip
         digest.update(np.ascontiguousarray(array).tobytes())
-    judge = model.judge
-    digest.update(repr(getattr(judge, "__qualname__", judge)).encode())
+    digest.update(_named(model.judge).encode())
     return digest.hexdigest()
+
+
+def _named(judge: Any) -> str:
+    """A name for a verdict that is the same in the next run."""
+    if isinstance(judge, functools.partial):
+        return f"{_named(judge.func)}{judge.args}{sorted(judge.keywords.items())}"
+    return str(getattr(judge, "__qualname__", type(judge).__qualname__))
 
 
 def write_checkpoint(path: Path, model: Model, known: dict[Stage, Answer]) -> None:

@@ -40,9 +40,12 @@ class DaskWorkers:
     ----------
     address
         Such as ``tcp://127.0.0.1:8786``.
+    timeout_s
+        To wait for an answer.
     """
 
     address: str
+    timeout_s: float = 5.0
 
     def __call__(self) -> Executor:
         """Connect.
@@ -60,7 +63,7 @@ class DaskWorkers:
             raise MissingDependency("distributed", extra="cluster", purpose="Dask") from error
         connect: Any = Client
         try:
-            client = connect(self.address, timeout="5s", set_as_default=False)
+            client = connect(self.address, timeout=self.timeout_s, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as error:
             raise InputError(
                 f"no Dask scheduler answers at '{self.address}'",

@@ -1,0 +1,155 @@
+"""The same plan with no worker, two, one that dies, a cluster, and after an interruption."""
+
+import functools
+import json
+import os
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.detection import find_contacts
+from drystone.errors import FormatError, InputError
+from drystone.loads import LoadCase
+from drystone.models import arch
+from drystone.results import Result
+from drystone.sequence import (
+    DaskWorkers,
+    LocalWorkers,
+    Plan,
+    PlanOptions,
+    Rules,
+    check_once,
+    plan,
+)
+
+
+def arch_plan(**arguments: object) -> Plan:
+    assembly = arch(0.3, 7)
+    contacts = find_contacts(assembly, friction=0.4).contacts
+    options = PlanOptions(rules=Rules(hands=1))
+    return plan(assembly, contacts, options=options, **arguments)  # type: ignore[arg-type]
+
+
+def essence(found: Plan) -> object:
+    """What must not depend on how it was worked out."""
+    return [
+        (step.blocks, step.props, step.answer.verdict, step.answer.force.tobytes())
+        for step in found.steps
+    ]
+
+
+@pytest.fixture(scope="module")
+def alone() -> object:
+    return essence(arch_plan())
+
+
+def mortal(
+    marker: Path, parent: int, assembly: Assembly, contacts: Contacts, load: LoadCase
+) -> Result:
+    """Kills the first other process that it runs in."""
+    if os.getpid() != parent and not marker.exists():
+        marker.touch()
+        os._exit(13)
+    return check_once(assembly, contacts, load)
+
+
+def test_two_workers_of_which_one_is_killed_give_the_same_plan(alone, tmp_path):
+    marker = tmp_path / "died"
+    judge = functools.partial(mortal, marker, os.getpid())
+    assert essence(arch_plan(check=judge, executor=LocalWorkers(2))) == alone
+    assert marker.exists()
+
+
+class Mortal(ThreadPoolExecutor):
+    """An executor that breaks after some work, for good."""
+
+    left = 3
+
+    def submit(self, function, /, *arguments, **named):  # type: ignore[no-untyped-def]
+        self.left -= 1
+        if self.left < 0:
+            future: Future = Future()
+            future.set_exception(BrokenExecutor("a worker was killed"))
+            return future
+        return super().submit(function, *arguments, **named)
+
+
+def test_a_given_executor_that_breaks_is_done_without(alone):
+    with Mortal(2) as executor:
+        assert essence(arch_plan(executor=executor)) == alone
+
+
+def test_new_workers_are_started_for_dead_ones(alone):
+    started = []
+
+    def start() -> Mortal:
+        started.append(Mortal(2))
+        return started[-1]
+
+    assert essence(arch_plan(executor=start)) == alone
+    assert len(started) > 1
+
+
+CALLS = {"left": 0}
+
+
+def interrupted(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """Ctrl-C after some stages."""
+    CALLS["left"] -= 1
+    if CALLS["left"] < 0:
+        raise KeyboardInterrupt
+    return check_once(assembly, contacts, load)
+
+
+def test_an_interrupted_plan_goes_on_from_its_checkpoint(alone, tmp_path):
+    file = tmp_path / "stages.json"
+    CALLS["left"] = 6
+    with pytest.raises(KeyboardInterrupt):
+        arch_plan(check=interrupted, checkpoint=file)
+    assert len(json.loads(file.read_text())["parts"]) == 6
+    CALLS["left"] = 1000
+    assert essence(arch_plan(check=interrupted)) == alone
+    whole = 1000 - CALLS["left"]
+    CALLS["left"] = 1000
+    assert essence(arch_plan(check=interrupted, checkpoint=file)) == alone
+    # forces are not kept: stages of the plan itself are checked again for them, others are not
+    assert 1000 - CALLS["left"] < whole
+
+
+def test_a_checkpoint_of_another_model_is_refused(tmp_path):
+    file = tmp_path / "stages.json"
+    arch_plan(checkpoint=file)
+    assembly = arch(0.25, 7)
+    contacts = find_contacts(assembly, friction=0.4).contacts
+    with pytest.raises(FormatError, match="another model"):
+        plan(assembly, contacts, checkpoint=file)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"format": "x"}', '{"format": "drystone-stages"}']
+)
+def test_a_broken_checkpoint_is_named(tmp_path, text):
+    file = tmp_path / "stages.json"
+    file.write_text(text)
+    with pytest.raises(FormatError, match=r"stages\.json"):
+        arch_plan(checkpoint=file)
+
+
+@pytest.mark.filterwarnings("ignore")  # of the cluster, about ports and shutdown
+def test_a_dask_cluster_gives_the_same_plan(alone):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None,
+        host="127.0.0.1", protocol="tcp",
+    ) as cluster:  # fmt: skip
+        assert essence(arch_plan(executor=DaskWorkers(cluster.scheduler_address))) == alone
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_silent_dask_address_is_named():
+    pytest.importorskip("distributed")
+    with pytest.raises(InputError, match="no Dask scheduler"):
+        DaskWorkers("tcp://127.0.0.1:9", timeout_s=0.5)()
