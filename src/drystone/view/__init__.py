@@ -1,6 +1,7 @@
 """Results to pictures: one self-contained page, static figures."""
 
 from drystone.view.figure import save_figure
+from drystone.view.inspection import inspection_scene
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
@@ -12,6 +13,7 @@ __all__ = [
     "Scene",
     "Stage",
     "State",
+    "inspection_scene",
     "page_text",
     "save_figure",
     "save_page",

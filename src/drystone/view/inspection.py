@@ -1,0 +1,81 @@
+"""What the contact search found and what it missed, as a scene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.detection import ContactReport, Detection
+from drystone.view.palette import State
+from drystone.view.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.staging import interface_layers
+
+
+def inspection_scene(assembly: Assembly, found: Detection) -> Scene:
+    """A scene with the interfaces, and near misses between blocks that do not touch in orange.
+
+    Parameters
+    ----------
+    assembly
+    found
+        Its contacts and their report.
+
+    Examples
+    --------
+    >>> from drystone.detection import find_contacts
+    >>> from drystone.models import tower
+    >>> assembly = tower(3)
+    >>> inspection_scene(assembly, find_contacts(assembly)).title
+    'drystone: 3 blocks, 2 interfaces'
+    """
+    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    count = f"{len(assembly)} blocks, {found.contacts.count} interfaces"
+    layers = (
+        *interface_layers(found.contacts, visible=True),
+        *_edge_layers(found),
+        *missed_layers(found.report),
+    )
+    message = "; ".join(found.report.summary())
+    stage = Stage("contacts", "", message, state, layers=layers)
+    return Scene(assembly, found.contacts, (stage,), f"drystone: {count}")
+
+
+def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
+    """The areas that pairs of blocks nearly share, where they touch nowhere else."""
+    missed = [miss.polygon for miss in report.missed if not miss.joined]
+    if not missed:
+        return ()
+    start = np.concatenate([[0], np.cumsum([len(polygon) for polygon in missed])])
+    return (
+        Layer(
+            "missed",
+            "near misses",
+            LayerKind.POLYGONS,
+            "missed",
+            np.concatenate(missed),
+            start=start.astype(np.intp),
+        ),
+    )
+
+
+def _edge_layers(found: Detection) -> tuple[Layer, ...]:
+    """Contacts along a line."""
+    contacts = found.contacts
+    lines = contacts.start[:-1][np.diff(contacts.start) == 2]
+    if len(lines) == 0:
+        return ()
+    position = contacts.point[lines]
+    return (
+        Layer(
+            "lines",
+            "line contacts",
+            LayerKind.LINES,
+            "interface",
+            position,
+            contacts.point[lines + 1] - position,
+            width=2.0,
+        ),
+    )
+
+
+__all__ = ["inspection_scene", "missed_layers"]

@@ -1,0 +1,37 @@
+"""Contacts and near misses on the page."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.detection import find_contacts
+from drystone.geometry.frames import rotation_about
+from drystone.models import box, tower
+from drystone.view import inspection_scene, page_text
+
+SLAB = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
+
+
+def test_near_misses_are_drawn_in_their_colour() -> None:
+    model = Assembly((SLAB, box((1.0, 1.0, 1.0), (0.0, 0.0, 0.01), "cube")))
+    scene = inspection_scene(model, find_contacts(model))
+    missed = next(layer for layer in scene.stages[0].layers if layer.key == "missed")
+    assert missed.colour == "missed"
+    np.testing.assert_allclose(missed.position[:, 2], 0.005, atol=1e-12)
+    assert "near misses" in page_text(scene)
+
+
+def test_what_touches_is_not_missed() -> None:
+    model = tower(3)
+    keys = {layer.key for layer in inspection_scene(model, find_contacts(model)).stages[0].layers}
+    assert keys == {"interfaces"}
+
+
+def test_line_contacts_are_drawn_as_lines() -> None:
+    cube = box((1.0, 1.0, 1.0)).transformed(rotation_about([1.0, 0.0, 0.0], 45.0))
+    model = Assembly((SLAB, cube))
+    layers = inspection_scene(model, find_contacts(model)).stages[0].layers
+    lines = next(layer for layer in layers if layer.key == "lines")
+    assert lines.vector is not None
+    np.testing.assert_allclose(np.linalg.norm(lines.vector, axis=1), 1.0)
