@@ -28,6 +28,7 @@ from drystone.shells.materialise import (
     vertex_thickness,
 )
 from drystone.shells.options import Body, Ground, Intrados, Layout
+from drystone.shells.patch import Side
 from drystone.shells.pattern import lay_pattern
 from drystone.shells.planarise import PlanarReport, planarise
 from drystone.shells.shape import Shape
@@ -254,13 +255,19 @@ def _finish(
 
 
 def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
-    """Springers stand on supports; the top ring of a closed patch is its ring; keystones close."""
+    """What each block does.
+
+    Springers stand on supports; keystones close an eye, or are the middle course of a patch that
+    stands on its bottom and its top; the last course of a closed patch is its ring.
+    """
     last = [int(mesh.course[mesh.of_patch == k].max()) for k in range(len(shape.patches))]
+    stood = {(edge.patch, edge.side) for edge in shape.supports}
+    spans = [{(k, Side.BOTTOM), (k, Side.TOP)} <= stood for k in range(len(shape.patches))]
     roles = []
     for name, course, patch, stands in zip(
         mesh.names, mesh.course.tolist(), mesh.of_patch.tolist(), springer.tolist(), strict=True
     ):
-        if name == "keystone":
+        if name == "keystone" or (spans[patch] and 2 * course == last[patch]):
             roles.append("keystone")
         elif stands:
             roles.append("springer")

@@ -175,6 +175,11 @@ def test_the_ring_around_an_eye_is_known():
     assert ring == [f"c05-b{k:02d}" for k in range(12)]
 
 
+def test_the_middle_course_of_a_vault_is_its_key():
+    keys = [b.name for b in VAULT.assembly.blocks if b.metadata["role"] == "keystone"]
+    assert keys == [f"c04-b{k:02d}" for k in range(4)]
+
+
 def test_metadata_tells_course_and_place():
     block = VAULT.assembly.blocks[VAULT.assembly.index("c03-b02")]
     assert dict(block.metadata) == {"course": 3, "position": 2, "patch": 0, "role": "voussoir"}
