@@ -19,6 +19,7 @@ import signal
 import sys
 import tempfile
 import time
+import warnings
 import zipfile
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -281,7 +282,8 @@ def run(inputs: int, seed: int, only: tuple[str, ...] = (), keep: Path | None = 
     _warm_up(files)
     before = _limited_memory()
     try:
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+            warnings.simplefilter("error")
             for number, name, data in _inputs(files, inputs, seed, only):
                 _one(name, number, data, Path(folder), tally, watch, keep)
     finally:

@@ -66,12 +66,11 @@ def convert(
     if as_json:
         output.emit(data)
         return 0
-    from rich.markup import escape
 
     console = output.console()
-    console.print(f"wrote {escape(target)}: {data['blocks']} blocks, {chosen.title}")
+    console.print(f"wrote {output.safe(target)}: {data['blocks']} blocks, {chosen.title}")
     for note in notes:
-        console.print(f"[yellow]note:[/] {escape(note)}")
+        console.print(f"[yellow]note:[/] {output.safe(note)}")
     if chosen.loses:
         console.print(f"[dim]this format has no place for {chosen.loses}[/]")
     return 0

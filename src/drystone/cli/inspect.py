@@ -75,14 +75,13 @@ def inspect(
 def _show(
     data: Mapping[str, Any], defects: tuple[Any, ...], contacts: list[str], everything: bool
 ) -> None:
-    from rich.markup import escape
     from rich.table import Table
 
     console = output.console()
     blocks = data["blocks"]
     supports = sum(block["fixed"] for block in blocks)
     console.print(
-        f"[bold]{escape(data['model'])}[/]  {len(blocks)} blocks, {supports} of them fixed, "
+        f"[bold]{output.safe(data['model'])}[/]  {len(blocks)} blocks, {supports} of them fixed, "
         f"{data['volume']:,.4g} m3"
     )
     table = Table("block", "", "volume [m3]", "mass [kg]", "size [m]", "faces", box=None)
@@ -91,13 +90,13 @@ def _show(
         size = " x ".join(f"{b - a:.3g}" for a, b in zip(low, high, strict=True))
         state = "fixed" if block["fixed"] else ""
         volume, mass = f"{block['volume']:.4g}", f"{block['mass']:,.1f}"
-        table.add_row(escape(block["name"]), state, volume, mass, size, str(block["faces"]))
+        table.add_row(output.safe(block["name"]), state, volume, mass, size, str(block["faces"]))
     console.print(table)
     if len(blocks) > LISTED and not everything:
         console.print(f"[dim]and {len(blocks) - LISTED} more (--all lists every block)[/]")
     for error in defects:
-        console.print(f"[red]defect:[/] {escape(str(error))}")
+        console.print(f"[red]defect:[/] {output.safe(str(error))}")
     for note in data["notes"]:
-        console.print(f"[yellow]note:[/] {escape(note)}")
+        console.print(f"[yellow]note:[/] {output.safe(note)}")
     for line in contacts:
-        console.print(escape(line))
+        console.print(output.safe(line))

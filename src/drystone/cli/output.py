@@ -22,6 +22,18 @@ def say(text: str) -> None:
     print(text)
 
 
+def clean(text: str) -> str:
+    """Text without control characters: names come from files, and terminals obey them."""
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
+def safe(text: str) -> str:
+    """Text from a file for printing with rich: neither control characters nor markup."""
+    from rich.markup import escape  # slow to import
+
+    return escape(clean(text))
+
+
 def emit(data: dict[str, Any]) -> None:
     """Print one JSON object on stdout; what is not finite becomes null."""
     print(json.dumps(_finite(data), ensure_ascii=True, allow_nan=False))
@@ -29,7 +41,7 @@ def emit(data: dict[str, Any]) -> None:
 
 def fail(error: BaseException, code: int, as_json: bool) -> int:
     """Print an error as one line on stderr, with --json as an object on stdout too."""
-    message = " ".join(str(error).split()) or type(error).__name__
+    message = clean(" ".join(str(error).split())) or type(error).__name__
     if code == 70:
         message = f"a fault in drystone, please report it: {type(error).__name__}: {message}"
     if as_json:

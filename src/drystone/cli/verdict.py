@@ -156,14 +156,15 @@ def largest(result: Result) -> dict[str, Any] | None:
 
 def show(data: Mapping[str, Any]) -> None:
     """The answer for a person."""
-    from rich.markup import escape
     from rich.table import Table
 
     console = output.console()
     word = data["verdict"].upper() + (" (sensitive)" if data["sensitive"] else "")
-    console.print(f"[{STYLE.get(data['verdict'], 'bold')}]{word}[/]  {escape(str(data['model']))}")
+    console.print(
+        f"[{STYLE.get(data['verdict'], 'bold')}]{word}[/]  {output.safe(str(data['model']))}"
+    )
     if data["message"]:
-        console.print(escape(data["message"]))
+        console.print(output.safe(data["message"]))
     console.print(
         f"{data['blocks']} blocks ({data['free_blocks']} free, {data['mass']:,.0f} kg), "
         f"{data['interfaces']} interfaces, {data['corners']} corners"
@@ -177,7 +178,7 @@ def show(data: Mapping[str, Any]) -> None:
             used = row["utilisation"]
             table.add_row(
                 title,
-                escape(" - ".join(row["blocks"])),
+                output.safe(" - ".join(row["blocks"])),
                 f"{row['normal']:,.1f}",
                 f"{row['tangential']:,.1f}",
                 f"{used:.1%}" if np.isfinite(used) else "no capacity",
@@ -187,15 +188,14 @@ def show(data: Mapping[str, Any]) -> None:
         tried, standing = data["samples"]["tried"], data["samples"]["standing"]
         console.print(f"contact stiffnesses: stands for {standing} of {tried} tried")
     for note in data["notes"]:
-        console.print(f"[yellow]note:[/] {escape(note)}")
+        console.print(f"[yellow]note:[/] {output.safe(note)}")
     times = ", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items())
     console.print(f"[dim]{times}[/]")
     for name in data["files"]:
-        console.print(f"wrote {escape(name)}")
+        console.print(f"wrote {output.safe(name)}")
 
 
 def _show_falling(console: Any, data: Mapping[str, Any]) -> None:
-    from rich.markup import escape
     from rich.table import Table
 
     needs = {row["block"]: row for row in data["props"]}
@@ -206,7 +206,7 @@ def _show_falling(console: Any, data: Mapping[str, Any]) -> None:
         need = needs.get(name)
         force = ", ".join(f"{x:,.1f}" for x in need["force"]) if need else "-"
         moment = ", ".join(f"{x:,.1f}" for x in need["moment"]) if need else "-"
-        table.add_row(escape(name), force, moment)
+        table.add_row(output.safe(name), force, moment)
     console.print(table)
     if len(rows) > LISTED:
         console.print(f"[dim]and {len(rows) - LISTED} more (--json lists all)[/]")

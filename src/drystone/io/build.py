@@ -16,6 +16,7 @@ from drystone.geometry.arrays import frozen_floats
 from drystone.geometry.parts import separate_parts
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.units import scale_of
+from drystone.io.wording import printable
 
 LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""
@@ -118,7 +119,7 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
     defects += _duplicate_defects(good, path)
     sized = _size_notes(good, units or draft.units)
     notes = (*draft.notes, *overruled, *remarks, *_repair_notes(good), *sized)
-    return Built(tuple(blocks), tuple(fixed), tuple(defects), notes)
+    return Built(tuple(blocks), tuple(fixed), tuple(defects), tuple(map(printable, notes)))
 
 
 def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]:

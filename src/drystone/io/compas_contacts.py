@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry import polygon
-from drystone.geometry.arrays import Floats
+from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.geometry.frames import frames_from_normals
 from drystone.io.draft import Extras
 from drystone.io.jsontext import Field
@@ -52,32 +52,69 @@ def _contacts(
     block_a = np.array([a for a, _, _ in stored], dtype=np.intp)
     block_b = np.array([b for _, b, _ in stored], dtype=np.intp)
     corners = [scale * _points(field) for _, _, field in stored]
-    start = np.concatenate([[0], np.cumsum([len(points) for points in corners])])
-    point = np.concatenate(corners)
-    area = polygon.area_vectors(point, start)
     frame = np.stack(
-        [_frame(field, vector) for (_, _, field), vector in zip(stored, area, strict=True)]
+        [_frame(field, points) for (_, _, field), points in zip(stored, corners, strict=True)]
     )
-    middle = polygon.loop_means(point, start)
+    middle = np.array([points.mean(axis=0) for points in corners])
     side_a = ((assembly.centroid[block_a] - middle) * frame[:, 0]).sum(axis=1)
     side_b = ((assembly.centroid[block_b] - middle) * frame[:, 0]).sum(axis=1)
     turned = (side_a > 0.0) & (side_b < 0.0)  # some writers let the normal point from b to a
     frame[turned] *= np.array([-1.0, 1.0, -1.0])[:, None]
+    return joined(block_a, block_b, corners, frame)[0]
+
+
+def joined(
+    block_a: Ints,
+    block_b: Ints,
+    corners: Sequence[Floats],
+    frame: Floats,
+    friction: float = DEFAULT_FRICTION,
+) -> tuple[Contacts, Bools]:
+    """Contacts of polygons whose corners may run either way about the normal.
+
+    Parameters
+    ----------
+    block_a, block_b : (m,)
+    corners
+        Per interface (c, 3) [m].
+    frame : (m, 3, 3)
+    friction
+
+    Returns
+    -------
+    contacts
+    reversed : (m,) bool
+        Interfaces whose corners are stored the other way round.
+    """
+    start = np.concatenate([[0], np.cumsum([len(points) for points in corners])]).astype(np.intp)
+    area = polygon.area_vectors(np.concatenate(list(corners)), start)
     signed = (area * frame[:, 0]).sum(axis=1)
-    return Contacts(
+    backwards = signed < 0.0
+    ordered = [
+        points[::-1] if back else points
+        for points, back in zip(corners, backwards.tolist(), strict=True)
+    ]
+    contacts = Contacts(
         block_a,
         block_b,
         frame,
         np.abs(signed),
-        np.full(len(stored), DEFAULT_FRICTION),
-        np.concatenate(
-            [
-                points if sign >= 0.0 else points[::-1]
-                for points, sign in zip(corners, signed, strict=True)
-            ]
-        ),
-        np.repeat(np.arange(len(stored)), np.diff(start)),
+        np.full(len(corners), friction),
+        np.concatenate(ordered),
+        np.repeat(np.arange(len(corners)), np.diff(start)),
     )
+    return contacts, backwards
+
+
+def frame_of(xaxis: Floats, yaxis: Floats) -> Floats | None:
+    """Rows n, u, v of a COMPAS frame made orthonormal; ``None`` where its axes span no plane."""
+    normal = np.cross(xaxis, yaxis)
+    size = float(np.linalg.norm(normal))
+    if not 1e-12 < size < np.inf:
+        return None
+    normal = normal / size
+    u = xaxis / np.linalg.norm(xaxis)
+    return np.stack([normal, u, np.cross(normal, u)])
 
 
 def _plain(field: Field) -> Field:
@@ -94,19 +131,16 @@ def _points(interface: Field) -> Floats:
     return np.array(points)
 
 
-def _frame(interface: Field, area: Floats) -> Floats:
+def _frame(interface: Field, points: Floats) -> Floats:
     """Rows n, u, v: the stored frame made orthonormal, or one about the polygon's own normal."""
     inside = _plain(interface)
     if not inside.has("frame"):
+        area = polygon.area_vectors(points, np.array([0, len(points)]))[0]
         if not area.any():
             raise interface.error("has neither a frame nor an area")
         return frames_from_normals((area / np.linalg.norm(area))[None])[0]
     stored = _plain(inside["frame"])
-    x, y = stored["xaxis"].floats(3), stored["yaxis"].floats(3)
-    normal = np.cross(x, y)
-    size = float(np.linalg.norm(normal))
-    if not 1e-12 < size < np.inf:
+    frame = frame_of(stored["xaxis"].floats(3), stored["yaxis"].floats(3))
+    if frame is None:
         raise inside["frame"].error("has axes that span no plane")
-    normal = normal / size
-    u = x / np.linalg.norm(x)
-    return np.stack([normal, u, np.cross(normal, u)])
+    return frame

@@ -17,6 +17,7 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.geometry.arrays import Floats
 from drystone.io import compas_contacts
 from drystone.io.draft import Draft, Shape
+from drystone.io.heap import moved
 from drystone.io.jsontext import Field
 
 MESHES = ("Mesh", "Block", "Polyhedron")
@@ -97,12 +98,11 @@ def _model(data: Field) -> Draft:
         if not name or given[name] > 1:
             name = f"{name or 'block'}-{key}"
         shape = _mesh(inside["geometry"], name)
-        matrix = place.get(guid, np.eye(4))
-        mirrored = float(np.linalg.det(matrix[:3, :3])) < 0.0
+        vertices, mirrored = moved(np.asarray(shape.vertices), place.get(guid, np.eye(4)))
         shapes.append(
             replace(
                 shape,
-                vertices=np.asarray(shape.vertices) @ matrix[:3, :3].T + matrix[:3, 3],
+                vertices=vertices,
                 faces=[loop[::-1] for loop in shape.faces] if mirrored else shape.faces,
                 fixed=inside.get("is_support", False).boolean(),
                 density=densities.get(inside.get("material", "").text(), DEFAULT_DENSITY),
@@ -133,7 +133,8 @@ def _placements(data: Field, elements: Field) -> dict[str, Floats]:
             guid = child["element"].text()
             if guid not in own:
                 raise child["element"].error("names no element")
-            placed[guid] = above @ own[guid]
+            with np.errstate(all="ignore"):  # what overflows is found where the vertices are
+                placed[guid] = above @ own[guid]
             stack.append((child, placed[guid]))
     return placed
 

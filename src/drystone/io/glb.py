@@ -21,7 +21,7 @@ from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.files import write_bytes
-from drystone.io.heap import named_apart, shapes_of
+from drystone.io.heap import moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
@@ -59,9 +59,9 @@ def read(data: bytes, path: Path) -> Draft:
         triangles += len(faces)
         if triangles > MOST_TRIANGLES:
             raise node.error(f"brings the scene over {MOST_TRIANGLES:,} triangles")
-        turned = Z_UP @ matrix[:3, :3]
-        vertices = vertices @ turned.T + Z_UP @ matrix[:3, 3]
-        if np.linalg.det(matrix[:3, :3]) < 0.0:
+        vertices, mirrored = moved(vertices, matrix)
+        vertices = vertices @ Z_UP.T
+        if mirrored:
             faces = faces[:, ::-1]
         told = node.get("extras", {})
         ours = told["drystone"] if isinstance(told.value, dict) and told.has("drystone") else None
@@ -133,7 +133,8 @@ def _placed_nodes(top: Field) -> Iterator[tuple[Field, Floats]]:
         if index.integer() in visited or seen > MOST_NODES:
             raise index.error("is used twice, or is its own parent")
         visited.add(index.integer())
-        matrix = above @ _matrix(node)
+        with np.errstate(all="ignore"):  # what overflows is found where the vertices are
+            matrix = above @ _matrix(node)
         yield node, matrix
         waiting += [(child, matrix) for child in node.get("children", []).elements()][::-1]
 

@@ -15,6 +15,8 @@ from drystone.geometry.merge import merge_coplanar
 from drystone.geometry.polyhedron import Loop, edge_defects
 from drystone.io.draft import Shape
 
+FARTHEST = 1e100
+"""In any unit, chosen: products of coordinates stay finite."""
 MANY = 5
 """Names told of in notes."""
 
@@ -46,14 +48,18 @@ def shapes_of(
     split
         Otherwise everything is one shape.
     """
-    if not np.isfinite(vertices).all():
-        bad = int(np.flatnonzero(~np.isfinite(vertices).all(axis=1))[0])
-        raise FormatError(f"vertex {bad} is not finite", where=where, remedy="give finite numbers")
-    if len(faces) == 0:
+    usable = (np.abs(vertices) <= FARTHEST).all(axis=1)
+    if not usable.all():
+        bad = int(np.flatnonzero(~usable)[0])
+        what = "far too large" if np.isfinite(vertices[bad]).all() else "not finite"
+        raise FormatError(f"vertex {bad} is {what}", where=where, remedy="give finite numbers")
+    if len(faces) == 0 or len(vertices) == 0:
         raise FormatError("holds no faces", where=where, remedy="export the blocks as meshes")
     welded, merged = coincidence.weld(vertices, faces, tolerance)
     loops = [loop for loop in welded if len(set(loop)) == len(loop)]
     kept, slivers = soup.without_slivers(vertices, loops, tolerance)
+    if not kept:
+        raise FormatError("has no face with an area", where=where, remedy="export it again")
     notes = []
     if merged:
         notes.append(f"{merged} coincident vertices merged")
@@ -76,6 +82,16 @@ def shapes_of(
         name = stem if len(solids) == 1 else f"{stem}-{number}"
         shapes.append(Shape(name, points, next(polygons) if good else own, f"face {solid[0]}"))
     return shapes, notes
+
+
+def moved(vertices: Floats, matrix: Floats) -> tuple[Floats, bool]:
+    """Vertices (v, 3) moved by a matrix (4, 4), and whether that mirrors them.
+
+    What overflows becomes infinite or NaN, which the caller refuses with the name of the block.
+    """
+    with np.errstate(all="ignore"):
+        placed = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+        return placed, bool(np.linalg.det(matrix[:3, :3]) < 0.0)
 
 
 def _own_vertices(vertices: Floats, loops: Sequence[Loop]) -> tuple[Floats, list[Loop]]:

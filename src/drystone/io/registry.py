@@ -23,6 +23,7 @@ from drystone.io.draft import Draft, Model
 from drystone.io.files import PathLike, read_bytes
 from drystone.io.formats import Format
 from drystone.io.units import scale_of
+from drystone.io.wording import one_line_errors
 from drystone.results import Result
 
 
@@ -120,12 +121,14 @@ def read(path: PathLike, *, units: str | None = None, split: bool = False) -> Mo
     >>> model.assembly.names
     ('block-0', 'block-1', 'block-2')
     """
-    return build(_draft(path, units), Path(path), units, split=split)
+    with one_line_errors():
+        return build(_draft(path, units), Path(path), units, split=split)
 
 
 def inspect(path: PathLike, *, units: str | None = None, split: bool = False) -> Built:
     """Read as many blocks as can be used, with every defect of the others; see :func:`read`."""
-    return try_blocks(_draft(path, units), Path(path), units, split=split)
+    with one_line_errors():
+        return try_blocks(_draft(path, units), Path(path), units, split=split)
 
 
 def _draft(path: PathLike, units: str | None) -> Draft:

@@ -26,7 +26,7 @@ from drystone.geometry.polyhedron import Loop
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.files import write_through
-from drystone.io.heap import named_apart, shapes_of
+from drystone.io.heap import moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Inches": "in", "Feet": "ft"}
@@ -122,19 +122,13 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str
             notes.append(f"'{name}' is curved: read through the mesh that it was drawn with")
     fixed = layer.lower() in SUPPORT_LAYERS if told.fixed is None else told.fixed
     placed = item["placed"].floats(4, 4) if item.has("placed") else np.eye(4)
-    mirrored = float(np.linalg.det(placed[:3, :3])) < 0.0
-    return [
-        Shape(
-            one.name,
-            np.asarray(one.vertices) @ placed[:3, :3].T + placed[:3, 3],
-            [loop[::-1] for loop in one.faces] if mirrored else one.faces,
-            where=where,
-            density=told.density,
-            fixed=fixed,
-            metadata=told.metadata | ({"layer": item["layer"].text()} if layer else {}),
-        )
-        for one in made
-    ], notes
+    metadata = told.metadata | ({"layer": item["layer"].text()} if layer else {})
+    shapes = []
+    for one in made:
+        points, mirrored = moved(np.asarray(one.vertices), placed)
+        turned = [loop[::-1] for loop in one.faces] if mirrored else one.faces
+        shapes.append(Shape(one.name, points, turned, where, told.density, fixed, metadata))
+    return shapes, notes
 
 
 def _loop(loop: Field, vertices: Floats) -> Loop:

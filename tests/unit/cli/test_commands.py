@@ -243,3 +243,12 @@ def test_an_interrupted_check_writes_nothing(
     out, err = capsys.readouterr()
     assert (code, out, err) == (130, "", "drystone: interrupted; nothing was written\n")
     assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
+
+
+def test_names_from_files_cannot_talk_to_the_terminal(tmp_path: Path, capsys: Capsys) -> None:
+    model = boxes(**{"base": (0, 0, 0), "\x1b[31m[bold]evil\n": (5, 5, 5)})
+    assert main(["check", file(tmp_path, model)]) == 1
+    assert main(["inspect", file(tmp_path, model)]) == 0
+    out, err = capsys.readouterr()
+    assert "\x1b" not in out + err
+    assert "?[31m[bold]evil?" in out

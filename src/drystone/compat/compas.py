@@ -1,0 +1,193 @@
+"""Assemblies of compas_assembly and block models of compas_model and compas_dem, in and out.
+
+Objects are asked for what they are, by the attributes that their packages document; nothing of
+COMPAS is imported to read them. To make them, the packages must be installed (extra ``compas``).
+"""
+
+from __future__ import annotations
+
+import enum
+import importlib
+import json
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
+from drystone.contacts import DEFAULT_FRICTION, Contacts
+from drystone.errors import InputError, MissingDependency
+from drystone.geometry.arrays import Floats
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polygon import area_vectors
+from drystone.io import Model
+from drystone.io.compas_contacts import frame_of, joined
+from drystone.io.compas_json_write import assembly_content, block_model_content
+from drystone.io.registry import as_model
+from drystone.repair import mended_block
+from drystone.results import Result
+
+
+class CompasKind(enum.Enum):
+    """What :func:`to_compas` makes."""
+
+    ASSEMBLY = "compas_assembly"
+    """An ``Assembly`` of compas_assembly."""
+    BLOCK_MODEL = "compas_dem"
+    """A ``BlockModel`` of compas_dem, which is a ``Model`` of compas_model."""
+
+
+def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Model:
+    """Blocks, supports and contacts of a COMPAS object.
+
+    Parameters
+    ----------
+    obj
+        An ``Assembly`` of compas_assembly or of a class derived from it; a ``Model`` of
+        compas_model, such as the ``BlockModel`` of compas_dem. It is not changed.
+    friction
+        Of all contacts: COMPAS keeps none with them.
+
+    Returns
+    -------
+    Model
+        In an assembly a node's key is its block's name; in a model the element's name, with the
+        node behind it where several have one. Contacts are ``None`` when there are none.
+
+    Raises
+    ------
+    InputError
+        Neither of the two, or a block that cannot be used.
+    """
+    if hasattr(obj, "node_block"):
+        return _from_assembly(obj, friction)
+    if hasattr(obj, "elements") and hasattr(obj, "graph"):
+        return _from_model(obj, friction)
+    raise InputError(
+        f"a {type(obj).__name__} is neither an assembly nor a model of COMPAS",
+        remedy="give an Assembly of compas_assembly or a BlockModel of compas_dem",
+    )
+
+
+def _from_assembly(obj: Any, friction: float) -> Model:
+    nodes = list(obj.graph.nodes())
+    blocks = [block_of(obj.node_block(node), str(node)) for node in nodes]
+    fixed = [bool(obj.graph.node_attribute(node, "is_support")) for node in nodes]
+    assembly = Assembly(tuple(blocks), np.array(fixed, dtype=bool))
+    return Model(assembly, _contacts(obj.graph, nodes, "interfaces", friction))
+
+
+def _from_model(obj: Any, friction: float) -> Model:
+    nodes = list(obj.graph.nodes())
+    elements = [obj.graph.node_element(node) for node in nodes]
+    solid = [_is_mesh(element.modelgeometry) for element in elements]
+    nodes = [node for node, has in zip(nodes, solid, strict=True) if has]
+    elements = [element for element, has in zip(elements, solid, strict=True) if has]
+    if not nodes:
+        raise InputError("the model has no elements with a mesh")
+    names = [str(element.name) for element in elements]
+    blocks = [
+        block_of(
+            element.modelgeometry,
+            name if names.count(name) == 1 else f"{name}-{node}",
+            getattr(element.material, "density", None),
+        )
+        for element, name, node in zip(elements, names, nodes, strict=True)
+    ]
+    fixed = [bool(getattr(element, "is_support", False)) for element in elements]
+    assembly = Assembly(tuple(blocks), np.array(fixed, dtype=bool))
+    return Model(assembly, _contacts(obj.graph, nodes, "contacts", friction))
+
+
+def _is_mesh(geometry: Any) -> bool:
+    return hasattr(geometry, "to_vertices_and_faces") and hasattr(geometry, "face_vertices")
+
+
+def block_of(mesh: Any, name: str, density: float | None = None) -> Block:
+    """The block that a COMPAS mesh bounds; its ``density`` attribute holds where none is given.
+
+    Raises
+    ------
+    InputError
+        Open, non-manifold or flat.
+    """
+    vertices, faces = mesh.to_vertices_and_faces()
+    if density is None:
+        density = mesh.attributes.get("density", DEFAULT_DENSITY)
+    try:
+        return Block(np.array(vertices), tuple(tuple(face) for face in faces), name, density)
+    except InputError as error:
+        if "open mesh" not in error.what:
+            raise
+    return mended_block(np.array(vertices), faces, name, density)
+
+
+def _contacts(graph: Any, nodes: list[Any], key: str, friction: float) -> Contacts | None:
+    position = {node: i for i, node in enumerate(nodes)}
+    a, b, corners, frames = [], [], [], []
+    for start, end in graph.edges():
+        for stored in graph.edge_attribute((start, end), key) or []:
+            points = np.array([list(point) for point in stored.points], dtype=np.float64)
+            if start in position and end in position and len(points):
+                a.append(position[start])
+                b.append(position[end])
+                corners.append(points)
+                frames.append(interface_frame(stored, points))
+    if not corners:
+        return None
+    pairs = np.array([a, b], dtype=np.intp)
+    return joined(pairs[0], pairs[1], corners, np.stack(frames), friction)[0]
+
+
+def interface_frame(stored: Any, points: Floats) -> Floats:
+    """Rows n, u, v of a stored interface; its own frame where that spans a plane."""
+    frame = frame_of(np.array(list(stored.frame.xaxis)), np.array(list(stored.frame.yaxis)))
+    if frame is not None:
+        return frame
+    area = area_vectors(points, np.array([0, len(points)]))[0]
+    if not area.any():
+        raise InputError("an interface has neither a frame nor an area")
+    return frames_from_normals((area / np.linalg.norm(area))[None])[0]
+
+
+def to_compas(model: Model | Assembly | Result, kind: CompasKind = CompasKind.BLOCK_MODEL) -> Any:
+    """A COMPAS object with the blocks, supports, densities, contacts and forces of a model.
+
+    Parameters
+    ----------
+    model
+        A result brings its contacts and its corner forces [N].
+    kind
+
+    Raises
+    ------
+    MissingDependency
+        compas_assembly or compas_dem is not installed.
+    """
+    content = {
+        CompasKind.ASSEMBLY: assembly_content,
+        CompasKind.BLOCK_MODEL: block_model_content,
+    }[CompasKind(kind)](as_model(model))
+    compas = _compas(_packages(content))
+    return compas.json_loads(json.dumps(content))
+
+
+def _packages(content: Any) -> set[str]:
+    """Packages whose classes the content names."""
+    if isinstance(content, dict):
+        own = {content["dtype"].partition(".")[0]} if "dtype" in content else set()
+        return own.union(*(_packages(value) for value in content.values()))
+    if isinstance(content, Iterable) and not isinstance(content, str):
+        return set().union(*(_packages(value) for value in content))
+    return set()
+
+
+def _compas(packages: set[str]) -> Any:
+    for package in sorted({"compas", *packages}):
+        try:
+            importlib.import_module(package)
+        except ImportError as error:
+            raise MissingDependency(
+                package, extra="compas", purpose="making COMPAS objects"
+            ) from error
+    return importlib.import_module("compas")

@@ -1,0 +1,39 @@
+"""Text from files made fit for one line on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from drystone.errors import InputError
+
+LONGEST = 300
+"""Characters of one part of an error, chosen: a path and a name, not a whole file."""
+
+
+def printable(text: str, limit: int = LONGEST) -> str:
+    r"""Text without line ends and control characters, cut in the middle when it is too long.
+
+    Examples
+    --------
+    >>> printable("red\x1b[31m\nblue")
+    'red?[31m?blue'
+    """
+    shown = text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
+    if len(shown) <= limit:
+        return shown
+    half = limit // 2 - 2
+    return f"{shown[:half]}...{shown[-half:]}"
+
+
+@contextmanager
+def one_line_errors() -> Iterator[None]:
+    """Errors that quote a file keep to one printable line."""
+    try:
+        yield
+    except InputError as error:
+        parts = (error.what, error.where, error.remedy)
+        clean = tuple(printable(part) for part in parts)
+        if clean == parts:
+            raise
+        raise type(error)(clean[0], where=clean[1], remedy=clean[2]) from error
