@@ -1,0 +1,1 @@
+"""Measurements and validation that anyone can run; each module is started with ``python -m``."""

@@ -1,0 +1,257 @@
+"""Time and memory of the analyses: ``python -m benchmarks.speed`` writes docs/speed.md.
+
+Every workload runs in a process of its own, on one thread. Its answer is checked first; a wrong
+answer, or one without its proof, has no time. With ``--peer PYTHON`` the same model, with the same
+interfaces, is given to compas_cra in the environment of that interpreter right afterwards.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.machine import ROOT, ask, description
+from benchmarks.workloads import WALLS, Workload, workloads
+
+PAGE = ROOT / "docs" / "speed.md"
+
+GROUPS = {
+    "armadillo": "Armadillo vault",
+    "small": "Small models of the dissertation",
+    "walls": "Running-bond walls",
+    "dome": "Domes",
+    "vault": "Barrel vaults",
+    "limits": "Tilt limit",
+}
+
+GROWTH = 1.3
+PEAK_MIB = 2048.0
+SMALL_RATIO, WALL_RATIO = 10.0, 100.0
+"""Aims: growth exponent, peak memory at 10,000 blocks, times faster than the peer."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A workload, what was measured, and the peer's part."""
+
+    work: Workload
+    ours: dict[str, Any]
+    peer: dict[str, Any]
+
+    @property
+    def wrong(self) -> str:
+        """Why the measurement does not count; empty when it does."""
+        if "failed" in self.ours:
+            return str(self.ours["failed"])
+        if not self.ours["right"]:
+            return f"{self.ours['verdict']} instead of {self.work.expected.value}"
+        return str(self.ours["defect"]) or ("" if self.ours["one_thread"] else "several threads")
+
+    @property
+    def seconds(self) -> float:
+        """CPU time of the analysis; not a number where it does not count."""
+        return math.nan if self.wrong else float(self.ours["total_s"])
+
+    def ratio(self, phase: str = "total_s") -> float:
+        """How many times longer the peer took, at least; not a number where it was not asked."""
+        if self.wrong or phase not in self.ours or "solve_s" not in self.peer:
+            return math.nan
+        return float(self.peer["solve_s"]) / float(self.ours[phase])
+
+
+def run(
+    chosen: Sequence[Workload], arguments: argparse.Namespace, tell: Callable[[str], None]
+) -> list[Row]:
+    """Measure one workload after the other, the peer straight after each."""
+    rows: list[Row] = []
+    extra = ["--armadillo", arguments.armadillo] if arguments.armadillo else []
+    for work in chosen:
+        command = [sys.executable, "-m", "benchmarks.measure", work.key, *extra]
+        whole = [] if work.large and not arguments.whole else ["--whole"]
+        ours = ask([*command, *whole], arguments.limit)
+        peer = asked(command, arguments) if work.peer and arguments.peer else {}
+        rows.append(Row(work, ours, peer))
+        row = rows[-1]
+        times = row.wrong or f"{row.seconds:.4f} s"
+        against = f", peer {peer['solve_s']:.3f} s ({peer['answer']})" if "answer" in peer else ""
+        tell(f"{work.key:28s} {times}{against}")
+    return rows
+
+
+def asked(command: Sequence[str | Path], arguments: argparse.Namespace) -> dict[str, Any]:
+    """The peer's answers on the model of a command."""
+    with tempfile.TemporaryDirectory() as folder:
+        model = Path(folder) / "model.json"
+        written = ask([*command, "--dump", model], arguments.limit)
+        if "failed" in written:
+            return {"answer": f"not asked: {written['failed']}"}
+        script = ROOT / "benchmarks" / "cra_peer.py"
+        solved = ask([arguments.peer, script, model], arguments.peer_limit)
+    if "failed" not in solved:
+        return solved
+    if not solved.get("stopped"):
+        return {"answer": solved["failed"]}
+    return {"answer": solved["failed"], "solve_s": arguments.peer_limit, "stopped": True}
+
+
+def slope(points: Sequence[tuple[float, float]]) -> float:
+    """Exponent of growth: least squares through logarithms of (size, time)."""
+    kept = [(math.log(x), math.log(y)) for x, y in points if y == y and y > 0.0]
+    if len(kept) < 2:
+        return math.nan
+    return statistics.linear_regression(*zip(*kept, strict=True)).slope
+
+
+def seconds(value: float | None) -> str:
+    """Three figures, or nothing."""
+    return "" if value is None or value != value else f"{value:.3g}"
+
+
+def table(rows: Sequence[Row]) -> list[str]:
+    """Markdown lines of one group."""
+    lines = [
+        "| model | blocks | corners | build | detect | solve | check | at most | answer "
+        "| with all stiffnesses | stands for | peak MiB | peer cra_solve | peer's answer | ratio "
+        "| ratio, all |",
+        "|---|" + "---:|" * 7 + "---|" + "---:|" * 4 + "---|---:|---:|",
+    ]
+    for row in rows:
+        ours, peer, wrong = row.ours, row.peer, row.wrong
+        total, checking = row.seconds, ours.get("check_s", 0.0)
+        more = ">" if peer.get("stopped") else ""
+        cells = [
+            row.work.key,
+            ours.get("blocks", ""),
+            ours.get("corners", ""),
+            seconds(ours.get("build_s")),
+            seconds(ours.get("detect_s")),
+            seconds(total - checking),
+            seconds(checking) if not wrong else "",
+            seconds(row.work.aim_s),
+            f"WRONG: {wrong}" if wrong else ours["verdict"],
+            seconds(ours.get("whole_s")) if not wrong else "",
+            ours.get("samples", ""),
+            f"{ours['peak_mib']:.0f}" if "peak_mib" in ours else "",
+            more + seconds(peer.get("solve_s")),
+            peer.get("answer", ""),
+            more + seconds(row.ratio()) if row.ratio() == row.ratio() else "",
+            more + seconds(row.ratio("whole_s")) if row.ratio("whole_s") > 0.0 else "",
+        ]
+        lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
+    return lines
+
+
+def aims(rows: Sequence[Row]) -> list[str]:
+    """Each aim beside what was found."""
+    by_key = {row.work.key: row for row in rows}
+    lines = ["| aim | at most | found | |", "|---|---:|---:|---|"]
+
+    def line(what: str, bound: str, value: float, met: bool) -> None:
+        if value == value:
+            lines.append(f"| {what} | {bound} | {value:.3g} | {'met' if met else '**missed**'} |")
+
+    small = [row for row in rows if row.work.group == "small"]
+    times = [row.seconds for row in small if not row.wrong]
+    if times:
+        worst = max(times)
+        line("slowest small model [s]", "0.02", worst, worst <= 0.02)
+        line("median small model [s]", "0.02", statistics.median(times), True)
+    for row in rows:
+        aim = row.work.aim_s
+        if aim is not None and row.work.group != "small":
+            line(f"{row.work.key} [s]", f"{aim:g}", row.seconds, row.seconds <= aim)
+    ratios = [row.ratio() for row in small if row.ratio() == row.ratio()]
+    if ratios:
+        middle = statistics.median(ratios)
+        line(
+            "small models, peer / ours, median",
+            f"least {SMALL_RATIO:g}",
+            middle,
+            middle >= SMALL_RATIO,
+        )
+    if "wall-400" in by_key:
+        ratio = by_key["wall-400"].ratio()
+        line("wall-400, peer / ours", f"least {WALL_RATIO:g}", ratio, ratio >= WALL_RATIO)
+    sized = [by_key[f"wall-{n}"] for n in WALLS if f"wall-{n}" in by_key]
+    big = [(r.ours.get("blocks", 0), r.seconds) for r in sized if r.ours.get("blocks", 0) >= 400]
+    exponent = slope(big)
+    line("growth exponent from 400 blocks", f"{GROWTH:g}", exponent, exponent <= GROWTH)
+    theirs = slope(
+        [
+            (r.ours.get("blocks", 0), r.peer["solve_s"])
+            for r in sized
+            if "solve_s" in r.peer and not r.peer.get("stopped")
+        ]
+    )
+    line("the peer's, on the walls that it finished", "", theirs, True)
+    if "wall-10000" in by_key:
+        peak = float(by_key["wall-10000"].ours.get("peak_mib", math.nan))
+        line("peak memory at 10,000 blocks [MiB]", f"{PEAK_MIB:g}", peak, peak <= PEAK_MIB)
+    return lines
+
+
+def page(rows: Sequence[Row], machine: str, took_s: float) -> str:
+    """The document."""
+    version = next((r.peer["version"] for r in rows if "version" in r.peer), None)
+    against = f" Peer: compas_cra {version} as shipped, same interfaces." if version else ""
+    wrong = sum(bool(row.wrong) for row in rows)
+    text = [
+        "# Speed",
+        "",
+        f"Written by `python -m benchmarks.speed` in {took_s:.0f} s. {machine}{against}",
+        "",
+        "CPU seconds on one thread, the best of several runs; phases apart: build the blocks, "
+        "detect the contacts, solve, check the answer. *Solve* is `check` with uniform contact "
+        "stiffness, whose verdict is what counts; *with all stiffnesses* is `check` as it is "
+        "called by default, which also tells robust from sensitive. The ratio is the peer's "
+        "`cra_solve` by ours, pair by pair in one run; `>` where it was stopped. Answers were "
+        f"checked first; {wrong} of {len(rows)} are wrong and have no time.",
+        "",
+        *aims(rows),
+        "",
+    ]
+    for group, title in GROUPS.items():
+        part = [row for row in rows if row.work.group == group]
+        if part:
+            text += [f"## {title}", "", *table(part), ""]
+    return "\n".join(text)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--armadillo", type=Path, help="model file of the Armadillo vault")
+    parser.add_argument("--peer", type=Path, help="python of an environment with compas_cra 0.8.0")
+    parser.add_argument("--peer-limit", type=float, default=300.0, help="CPU seconds per model")
+    parser.add_argument("--limit", type=float, default=1200.0, help="CPU seconds per workload")
+    parser.add_argument("--only", default="", help="part of GROUP/NAME of workloads; no page")
+    parser.add_argument("--whole", action="store_true", help="default options on large models too")
+    parser.add_argument("--json", type=Path, help="also write the rows")
+    arguments = parser.parse_args()
+    machine = description()
+    everything = workloads(arguments.armadillo).values()
+    chosen = [work for work in everything if arguments.only in f"{work.group}/{work.key}"]
+    began = time.perf_counter()
+    rows = run(chosen, arguments, lambda line: print(line, flush=True))
+    text = page(rows, machine, time.perf_counter() - began)
+    print(text)
+    if arguments.json is not None:
+        kept = [{"key": r.work.key, "ours": r.ours, "peer": r.peer} for r in rows]
+        arguments.json.write_text(json.dumps(kept, indent=1), encoding="utf-8")
+    if not arguments.only:
+        draft = PAGE.with_suffix(".md.new")
+        draft.write_text(text, encoding="utf-8")
+        draft.replace(PAGE)
+    return 1 if any(row.wrong for row in rows) else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

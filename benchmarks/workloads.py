@@ -1,0 +1,211 @@
+"""What the speed benchmark measures: models, loads, the verdict that each must get, and the aim."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from drystone import Assembly, Contacts, LoadCase, Verdict, models
+from drystone.detection import find_contacts
+from drystone.io import read
+
+X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)
+
+Axis = tuple[float, float, float]
+
+
+class Task(Enum):
+    """What is asked of a model."""
+
+    VERDICT = "verdict"
+    BALANCE = "equilibrium"
+    TILT = "tilt limit"
+
+
+@dataclass(frozen=True)
+class Workload:
+    """One row of the tables.
+
+    Attributes
+    ----------
+    key
+        Name, without spaces.
+    group
+        The table that it belongs to.
+    build
+    friction
+    expected
+        The only verdict that counts. It is proved anew in every run: forces and motion by their
+        residuals, a fall by its mechanism.
+    axis, tilt_deg
+        The assembly is turned counter-clockwise about the axis.
+    task
+    aim_s : [s]
+        For the analysis alone; None where there is none.
+    peer
+        Whether the peer is asked too.
+    large
+        Whether one answer takes so long that the default options are timed on demand only.
+    """
+
+    key: str
+    group: str
+    build: Callable[[], Assembly]
+    friction: float
+    expected: Verdict
+    axis: Axis = Y
+    tilt_deg: float = 0.0
+    task: Task = Task.VERDICT
+    aim_s: float | None = None
+    peer: bool = False
+    large: bool = False
+
+    def find(self, assembly: Assembly) -> Contacts:
+        """The contacts of the model."""
+        return find_contacts(assembly, friction=self.friction).contacts
+
+    def load(self, assembly: Assembly) -> LoadCase:
+        """Self-weight, turned."""
+        return LoadCase.tilt(assembly, self.axis, self.tilt_deg)
+
+
+LARGE = 2_000
+"""Blocks from which on a model is large."""
+
+STANDS, FALLS = Verdict.STABLE, Verdict.UNSTABLE
+
+WALLS = {25: (5, 5), 50: (7, 7), 100: (10, 10), 400: (20, 20), 2_000: (45, 44), 10_000: (100, 100)}
+"""Courses and block lengths per course, by about the number of blocks."""
+
+WALL_AIMS = {100: 0.1, 400: 0.4, 2_000: 3.0, 10_000: 30.0}
+
+DOMES = {160: (20, 8), 640: (32, 20), 2_000: (50, 40)}
+"""Blocks per ring and rings; bonded, 5 m, 0.5 to 0.25 m thick, an oculus of 1 m."""
+
+VAULTS = {97: (15, 6, 4.0), 635: (31, 20, 8.0), 2_070: (41, 50, 16.0)}
+"""Courses, block lengths per course and length; semicircular, 2 m, 0.3 m thick, staggered."""
+
+TILTS = {
+    "dome-160": (35.5, 43.7),
+    "dome-640": (33.2, 39.0),
+    "dome-2000": (20.0, 37.0),
+    "vault-97": (20.3, 20.8),
+    "vault-635": (13.8, 14.3),
+    "vault-2070": (12.3, 12.9),
+}
+"""Tilts about y [degrees] at which a model stands with uniform contact stiffness, and has no
+equilibrium: each within half a degree of where its answer changes, found by bisection."""
+
+
+def small() -> list[Workload]:
+    """The small models of Kao 2023 (doctoral dissertation, ETH Zurich), either side of a fall."""
+    add = partial(Workload, group="small", aim_s=0.02, peer=True)
+    steep = float(np.tan(np.deg2rad(43.0)))
+    rest: list[tuple[str, Callable[[], Assembly], float, Verdict]] = [
+        *((f"type-{kind}", partial(models.wedge, kind), 0.84, STANDS) for kind in "abcd"),
+        ("h", models.h_model, 0.6, FALLS),
+        ("a", models.a_model, 0.6, FALLS),
+        ("shelf", models.shelf, 0.9, FALLS),
+        ("arch", models.arch, steep, STANDS),
+        ("concave-short", partial(models.concave, "short"), 0.84, STANDS),
+        ("concave-long", partial(models.concave, "long"), 0.84, STANDS),
+        ("curve-3-blocks", models.curve_three_blocks, 0.84, STANDS),
+        ("cube-curve-short", partial(models.cube_curve, "short"), 0.84, STANDS),
+        ("cube-curve-tall", partial(models.cube_curve, "tall"), 0.84, STANDS),
+    ]
+    tilted: list[tuple[str, Callable[[], Assembly], float, Axis, float, float]] = [
+        ("type-a", partial(models.wedge, "a"), 0.84, X, 58.0, 60.0),
+        ("type-c", partial(models.wedge, "c"), 0.84, X, 35.0, 47.5),
+        ("type-d", partial(models.wedge, "d"), 0.20, Y, 41.0, 41.6),
+        ("arch", models.arch, steep, Y, 8.0, 8.4),
+        ("curve-3-blocks", models.curve_three_blocks, 0.84, Y, 8.0, 9.5),
+    ]
+    found = [add(key, build=b, friction=mu, expected=e) for key, b, mu, e in rest]
+    for key, build, mu, axis, low, high in tilted:
+        for angle, expected in ((low, STANDS), (high, FALLS)):
+            name = f"{key}@{angle:g}"
+            found.append(
+                add(name, build=build, friction=mu, expected=expected, axis=axis, tilt_deg=angle)
+            )
+    return found
+
+
+def walls() -> list[Workload]:
+    """Running-bond walls, 0.4 x 0.2 x 0.2 m."""
+    found = [
+        Workload(
+            f"wall-{count}",
+            "walls",
+            partial(models.wall, *shape),
+            0.6,
+            STANDS,
+            aim_s=WALL_AIMS.get(count),
+            peer=count <= 400,
+            large=count >= LARGE,
+        )
+        for count, shape in WALLS.items()
+    ]
+    balance = Workload(
+        "wall-10000-equilibrium",
+        "walls",
+        partial(models.wall, *WALLS[10_000]),
+        0.6,
+        Verdict.EQUILIBRIUM_EXISTS,
+        task=Task.BALANCE,
+        large=True,
+        aim_s=30.0,
+    )
+    return [*found, balance]
+
+
+def shells() -> list[Workload]:
+    """Domes and barrel vaults at rest, and either side of their limit."""
+    builds: list[tuple[str, int, Callable[[], Assembly], float]] = [
+        *(
+            ("dome", count, partial(models.dome, slices=s, rings=r, bonded=True), 0.84)
+            for count, (s, r) in DOMES.items()
+        ),
+        *(
+            ("vault", count, partial(models.barrel_vault, courses=c, blocks=b, length=y), 0.6)
+            for count, (c, b, y) in VAULTS.items()
+        ),
+    ]
+    found: list[Workload] = []
+    for family, count, build, mu in builds:
+        name = f"{family}-{count}"
+        model = partial(Workload, group=family, build=build, friction=mu, large=count >= LARGE)
+        found.append(model(name, expected=STANDS, peer=count <= 160))
+        for tilt, expected in zip(TILTS[name], (STANDS, FALLS), strict=True):
+            found.append(model(f"{name}@{tilt:g}", expected=expected, tilt_deg=tilt))
+    return found
+
+
+def limits() -> list[Workload]:
+    """The tilt limit of the arch, to 0.05 degree; 8.2 degrees in Kao 2023."""
+    mu = float(np.tan(np.deg2rad(43.0)))
+    return [
+        Workload("arch-tilt-limit", "limits", models.arch, mu, STANDS, task=Task.TILT, aim_s=0.5)
+    ]
+
+
+def armadillo(path: Path) -> list[Workload]:
+    """The Armadillo vault, 399 blocks of which 33 are fixed, from a model file."""
+    build: Callable[[], Assembly] = partial(_assembly, path)
+    return [Workload("armadillo", "armadillo", build, 0.84, STANDS, aim_s=1.0, peer=True)]
+
+
+def _assembly(path: Path) -> Assembly:
+    return read(path).assembly
+
+
+def workloads(path: Path | None = None) -> dict[str, Workload]:
+    """All of them, by name; the Armadillo where its file is given."""
+    found = [*small(), *walls(), *shells(), *limits()]
+    if path is not None:
+        found = [*armadillo(path), *found]
+    return {work.key: work for work in found}
