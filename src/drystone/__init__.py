@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from drystone.results import Residuals as Residuals
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
-    from drystone.sequence import plan as plan
+    from drystone.sequence.planner import plan as plan
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
     from drystone.stability import check as check
