@@ -1,0 +1,83 @@
+"""The planner against the exact search, on random heaps of boxes."""
+
+import numpy as np
+import pytest
+
+from drystone.assembly import Assembly
+from drystone.contacts import Contacts
+from drystone.detection import find_contacts
+from drystone.loads import LoadCase
+from drystone.models import box
+from drystone.sequence import Plan, PlanOptions, Rules, check_once, plan
+
+CASES = 50
+
+
+def heap(rng: np.random.Generator, count: int) -> Assembly:
+    """Boxes dropped on top of each other near the middle of a ground."""
+    blocks = [box((8.0, 1.0, 0.5), (-4.0, 0.0, -0.5), "ground")]
+    lying: list[tuple[float, float, float]] = []
+    for i in range(count):
+        width, height = rng.uniform(0.6, 2.4), rng.uniform(0.2, 0.5)
+        left = rng.uniform(-1.2, 1.2) - 0.5 * width
+        z = max((t for a, b, t in lying if a < left + width and b > left), default=0.0)
+        lying.append((left, left + width, z + height))
+        blocks.append(box((width, 1.0, height), (left, 0.0, z), f"b{i}"))
+    return Assembly(tuple(blocks), np.arange(count + 1) == 0)
+
+
+def standing_heaps() -> list[tuple[Assembly, Contacts, Rules]]:
+    """Heaps of 4 to 8 free boxes that stand, half of them to be built with one hand."""
+    rng = np.random.default_rng(7)
+    found: list[tuple[Assembly, Contacts, Rules]] = []
+    while len(found) < CASES:
+        assembly = heap(rng, int(rng.integers(4, 9)))
+        contacts = find_contacts(assembly, friction=0.6).contacts
+        if check_once(assembly, contacts, LoadCase.gravity(assembly)).verdict.value == "stable":
+            # every other one is made harder: its first box may only come last but one
+            hard = [("b3", "b0")] if len(found) % 4 == 1 else []
+            found.append((assembly, contacts, Rules(hands=1 + len(found) % 2, before=hard)))
+    return found
+
+
+def together(found: Plan) -> int:
+    return sum(len(step.blocks) - 1 for step in found.steps)
+
+
+@pytest.fixture(scope="module")
+def pairs() -> list[tuple[Plan, Plan]]:
+    return [
+        tuple(
+            plan(assembly, contacts, options=PlanOptions(rules=rules, exact=exact))
+            for exact in (False, True)
+        )
+        for assembly, contacts, rules in standing_heaps()
+    ]  # type: ignore[misc]
+
+
+def test_the_planner_needs_as_many_props_as_the_best_order(pairs):
+    assert [len(quick.props) for quick, _ in pairs] == [len(best.props) for _, best in pairs]
+
+
+def test_the_planner_holds_as_few_blocks_as_the_best_order(pairs):
+    assert [together(quick) for quick, _ in pairs] == [together(best) for _, best in pairs]
+
+
+def test_some_of_the_heaps_need_props_and_most_do_not(pairs):
+    needing = sum(bool(best.props) for _, best in pairs)
+    assert 5 <= needing <= CASES - 20
+
+
+def test_every_stage_of_every_plan_stands(pairs):
+    for both in pairs:
+        for found in both:
+            assert found.verdict.value == "stable"
+            assert all(answer.stands for step in found.steps for answer in step.during)
+
+
+def test_the_exact_search_goes_down_no_more_than_the_planner(pairs):
+    assert all(
+        best.drop <= quick.drop + 1e-9
+        for quick, best in pairs
+        if len(best.props) == len(quick.props) and together(best) == together(quick)
+    )

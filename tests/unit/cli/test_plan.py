@@ -1,0 +1,90 @@
+"""drystone plan: answers, files, exit codes, bad input."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drystone import io
+from drystone.assembly import Assembly
+from drystone.cli import main
+from drystone.models import arch, box, tower
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> str:
+    path = tmp_path / "stack.json"
+    io.write(tower(4), path)
+    return str(path)
+
+
+def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict]:
+    code = main(["plan", *arguments, "--json"])
+    return code, json.loads(capsys.readouterr().out)
+
+
+def test_a_stack_needs_no_help(stack, capsys):
+    code, data = answer(capsys, stack)
+    assert code == 0
+    assert data["order"] == ["block-1", "block-2", "block-3"]
+    assert data["counts"] == {"support": 1, "free": 3, "held": 0, "propped": 0, "impossible": 0}
+    assert [step["verdict"] for step in data["steps"]] == ["stable"] * 3
+
+
+def test_a_person_reads_steps_and_counts(stack, capsys):
+    assert main(["plan", stack]) == 0
+    out = capsys.readouterr().out
+    assert "3 steps" in out
+    assert "3 free, 0 held, 0 propped" in out
+    assert "block-3" in out
+
+
+def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
+    path = tmp_path / "arch.json"
+    io.write(arch(0.3, 7), path)
+    files = [str(tmp_path / name) for name in ("p.html", "print.html", "p.csv")]
+    code, data = answer(
+        capsys, str(path), "--friction", "0.4", "--hands", "1", "--margins", "--sweep", "0.4,0.1",
+        "--html", files[0], "--print", files[1], "--csv", files[2],
+    )  # fmt: skip
+    assert code == 1
+    assert data["counts"]["propped"] == len(data["props"]) == 4
+    assert all(np.linalg.norm(prop["force"]) > 0.0 for prop in data["props"])
+    assert data["margins"]["weakest"]["tilt_deg"] > 1.0
+    assert [row["stands"] for row in data["friction_sweep"]] == [False, True]
+    assert data["files"] == files
+    assert all(Path(name).stat().st_size > 200 for name in files)
+
+
+def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tmp_path, capsys):
+    path = tmp_path / "leaning.json"
+    blocks = (box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 1.0), (0.7, 0.0, 1.0), "top"))
+    io.write(Assembly(blocks, np.array([True, False])), path)
+    assert main(["plan", str(path)]) == 1
+    assert "does not stand" in capsys.readouterr().out
+    code, data = answer(capsys, str(path), "--anyway")
+    assert code == 1
+    assert data["counts"]["propped"] == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--robots", "0"], "0 hands"),
+        (["--payload", "-1"], "payload"),
+        (["--before", "block-1"], "FIRST:THEN"),
+        (["--before", "block-1:block-7"], "no block is called 'block-7'"),
+        (["--before", "block-1:block-2", "--before", "block-2:block-1"], "contradicts itself"),
+        (["--order", "sideways"], "no block is called 'sideways'"),
+        (["--sweep", "0.3,x"], "--sweep"),
+        (["--workers", "0"], "--workers"),
+        (["--workers", "2", "--dask", "tcp://x"], "contradict"),
+        (["--html", "plan.txt"], "--html"),
+    ],
+)
+def test_bad_input_is_one_line(stack, capsys, arguments, words):
+    assert main(["plan", stack, *arguments]) == 2
+    told = capsys.readouterr()
+    assert words in told.err
+    assert told.err.count("\n") == 1

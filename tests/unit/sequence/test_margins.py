@@ -1,0 +1,69 @@
+"""Margins of stages, sweeps over friction, and the table."""
+
+import csv
+import io
+from functools import partial
+
+import numpy as np
+import pytest
+
+from drystone.detection import find_contacts
+from drystone.errors import InputError
+from drystone.models import tower
+from drystone.models.sequences import leaning_tower
+from drystone.sequence import (
+    MarginOptions,
+    Plan,
+    least_buildable_friction,
+    margins,
+    plan,
+    sweep_friction,
+    table_text,
+)
+
+
+@pytest.fixture(scope="module")
+def stack() -> Plan:
+    assembly = tower(4)
+    return plan(assembly, find_contacts(assembly, friction=0.6).contacts)
+
+
+def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
+    # i free cubes topple at atan(1 / i), and slide at atan(0.6) = 31.0 degrees
+    found = margins(stack, options=MarginOptions(tilt_width=0.2, directions=2))
+    expected = [min(np.degrees(np.arctan(1.0 / i)), 30.96) for i in (1, 2, 3)]
+    np.testing.assert_allclose([one.tilt for one in found.stages], expected, atol=0.3)
+    assert found.weakest == 2
+    assert found.least_friction < 0.02
+
+
+def test_the_table_has_a_row_per_block_with_its_margins(stack):
+    found = margins(stack, options=MarginOptions(tilt_width=1.0, directions=1))
+    rows = list(csv.DictReader(io.StringIO(table_text(stack, found))))
+    assert [row["block"] for row in rows] == ["block-1", "block-2", "block-3"]
+    assert all(float(row["tilt_deg"]) > 10.0 for row in rows)
+    plain = list(csv.DictReader(io.StringIO(table_text(stack))))
+    assert [row["tilt_deg"] for row in plain] == ["", "", ""]
+
+
+def test_a_leaning_tower_is_built_above_the_tangent_of_its_lean_only():
+    assembly = leaning_tower(3, 10.0)
+    contacts = find_contacts(assembly, friction=0.6).contacts
+    low, high = least_buildable_friction(
+        contacts, partial(_plan_of, assembly), upper=0.6, width=0.01
+    )
+    assert low < np.tan(np.deg2rad(10.0)) < high
+    sweep = sweep_friction(contacts, [0.3, 0.1], partial(_plan_of, assembly))
+    assert [row["stands"] for row in sweep.rows()] == [False, True]
+    assert sweep.rows()[1]["free"] == 3
+
+
+def _plan_of(assembly, contacts):  # type: ignore[no-untyped-def]
+    return plan(assembly, contacts)
+
+
+def test_no_friction_that_lets_it_be_built_is_an_error():
+    assembly = leaning_tower(3, 30.0)
+    contacts = find_contacts(assembly, friction=0.6).contacts
+    with pytest.raises(InputError, match=r"no plan without props at friction 0\.3"):
+        least_buildable_friction(contacts, partial(_plan_of, assembly), upper=0.3)

@@ -1,0 +1,79 @@
+"""Plans as scenes and as printed instructions."""
+
+import numpy as np
+import pytest
+
+from drystone.detection import find_contacts
+from drystone.models import arch
+from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
+from drystone.view import State, page_text
+from drystone.view.sequence import block_numbers, instructions_text, plan_scene
+
+
+@pytest.fixture(scope="module")
+def planned() -> Plan:
+    assembly = arch(0.3, 7)
+    contacts = find_contacts(assembly, friction=0.4).contacts
+    return plan(assembly, contacts, options=PlanOptions(rules=Rules(hands=2)))
+
+
+def test_a_plan_is_played_step_by_step_and_summed_up(planned):
+    scene = plan_scene(planned)
+    holding = sum(len(step.during) for step in planned.steps)
+    assert holding > 0
+    assert len(scene.stages) == len(planned.steps) + holding + 1
+
+
+def test_blocks_appear_as_they_are_placed(planned):
+    scene = plan_scene(planned)
+    present = [int((stage.state != State.ABSENT).sum()) for stage in scene.stages]
+    assert present[0] >= 3
+    assert present == sorted(present)
+    assert present[-1] == len(planned.model.assembly)
+
+
+def test_the_last_stage_shows_every_status(planned):
+    state = plan_scene(planned).stages[-1].state
+    wanted = {Status.SUPPORT: State.SUPPORT, Status.FREE: State.FREE, Status.HELD: State.HELD,
+              Status.PROPPED: State.PROPPED}  # fmt: skip
+    np.testing.assert_array_equal(state, [wanted[one] for one in planned.status])
+
+
+def test_a_propped_block_is_black_while_it_is_propped(planned):
+    scene = plan_scene(planned)
+    for step, stage in zip(planned.steps, _ends(scene.stages[:-1]), strict=True):
+        assert set(np.flatnonzero(stage.state == State.PROPPED)) == set(step.props)
+
+
+def test_stages_carry_their_own_forces(planned):
+    scene = plan_scene(planned)
+    for step, stage in zip(planned.steps, _ends(scene.stages[:-1]), strict=True):
+        here = stage.state != State.ABSENT
+        contacts = scene.contacts
+        away = ~(here[contacts.block_a] & here[contacts.block_b])
+        assert stage.normal is not None
+        assert not stage.normal[away].any()
+        assert (stage.normal.sum() > 0.0) == bool(step.answer.force.any())
+
+
+def test_the_page_holds_all_stages_and_names_them(planned):
+    text = page_text(plan_scene(planned))
+    assert "step 1 of" in text
+    assert "all steps" in text
+    assert "props and hands" in text
+
+
+def test_instructions_number_the_blocks_in_order_and_need_nothing_else(planned):
+    text = instructions_text(planned)
+    assert block_numbers(planned) == {
+        planned.model.assembly.index(name): i for i, name in enumerate(planned.order, 1)
+    }
+    for name in planned.order:
+        assert f"<td>{name}</td>" in text
+    assert "<svg" in text
+    assert "<script" not in text
+    assert "src=" not in text
+
+
+def _ends(stages):  # type: ignore[no-untyped-def]
+    return [stage for stage in stages if not stage.label.endswith("holding")]
