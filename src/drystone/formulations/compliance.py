@@ -61,7 +61,8 @@ def uniform(
 def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
     """Stiffness distributions unlike the uniform one: smooth slip of several lengths, and random.
 
-    A random one draws a factor of four decades and a slip length of two decades for each interface.
+    A random one draws for every interface a stiffness within one decade, as joints of one building
+    differ, and one slip length for all of them.
     """
     rng = np.random.default_rng(seed)
     base = normal_stiffness(statics)
@@ -72,9 +73,9 @@ def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
         if number % 2 == 0 and number // 2 < len(slips):
             yield uniform(statics, slip=slips[number // 2])
         else:
-            normal = base * (10.0 ** rng.uniform(-2.0, 2.0, joints))[statics.interface]
-            slip = (10.0 ** rng.uniform(-1.0, 1.0, joints))[statics.interface]
-            yield Compliance(normal, SlipLength(statics.friction, slip * load / normal))
+            normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[statics.interface]
+            slip = 10.0 ** rng.uniform(-0.5, 1.0)
+            yield Compliance(normal, SlipLength(statics.friction, slip * load / base))
 
 
 def normal_stiffness(statics: Statics) -> Floats:
