@@ -1,0 +1,158 @@
+"""Models that strain the numbers: the right verdict, no warning, no traceback."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, CheckOptions, LoadCase, Verdict, check, find_contacts, models
+from drystone.geometry.frames import rotation_about
+from drystone.models import box
+from drystone.stability import CRAOptions, PenaltyOptions, solve_cra, solve_cra_penalty
+
+X = (1.0, 0.0, 0.0)
+
+
+def on_ground(*blocks):
+    return Assembly(tuple(blocks), np.arange(len(blocks)) == 0)
+
+
+def ground(size=4.0, thickness=0.5):
+    return box((size, size, thickness), (-size / 2, -size / 2, -thickness), name="ground")
+
+
+def pebble_on_boulder():
+    return on_ground(
+        ground(2e3, 1e3),
+        box((1e3, 1e3, 1e3), (-500, -500, 0), name="boulder"),
+        box((1e-3, 1e-3, 1e-3), (0, 0, 1e3), name="pebble"),
+    )
+
+
+def boulder_on_pebbles():
+    pebbles = [
+        box((1e-3, 1e-3, 1e-3), (x, y, 0), name=f"pebble {x} {y}") for x in (-1, 1) for y in (-1, 1)
+    ]
+    return on_ground(
+        ground(2e3, 1e3), *pebbles, box((1e3, 1e3, 1e3), (-500, -500, 1e-3), name="boulder")
+    )
+
+
+def cube_on_its_edge(angle):
+    cube = box((1, 1, 1), name="cube").transformed(rotation_about(X, angle))
+    return on_ground(ground(), cube.transformed(None, (0, 0, -cube.bounds[0, 2])))
+
+
+def cube_on_its_vertex():
+    cube = box((1, 1, 1), name="cube").transformed(rotation_about(X, 45.0))
+    cube = cube.transformed(rotation_about((0, 1, 0), np.rad2deg(np.arctan(np.sqrt(0.5)))))
+    return on_ground(ground(), cube.transformed(None, (0, 0, -cube.bounds[0, 2])))
+
+
+def overhanging(offset):
+    return on_ground(box((1, 1, 1), name="base"), box((1, 1, 1), (offset, 0, 1), name="upper"))
+
+
+def verdict(model, friction=0.6, load=None):
+    contacts = find_contacts(model, friction=friction).contacts
+    return check(model, contacts, load, options=CheckOptions(samples=2, search_tries=2)).verdict
+
+
+@pytest.mark.parametrize(
+    ("model", "friction"),
+    [
+        (pebble_on_boulder(), 0.6),
+        (boulder_on_pebbles(), 0.6),
+        (cube_on_its_edge(45.0), 0.6),
+        (cube_on_its_vertex(), 0.6),
+        (overhanging(0.5 - 1e-6), 0.6),
+        (on_ground(ground(), box((1, 1, 1), name="a")), 0.0),
+        (models.arch(0.15), 1e6),
+        (on_ground(ground(), box((1e-3, 1e-3, 1), name="needle")), 0.6),
+        (
+            on_ground(ground(), *(box((1, 1, 1e-4), (0, 0, i * 1e-4), f"{i}") for i in range(6))),
+            0.6,
+        ),
+        (
+            on_ground(
+                ground(),
+                box((1, 1, 1), name="feather", density=1e-6),
+                box((1, 1, 1), (0, 0, 1), name="lead", density=1e6),
+            ),
+            0.6,
+        ),
+        (
+            on_ground(ground(), box((1, 1, 1), (-2, 0, 0), "a"), box((1, 1, 1), (0.5, 0, 0), "b")),
+            0.6,
+        ),
+    ],
+    ids=lambda value: "",
+)
+def test_what_stands_on_paper_stands_in_numbers(model, friction):
+    assert verdict(model, friction) is Verdict.STABLE
+
+
+@pytest.mark.parametrize(
+    ("model", "friction"),
+    [
+        (cube_on_its_edge(30.0), 0.6),
+        (overhanging(0.5 + 1e-3), 0.6),
+        (overhanging(0.9999), 0.6),
+        (models.arch(0.15), 1e-9),
+        (
+            on_ground(ground(), box((1, 1, 1), (-2, 0, 0), "a"), box((1, 1, 1), (0.5, 0, 5), "b")),
+            0.6,
+        ),
+        (Assembly(models.tower(3).blocks, np.zeros(3, dtype=bool)), 0.6),
+    ],
+    ids=lambda value: "",
+)
+def test_what_falls_on_paper_falls_in_numbers(model, friction):
+    assert verdict(model, friction) is Verdict.UNSTABLE
+
+
+@pytest.mark.parametrize(("angle", "expected"), [(29.0, Verdict.STABLE), (32.0, Verdict.UNSTABLE)])
+def test_a_pebble_a_million_times_smaller_than_its_boulder_is_judged_by_its_own_measure(
+    angle, expected
+):
+    model = pebble_on_boulder()
+    assert verdict(model, 0.6, LoadCase.tilt(model, X, angle)) is expected
+
+
+@pytest.mark.parametrize("g", [1e-12, 1e12])
+def test_the_strength_of_gravity_does_not_matter(g):
+    tower = models.tower(10)
+    assert verdict(tower, 0.6, LoadCase.gravity(tower, g=g)) is Verdict.STABLE
+
+
+def test_no_load_is_no_danger():
+    tower = models.tower(3)
+    assert verdict(tower, 0.6, LoadCase(np.zeros((3, 6)))) is Verdict.STABLE
+
+
+def test_gravity_upside_down_lifts_all_that_is_loose():
+    tower = models.tower(3)
+    contacts = find_contacts(tower, friction=0.6).contacts
+    result = check(tower, contacts, LoadCase.gravity(tower, direction=(0, 0, 1)))
+    assert result.verdict is Verdict.UNSTABLE
+    assert result.falling == (1, 2)
+
+
+def test_nothing_free_is_stable():
+    tower = Assembly(models.tower(3).blocks, np.ones(3, dtype=bool))
+    assert verdict(tower) is Verdict.STABLE
+
+
+@pytest.mark.parametrize(
+    "analyse",
+    [
+        lambda *model: check(*model, options=CheckOptions(time_limit_s=0.0)),
+        lambda *model: check(*model, stop=lambda: True),
+        lambda *model: solve_cra(*model, options=CRAOptions(time_limit_s=0.0)),
+        lambda *model: solve_cra(*model, stop=lambda: True),
+        lambda *model: solve_cra_penalty(*model, options=PenaltyOptions(time_limit_s=0.0)),
+    ],
+)
+def test_out_of_time_is_undecided_with_a_reason(analyse):
+    model = models.arch(0.15)
+    result = analyse(model, find_contacts(model, friction=0.9).contacts)
+    assert result.verdict is Verdict.UNDECIDED
+    assert result.message
