@@ -7,7 +7,7 @@ import numpy as np
 from drystone.detection.options import DetectionOptions
 from drystone.detection.patches import Patches
 from drystone.geometry import boxes
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints, dot
 
 MISSED_ANGLE = np.deg2rad(10.0)
 """[rad] Patches that exceed the angle tolerance by less are reported as near misses."""
@@ -63,7 +63,7 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     other = _patches_near(patches, b, a, reach_of_pair + most[a] + most[b])
     f, g = _products(patches, one, other, len(a), reach_of_pair + most[a] + most[b])
     limit = np.deg2rad(options.angle) + patches.bend[f] + patches.bend[g] + MISSED_ANGLE
-    cosine = -(patches.normal[f] * patches.normal[g]).sum(axis=1)
+    cosine = -dot(patches.normal[f], patches.normal[g])
     keep = cosine >= np.cos(np.minimum(limit, WIDEST_ANGLE))
     f, g = f[keep], g[keep]
     smaller = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
@@ -79,14 +79,13 @@ def _patches_near(patches: Patches, block: Ints, other: Ints, margin: Floats) ->
     low, high = block_boxes(patches)
     first = patches.first_patch
     pair, patch = boxes.expand(first[block], first[block + 1] - first[block])
-    keep = _looks_at(patches, patch, other[pair], margin[pair], low, high)
-    pair, patch = pair[keep], patch[keep]
-    grown = margin[pair][:, None]
-    towards = other[pair]
-    keep = boxes.touching(
-        patches.low[patch] - grown, patches.high[patch] + grown, low[towards], high[towards]
-    )
-    return pair[keep], patch[keep]
+    for axis in range(3):  # most are far away along some axis: they are not looked at again
+        below = (low[:, axis][other] - margin)[pair]
+        above = (high[:, axis][other] + margin)[pair]
+        near = (patches.high[:, axis][patch] >= below) & (patches.low[:, axis][patch] <= above)
+        pair, patch = pair[near], patch[near]
+    looks = _looks_at(patches, patch, other[pair], margin[pair], low, high)
+    return pair[looks], patch[looks]
 
 
 def _looks_at(
@@ -95,8 +94,8 @@ def _looks_at(
     """Whether some of the other block's box lies in front of the patch."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     normal = patches.normal[patch]
-    ahead = ((middle[other] - patches.centre[patch]) * normal).sum(axis=1)
-    ahead += (half[other] * np.abs(normal)).sum(axis=1)
+    ahead = dot(middle[other] - patches.centre[patch], normal)
+    ahead += dot(half[other], np.abs(normal))
     looks: Bools = ahead >= -margin
     return looks
 

@@ -11,7 +11,7 @@ from drystone.detection.nearest import gaps
 from drystone.detection.patches import Patches
 from drystone.detection.planes import Pieces, Planes
 from drystone.geometry import clip
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints, dot
 from drystone.geometry.boxes import expand
 
 
@@ -140,7 +140,7 @@ def from_pieces(patches: Patches, planes: Planes, pieces: Pieces, clipped: Bools
 def angles(patches: Patches, f: Ints, g: Ints) -> Floats:
     """Angle (q,) [rad] between facing patches, exact for small ones."""
     apart = patches.normal[f] + patches.normal[g]
-    half = np.minimum(0.5 * np.sqrt((apart * apart).sum(axis=1)), 1.0)
+    half = np.minimum(0.5 * np.sqrt(dot(apart, apart)), 1.0)
     angle: Floats = 2.0 * np.arcsin(half)
     return angle
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints, cross, dot
 from drystone.geometry.halfedge import (
     HalfEdges,
     half_edges,
@@ -116,15 +116,15 @@ def patches_of(assembly: Assembly) -> Patches:
             corner, ring_start, size[faces.owner[face]][ring_patch]
         )
     first_ring = np.searchsorted(ring_patch, np.arange(len(face) + 1)).astype(np.intp)
-    ring_vectors = area_vectors(corner, ring_start)
-    vectors = np.add.reduceat(ring_vectors, first_ring[:-1], axis=0)
-    area = np.linalg.norm(vectors, axis=1)
-    normal = _unit(vectors, area)
+    if len(face) < faces.count:
+        vectors = np.add.reduceat(area_vectors(corner, ring_start), first_ring[:-1], axis=0)
+        area = np.sqrt(dot(vectors, vectors))
+        normal = _unit(vectors, area)
     owner = faces.owner[face]
     centre = loop_means(corner, ring_start)[first_ring[:-1]]
     start = ring_start[first_ring]
     of_corner = np.repeat(np.arange(len(face), dtype=np.intp), np.diff(start))
-    height = np.abs(((corner - centre[of_corner]) * normal[of_corner]).sum(axis=1))
+    height = np.abs(dot(corner - centre[of_corner], normal[of_corner]))
     warp = np.maximum.reduceat(height, start[:-1])
     sag, bend = _curvature(faces, edges, turn, group, area, np.diff(start) == 3)
     width = np.sqrt(np.where(area > 0.0, area, 1.0))
@@ -200,7 +200,7 @@ def _coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats)
     corner_group = group[corner_face]
     share = np.bincount(corner_group)
     middle = _summed(point, corner_group, len(share)) / share[:, None]
-    height = np.abs(((point - middle[corner_group]) * normal[corner_group]).sum(axis=1))
+    height = np.abs(dot(point - middle[corner_group], normal[corner_group]))
     worst = np.zeros(len(share))
     np.maximum.at(worst, corner_group, height)
     keep = many & (worst[group] <= PLANAR * size[faces.owner])
@@ -220,7 +220,7 @@ def _rings(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, Int
     vectors = area_vectors(faces.point[loop], start)
     whole = area_vectors(faces.point[faces.loop], faces.start)
     total = _summed(whole, group, len(number))
-    hole = -(vectors * total[owner]).sum(axis=1)  # outlines run along their patch, holes against
+    hole = -dot(vectors, total[owner])  # outlines run along their patch, holes against
     order = np.lexsort((hole, owner))
     length = np.diff(start)
     begin = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
@@ -237,7 +237,7 @@ def _without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats
         ring = np.repeat(np.arange(len(start) - 1), np.diff(start))
         chord = corner[after] - corner[before]
         length = np.linalg.norm(chord, axis=1)
-        off = np.linalg.norm(np.cross(chord, corner - corner[before]), axis=1)
+        off = np.linalg.norm(cross(chord, corner - corner[before]), axis=1)
         straight = off <= STRAIGHT * size[ring] * length
         straight &= ~straight[before]  # neighbours one after the other
         straight &= (np.diff(start) > 3)[ring]
@@ -282,8 +282,8 @@ def _convex_patches(
     after = following(ring_start)
     edge = corner[after] - corner
     ring = np.repeat(np.arange(len(ring_start) - 1), np.diff(ring_start))
-    turn = (np.cross(edge, edge[after]) * normal[ring_patch[ring]]).sum(axis=1)
-    square = (edge * edge).sum(axis=1)
+    turn = dot(cross(edge, edge[after]), normal[ring_patch[ring]])
+    square = dot(edge, edge)
     inward = turn < -STRAIGHT * (square + square[after])
     bad = np.bincount(ring_patch[ring], inward, minlength=count)
     rings = np.bincount(ring_patch, minlength=count)

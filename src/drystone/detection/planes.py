@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.detection.patches import Patches
 from drystone.geometry import clip
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints, dot
 from drystone.geometry.boxes import expand
 from drystone.geometry.frames import frames_from_normals
 
@@ -46,12 +46,12 @@ class Planes:
     def flat(self, points: Floats, row: Ints) -> Floats:
         """Points (l, 3) in the (u, v) of their row's plane."""
         local = points - self.origin[row]
-        flat: Floats = np.stack([(local * self.frame[row, i]).sum(axis=1) for i in (1, 2)], axis=1)
+        flat: Floats = np.stack([dot(local, self.frame[row, i]) for i in (1, 2)], axis=1)
         return flat
 
     def gap_at(self, flat: Floats, row: Ints) -> Floats:
         """Distance [m] of the patches at points (l, 2) of their plane."""
-        gap: Floats = self.gap[row] + (self.slope[row] * flat).sum(axis=1)
+        gap: Floats = self.gap[row] + dot(self.slope[row], flat)
         return gap
 
 
@@ -91,15 +91,15 @@ def planes_between(patches: Patches, f: Ints, g: Ints) -> Planes:
     """Planes of pairs of patches that face each other."""
     normal_f, normal_g = patches.normal[f], patches.normal[g]
     normal = normal_f - normal_g
-    normal /= np.sqrt((normal * normal).sum(axis=1))[:, None]
+    normal /= np.sqrt(dot(normal, normal))[:, None]
     frame = frames_from_normals(normal)
     size = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
     smaller = np.where(patches.area[f] <= patches.area[g], f, g)
     origin = patches.centre[smaller]
     height, slope = [], []
     for patch, own in ((f, normal_f), (g, normal_g)):
-        rise = (own * normal).sum(axis=1)
-        height.append(((patches.centre[patch] - origin) * own).sum(axis=1) / rise)
+        rise = dot(own, normal)
+        height.append(dot(patches.centre[patch] - origin, own) / rise)
         slope.append(-np.einsum("qj,qij->qi", own, frame[:, 1:]) / rise[:, None])
     origin = origin + (0.5 * (height[0] + height[1]))[:, None] * normal
     return Planes(f, g, frame, origin, height[1] - height[0], slope[1] - slope[0], size)

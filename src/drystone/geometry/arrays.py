@@ -73,3 +73,17 @@ def frozen(array: NDArray[Any]) -> NDArray[Any]:
     """The same array, marked read-only (for arrays made inside)."""
     array.setflags(write=False)
     return array
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """Cross products (..., 3) of rows, several times faster than numpy's on many short ones."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    u, v, w = b[..., 0], b[..., 1], b[..., 2]
+    product: Floats = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
+    return product
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """Scalar products (...,) of rows."""
+    product: Floats = np.einsum("...i,...i->...", a, b)
+    return product

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints, cross, dot
 from drystone.geometry.polygon import following
 from drystone.geometry.polyhedron import Faces
 
@@ -53,11 +53,11 @@ def turn_angles(faces: Faces, edges: HalfEdges, normal: Floats) -> Floats:
     normal : (f, 3) unit, outwards
     """
     along = faces.point[faces.loop[edges.after]] - faces.point[faces.loop]
-    length = np.sqrt((along * along).sum(axis=1))
+    length = np.sqrt(dot(along, along))
     here = normal[edges.face]
     there = normal[edges.face[edges.twin]]
-    sine = (_cross(here, there) * along).sum(axis=1) / np.where(length > 0.0, length, 1.0)
-    turn: Floats = np.arctan2(sine, (here * there).sum(axis=1))
+    sine = dot(cross(here, there), along) / np.where(length > 0.0, length, 1.0)
+    turn: Floats = np.arctan2(sine, dot(here, there))
     turn[edges.twin < 0] = 0.0
     return turn
 
@@ -107,12 +107,6 @@ def outlines(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
     picked = np.array(chain, dtype=np.intp)
     begin = np.array(start, dtype=np.intp)
     return faces.loop[picked], begin, of_edge[picked[begin[:-1]]]
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """Row-wise cross product, several times faster than numpy's on small rows."""
-    (a0, a1, a2), (b0, b1, b2) = a.T, b.T
-    return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=1)
 
 
 __all__ = ["HalfEdges", "half_edges", "joined_faces", "outlines", "turn_angles"]

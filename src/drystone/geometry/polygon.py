@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.arrays import Floats, Ints, cross
 
 
 def following(start: Ints) -> Ints:
@@ -32,9 +32,7 @@ def area_vectors(corners: Floats, start: Ints) -> Floats:
         return np.zeros((0, 3))
     loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
     local = corners - loop_means(corners, start)[loop]
-    area: Floats = 0.5 * np.add.reduceat(
-        np.cross(local, local[following(start)]), start[:-1], axis=0
-    )
+    area: Floats = 0.5 * np.add.reduceat(cross(local, local[following(start)]), start[:-1], axis=0)
     return area
 
 
@@ -49,7 +47,7 @@ def tributary_areas(corners: Floats, start: Ints) -> Floats:
     loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
     local = corners - loop_means(corners, start)[loop]
     after = following(start)
-    half = 0.25 * np.linalg.norm(np.cross(local, local[after]), axis=1)
+    half = 0.25 * np.linalg.norm(cross(local, local[after]), axis=1)
     share: Floats = half.copy()
     np.add.at(share, after, half)
     return share

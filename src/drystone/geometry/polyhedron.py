@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -54,14 +55,20 @@ def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> 
     """
     sizes = np.array([len(v) for v in vertices], dtype=np.intp)
     offset = np.concatenate([[0], np.cumsum(sizes)])
-    loop = np.array([i for loops in faces for f in loops for i in f], dtype=np.intp)
-    lengths = np.array([len(f) for loops in faces for f in loops], dtype=np.intp)
+    flat: dict[int, tuple[Ints, Ints]] = {}  # bodies of one kind share their face list
+    for loops in faces:
+        if id(loops) not in flat:
+            corners = np.fromiter(chain.from_iterable(loops), dtype=np.intp)
+            flat[id(loops)] = corners, np.fromiter(map(len, loops), dtype=np.intp)
+    none = np.zeros(0, dtype=np.intp)
+    loop = np.concatenate([none, *(flat[id(loops)][0] for loops in faces)])
+    lengths = np.concatenate([none, *(flat[id(loops)][1] for loops in faces)])
     owner = np.repeat(
         np.arange(len(faces), dtype=np.intp),
         np.array([len(loops) for loops in faces], dtype=np.intp),
     )
     start = np.concatenate([[0], np.cumsum(lengths)]).astype(np.intp)
-    loop = loop + np.repeat(offset[owner], lengths) if len(owner) else loop
+    loop = loop + np.repeat(offset[owner], lengths)
     point = np.concatenate(list(vertices)) if len(vertices) else np.zeros((0, 3))
     return Faces(point, loop, start, owner)
 

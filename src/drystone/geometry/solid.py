@@ -4,22 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints, cross
 
 BATCH = 1_000_000
 """Point-triangle pairs worked on at a time, chosen: bounds the memory to some 200 MB."""
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    cross: Floats = np.stack(
-        [
-            a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1],
-            a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2],
-            a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0],
-        ],
-        axis=-1,
-    )
-    return cross
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
@@ -45,7 +33,7 @@ def inside(points: Floats, triangles: Floats) -> Bools:
     for i in range(0, len(points), step):
         a, b, c = (triangles[None, :, j] - points[i : i + step, None] for j in range(3))
         x, y, z = (np.sqrt(_dot(v, v)) for v in (a, b, c))
-        volume = _dot(a, _cross(b, c))
+        volume = _dot(a, cross(b, c))
         rest = x * y * z + _dot(a, b) * z + _dot(b, c) * x + _dot(c, a) * y
         turns[i : i + step] = np.arctan2(volume, rest).sum(axis=1) / (2.0 * np.pi)
     return turns > 0.5
@@ -71,12 +59,12 @@ def _squared(points: Floats, triangles: Floats) -> Floats:
         _from_segment(points, a, b),
         np.minimum(_from_segment(points, b, c), _from_segment(points, c, a)),
     )
-    normal = _cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     square = _dot(normal, normal)
     safe = np.where(square > 0.0, square, 1.0)
     over = square > 0.0
     for start, end in ((a, b), (b, c), (c, a)):
-        over = over & (_dot(_cross(end - start, points - start), normal) >= 0.0)
+        over = over & (_dot(cross(end - start, points - start), normal) >= 0.0)
     height = _dot(points - a, normal) ** 2 / safe
     squared: Floats = np.where(over, height, best)
     return squared
@@ -110,12 +98,12 @@ def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Ints, Floa
     for i in range(0, len(start), step):
         ray = along[i : i + step, None]
         off = start[i : i + step, None] - triangles[None, :, 0]
-        side = _cross(ray, np.broadcast_to(two, (ray.shape[0], *two.shape)))
+        side = cross(ray, np.broadcast_to(two, (ray.shape[0], *two.shape)))
         volume = _dot(side, one)
         flat = np.abs(volume) <= 1e-14 * np.sqrt(_dot(ray, ray) * _dot(one, one) * _dot(two, two))
         safe = np.where(flat, 1.0, volume)
         u = _dot(side, off) / safe
-        turned = _cross(off, np.broadcast_to(one, off.shape))
+        turned = cross(off, np.broadcast_to(one, off.shape))
         v = _dot(turned, np.broadcast_to(ray, off.shape)) / safe
         share = _dot(turned, two) / safe
         hit = ~flat & (u >= 0) & (v >= 0) & (u + v <= 1) & (share >= 0) & (share <= 1)
