@@ -1,5 +1,6 @@
 """Assembly planning: in which order, what to hold, what to prop."""
 
+from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.insertion import Freedom, RemovalTest, freedom
 from drystone.sequence.margins import (
@@ -20,6 +21,8 @@ from drystone.sequence.workers import DaskWorkers, ExecutorFactory, LocalWorkers
 
 __all__ = [
     "Answer",
+    "Cut",
+    "CutDesign",
     "DaskWorkers",
     "Evaluator",
     "ExecutorFactory",
@@ -39,8 +42,11 @@ __all__ = [
     "Stage",
     "Status",
     "Step",
+    "Trial",
     "check_once",
     "check_thoroughly",
+    "cut_block",
+    "design_cuts",
     "freedom",
     "least_buildable_friction",
     "margins",
@@ -48,4 +54,5 @@ __all__ = [
     "save_table",
     "sweep_friction",
     "table_text",
+    "tilted_cuts",
 ]

@@ -1,0 +1,103 @@
+"""Cuts through blocks, and the loop that accepts or changes them."""
+
+import numpy as np
+import pytest
+
+from drystone.assembly import Assembly, Block
+from drystone.detection import find_contacts
+from drystone.errors import InputError
+from drystone.models import box, prism
+from drystone.models.simple import stool
+from drystone.sequence import plan
+from drystone.sequence.cuts import Cut, cut_block, design_cuts, tilted_cuts
+
+Y = np.array([0.0, 1.0, 0.0])
+Z = np.array([0.0, 0.0, 1.0])
+
+
+def leaning(lean_deg: float = 10.0, width: float = 1.0, height: float = 4.0) -> Block:
+    shift = height * np.tan(np.deg2rad(lean_deg))
+    return prism([(0, 0), (width, 0), (width + shift, height), (shift, height)], (0, 1), "tower")
+
+
+def winding() -> Block:
+    """One concave block that winds like the snake."""
+    z = np.linspace(0.0, 4.0, 13)
+    phase = 2.0 * np.pi * z / 4.0
+    centre = np.column_stack([0.25 * np.sin(phase), 0.8 + z])
+    slope = 2.0 * np.pi * 0.25 / 4.0 * np.cos(phase)
+    across = np.column_stack([np.ones(13), -slope]) / np.hypot(1.0, slope)[:, None]
+    foot = np.array([[0.5, 0.0], [-0.5, 0.0]])
+    left, right = centre - 0.4 * across, centre + 0.4 * across
+    return prism(np.concatenate([foot, left, right[::-1]]), (0.0, 0.8), "snake")
+
+
+@pytest.mark.parametrize(
+    "cut",
+    [
+        Cut((0.0, 0.0, 1.3), Z),
+        Cut((0.4, 0.5, 1.3), (0.2, 0.1, 1.0)),
+        Cut((0.5, 0.5, 1.3), Z, 20.0, Y),
+        Cut((0.5, 0.5, 1.3), Z, -20.0, (1.0, 1.0, 0.0)),
+    ],
+)
+@pytest.mark.parametrize("block", [leaning(), winding(), box((1.0, 1.0, 3.0))])
+def test_pieces_are_closed_and_have_the_volume_of_the_whole(block, cut):
+    above, below = cut_block(block, cut)
+    assert len(above) == len(below) == 1
+    assert above[0].volume + below[0].volume == pytest.approx(block.volume, rel=1e-9)
+    pair = Assembly((below[0], above[0]), np.array([True, False]))
+    contacts = find_contacts(pair).contacts
+    assert contacts.count == (1 if cut.wedge_deg == 0.0 else 2)
+
+
+def test_a_groove_seats_what_is_above_and_a_ridge_what_is_below():
+    cube = box((1.0, 1.0, 1.0))
+    groove, _ = cut_block(cube, Cut((0.5, 0.5, 0.5), Z, 30.0, Y))
+    ridge, _ = cut_block(cube, Cut((0.5, 0.5, 0.5), Z, -30.0, Y))
+    lens = 0.5 * 0.5 * np.tan(np.deg2rad(30.0))
+    assert groove[0].volume == pytest.approx(0.5 - lens)
+    assert ridge[0].volume == pytest.approx(0.5 + lens)
+
+
+def test_a_cut_through_the_legs_of_a_stool_leaves_four_feet():
+    above, below = cut_block(stool().blocks[1], Cut((0.0, 0.0, 0.1), Z))
+    assert (len(above), len(below)) == (1, 4)
+
+
+def test_a_cut_beside_the_block_or_on_a_face_is_refused():
+    cube = box((1.0, 1.0, 1.0))
+    with pytest.raises(InputError, match="misses"):
+        cut_block(cube, Cut((0.0, 0.0, 3.0), Z))
+    with pytest.raises(InputError, match="lies on a face"):
+        cut_block(cube, Cut((0.0, 0.0, 1.0), Z))
+
+
+def test_a_cut_that_lets_the_tower_slide_is_changed_for_one_that_holds():
+    heights = (0.5, 1.5, 2.5, 3.5)
+    proposals = [
+        tilted_cuts(np.array([0.5 + 0.17 * z, 0.5, z]), Z, Y, (40.0, 20.0, 0.0)) for z in heights
+    ]
+    found = design_cuts(leaning(), proposals, friction=0.6)
+    assert len(found.assembly) == 5
+    assert len(found.cuts) == 4
+    per_place = [[t.accepted for t in found.trials if t.place == i] for i in range(4)]
+    assert per_place == [[False, True]] * 4  # 40 degrees slides, 20 holds
+    built = plan(found.assembly, find_contacts(found.assembly, friction=0.6).contacts)
+    assert built.counts["free"] == 4
+    assert sum(block.volume for block in found.assembly.blocks) == pytest.approx(leaning().volume)
+
+
+def test_a_snake_is_cut_and_built_from_below():
+    places = [tilted_cuts(np.array([0.0, 0.4, z]), Z, Y, (0.0, 10.0)) for z in (1.0, 2.3, 3.6)]
+    found = design_cuts(winding(), places, friction=0.6)
+    built = plan(found.assembly, find_contacts(found.assembly, friction=0.6).contacts)
+    assert built.order == ("c01-block", "c02-block", "c03-block")
+    assert built.counts["free"] == 3
+
+
+def test_a_place_without_a_cut_that_works_is_named():
+    with pytest.raises(InputError, match="none of 2 cuts at place 0"):
+        design_cuts(
+            leaning(), [tilted_cuts(np.array([0.5, 0.5, 1.0]), Z, Y, (40.0, 50.0))], friction=0.3
+        )
