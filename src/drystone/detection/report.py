@@ -120,21 +120,24 @@ class ContactReport:
                 f"{counted(len(self.isolated), 'block')} touch nothing:"
                 f" {listed([self.names[i] for i in self.isolated])}"
             )
-        for deep in sorted(self.penetrations, key=lambda p: -p.depth)[:SHOWN]:
-            lines.append(
+        deepest = sorted(self.penetrations, key=lambda pair: -pair.depth)
+        lines += _first(
+            [
                 f"blocks '{self.names[deep.block_a]}' and '{self.names[deep.block_b]}'"
                 f" stand {_mm(deep.depth)} mm in each other"
-            )
-        if len(self.penetrations) > SHOWN:
-            lines.append(f"and {len(self.penetrations) - SHOWN} more pairs stand in each other")
-        lines += [
-            f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
-            for a, b in self.duplicates
-        ]
-        lines += [
-            f"block '{self.names[i]}' consists of {count} separate parts" for i, count in self.parts
-        ]
-        lines += [f"block '{self.names[i]}': {what}" for i, what in self.repairs]
+                for deep in deepest
+            ]
+        )
+        lines += _first(
+            [
+                f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
+                for a, b in self.duplicates
+            ]
+        )
+        lines += _first(
+            [f"block '{self.names[i]}' consists of {n} separate parts" for i, n in self.parts]
+        )
+        lines += _first([f"block '{self.names[i]}': {what}" for i, what in self.repairs])
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
 
     def _missed_lines(self) -> list[str]:
@@ -209,6 +212,12 @@ class ContactReport:
 def _face(number: Any) -> int | None:
     """A face number; none for the side of a contact that is an edge or a corner."""
     return int(number) if number >= 0 else None
+
+
+def _first(lines: list[str]) -> list[str]:
+    """The first of several lines of one kind."""
+    more = [f"and {len(lines) - SHOWN} more like this"] if len(lines) > SHOWN else []
+    return lines[:SHOWN] + more
 
 
 def _mm(length: float) -> str:

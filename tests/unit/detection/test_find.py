@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import Voronoi
 from shapely.geometry import Polygon
 
 from drystone.assembly import Assembly, Block
@@ -11,6 +12,7 @@ from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, Reason, find_contacts
 from drystone.errors import InputError
 from drystone.geometry.frames import rotation_about
+from drystone.geometry.polygon import area_vectors
 from drystone.models import (
     box,
     concave,
@@ -218,6 +220,40 @@ def test_random_pack_agrees_with_intervals() -> None:
     assert found.keys() == expected.keys()
     for pair, area in expected.items():
         assert found[pair] == pytest.approx(area, rel=1e-9)
+
+
+def test_cells_of_a_voronoi_diagram_share_their_ridges() -> None:
+    points = np.random.default_rng(3).random((40, 3))
+    mirrored = [points]
+    for axis in range(3):
+        for side in (0.0, 2.0):
+            image = points.copy()
+            image[:, axis] = side - image[:, axis]
+            mirrored.append(image)
+    cells = Voronoi(np.concatenate(mirrored))  # those of the first points fill the unit cube
+    loops: list[list[np.ndarray]] = [[] for _ in points]
+    expected: dict[tuple[int, int], float] = {}
+    for pair, ridge in zip(cells.ridge_points.tolist(), cells.ridge_vertices, strict=True):
+        corners = cells.vertices[ridge]
+        for cell in pair:
+            if cell < len(points):
+                loops[cell].append(corners)
+        if max(pair) < len(points):
+            area = area_vectors(corners, np.array([0, len(corners)]))[0]
+            expected[min(pair), max(pair)] = float(np.linalg.norm(area))
+    model = Assembly(tuple(welded(faces, f"cell-{i}") for i, faces in enumerate(loops)))
+    contacts = find_contacts(model).contacts
+    found = dict(
+        zip(
+            zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True),
+            contacts.area.tolist(),
+            strict=True,
+        )
+    )
+    assert_well_formed(contacts)
+    large = {pair: area for pair, area in expected.items() if area > 1e-6}
+    assert {pair: found[pair] for pair in large} == pytest.approx(large, rel=1e-6)
+    assert sum(found.values()) == pytest.approx(sum(expected.values()), abs=1e-6)
 
 
 def test_gap_is_relative_to_the_smaller_block() -> None:

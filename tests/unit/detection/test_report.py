@@ -55,6 +55,16 @@ def test_repairs_are_passed_on() -> None:
     assert any("inside out" in line for line in report.summary())
 
 
+def test_summary_of_many_faults_stays_short() -> None:
+    cubes = [
+        Block(c.vertices, tuple(face[::-1] for face in c.faces), f"cube-{i}")
+        for i, c in enumerate(box((1.0, 1.0, 1.0), (3.0 * i, 0.0, 0.0)) for i in range(30))
+    ]
+    lines = find_contacts(Assembly(tuple(cubes))).report.summary()
+    assert len(lines) < 15
+    assert "and 22 more like this" in lines
+
+
 def test_block_that_is_there_twice_is_named() -> None:
     cube = box((1.0, 1.0, 1.0))
     report = find_contacts(Assembly((SLAB, cube, cube.renamed("again")))).report
