@@ -14,6 +14,11 @@ from drystone.cli.waiting import Waiting
 if TYPE_CHECKING:
     from drystone.limits import Limit, TiltSweep
 
+TITLES = {
+    "equilibrium": "some forces balance the loads",
+    "rest": "stands for some contact stiffness",
+    "uniform": "stands for uniform contact stiffness",
+}
 NAMED = 12
 """Blocks named on the terminal; --json has all."""
 
@@ -81,15 +86,13 @@ def _show(data: dict[str, Any]) -> None:
     title = escape(f"limit of {data['parameter']}{unit}")
     console.print(f"[bold]{title}[/]  {escape(data['model'])}")
     table = Table("", "stands at", "falls at", box=None)
-    for title, key in (("some forces balance the loads", "equilibrium"), ("stands", "rest")):
+    for key, title in TITLES.items():
         bracket = data[key]
         if bracket is not None:
             table.add_row(
                 title, _value(bracket["stands"], "nowhere"), _value(bracket["falls"], "-")
             )
     console.print(table)
-    if data["sensitive"]:
-        console.print("at the limit it stands for some contact stiffnesses only")
     for low, high in data["islands"]:
         console.print(f"[yellow]island:[/] it stands again from {low:.6g} to {high:.6g}")
     if data["falling"]:

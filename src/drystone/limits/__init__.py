@@ -2,8 +2,6 @@
 
 from drystone.limits.families import Family, Friction, LoadFactor, Parametric, Shrunk, Tilt
 from drystone.limits.limits import (
-    Limit,
-    LimitOptions,
     limit_friction,
     limit_load,
     limit_shrink,
@@ -14,6 +12,7 @@ from drystone.limits.polar import TiltSweep, tilt_sweep
 from drystone.limits.search import Bracket, Check, Evaluation
 from drystone.limits.thrust import ThrustBounds, thrust_bounds
 from drystone.limits.tolerance import Imperfections, Tolerance, imperfect, tolerance
+from drystone.limits.types import Limit, LimitOptions
 
 __all__ = [
     "Bracket",

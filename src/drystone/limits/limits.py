@@ -7,24 +7,19 @@ prestress), searched inside the first.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from drystone import stability
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
-from drystone.formulations.equilibrium import FrictionCone
 from drystone.geometry.frames import unit
-from drystone.limits.bounds import bisected_bound, load_factor_bound, tilt_bound
+from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.families import (
-    Family,
     Friction,
     LoadFactor,
     Parametric,
@@ -34,19 +29,11 @@ from drystone.limits.families import (
     number,
     resting,
 )
-from drystone.limits.search import (
-    Bracket,
-    Check,
-    Evaluation,
-    Found,
-    Search,
-    evaluate,
-    plain,
-    verdict,
-)
+from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.search import Check
+from drystone.limits.types import Limit, LimitOptions
 from drystone.loads import LoadCase
 from drystone.progress import Progress
-from drystone.statics import build_statics
 
 AXES = {
     "x": (1.0, 0.0, 0.0),
@@ -58,96 +45,8 @@ AXES = {
 """Axes by name."""
 
 
-@dataclass(frozen=True)
-class LimitOptions:
-    """How a limit is searched.
-
-    Attributes
-    ----------
-    width
-        Of the brackets, in the unit of the parameter; left out, a default of each limit.
-    scan
-        Steps between the start and the limit of equilibrium at which the full verdict is asked
-        before it is bisected: an island narrower than a step can be missed.
-    cone
-        Of the equilibrium limit.
-    full
-        Whether to search the full verdict too.
-    """
-
-    width: float | None = None
-    scan: int = 6
-    cone: FrictionCone = field(default_factory=FrictionCone.exact)
-    full: bool = True
-
-    def __post_init__(self) -> None:
-        if self.width is not None and not 0.0 < self.width < float("inf"):
-            raise InputError(f"width is {self.width}", remedy="give a number above zero")
-        if self.scan < 1:
-            raise InputError(f"scan is {self.scan}", remedy="give one step or more")
-
-
-@dataclass(frozen=True, eq=False)
-class Limit:
-    """A limit by both definitions.
-
-    Attributes
-    ----------
-    parameter, unit
-    start, end
-        Range that was searched, from where it should stand.
-    equilibrium
-        Some forces balance the loads (associative friction).
-    rest
-        The full verdict; ``None`` where it was not asked for.
-    islands
-        Values beyond the first fall at which it stands again, as far as they were tried.
-    evaluations
-        Values at which the full verdict was asked.
-    time_s
-    """
-
-    parameter: str
-    unit: str
-    start: float
-    end: float
-    equilibrium: Bracket
-    rest: Bracket | None = None
-    islands: tuple[tuple[float, float], ...] = ()
-    evaluations: tuple[Evaluation, ...] = ()
-    time_s: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def best(self) -> Bracket:
-        """The bracket of the full verdict, or that of equilibrium where there is no other."""
-        return self.equilibrium if self.rest is None else self.rest
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values; blocks that fall by name."""
-        falling = self.best.falling
-        standing = self.best.standing
-        return {
-            "parameter": self.parameter,
-            "unit": self.unit,
-            "range": [self.start, self.end],
-            "equilibrium": plain(self.equilibrium),
-            "rest": plain(self.rest),
-            "islands": [list(run) for run in self.islands],
-            "falling": [] if falling is None else list(falling.falling_names),
-            "message": "" if falling is None else falling.message,
-            "sensitive": standing is not None
-            and standing.samples.standing < standing.samples.tried,
-            "evaluations": [
-                {
-                    "value": one.value,
-                    "verdict": one.verdict.value,
-                    "tried": one.samples.tried,
-                    "standing": one.samples.standing,
-                }
-                for one in self.evaluations
-            ],
-            "time_s": dict(self.time_s),
-        }
+WIDTH_DEG = 0.05
+"""Default width of a bracket of tilt [degrees]."""
 
 
 def limit_tilt(
@@ -157,7 +56,7 @@ def limit_tilt(
     load: LoadCase | None = None,
     *,
     upper: float = 180.0,
-    check: Check = verdict,
+    check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -174,9 +73,10 @@ def limit_tilt(
     upper : [degrees]
         Where the search ends.
     check
-        Any function that answers whether an assembly stands.
+        Any function that answers whether an assembly stands. Left out, that of drystone: with
+        uniform contact stiffness first, with others where that falls.
     options
-        The default width is 0.01 degree.
+        The default width is 0.05 degree.
     executor
         Works on the values of a scan side by side; the answer does not depend on it.
     progress
@@ -198,13 +98,13 @@ def limit_tilt(
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
         raise InputError(f"the largest angle is {last}", remedy="give degrees from 0 to 360")
-    width = _width(chosen, 0.01)
-    return _searched(
+    width = WIDTH_DEG if chosen.width is None else chosen.width
+    return searched(
         family,
         0.0,
         last,
         lambda: (tilt_bound(family, last, width=width, cone=chosen.cone), width),
-        _Means(check, chosen, executor, progress),
+        Means(check, chosen, executor, progress),
     )
 
 
@@ -215,7 +115,7 @@ def limit_friction(
     *,
     upper: float | None = None,
     scaled: bool = False,
-    check: Check = verdict,
+    check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -238,7 +138,8 @@ def limit_friction(
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    return _bisected(family, start, 0.0, 1e-3, check, chosen, executor, progress)
+    means = Means(check, chosen, executor, progress)
+    return bisected(family, start, 0.0, 1e-3, means)
 
 
 def limit_load(
@@ -248,7 +149,7 @@ def limit_load(
     dead: LoadCase | None = None,
     *,
     upper: float = 1000.0,
-    check: Check = verdict,
+    check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -272,12 +173,12 @@ def limit_load(
     last = number(upper, "the largest factor")
     if last <= 0.0:
         raise InputError(f"the largest factor is {last}", remedy="give a number above zero")
-    return _searched(
+    return searched(
         family,
         0.0,
         last,
         lambda: load_factor_bound(family, last, share=1e-4, width=chosen.width, cone=chosen.cone),
-        _Means(check, chosen, executor, progress),
+        Means(check, chosen, executor, progress),
     )
 
 
@@ -286,7 +187,7 @@ def limit_shrink(
     contacts: Contacts,
     load: LoadCase | None = None,
     *,
-    check: Check = verdict,
+    check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -298,7 +199,7 @@ def limit_shrink(
     """
     chosen = options if options is not None else LimitOptions()
     family = Shrunk(assembly, contacts, resting(assembly, load))
-    return _bisected(family, 1.0, 0.0, 1e-3, check, chosen, executor, progress)
+    return bisected(family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress))
 
 
 def limit_thickness(
@@ -310,7 +211,7 @@ def limit_thickness(
     find: Callable[[Assembly], Contacts] | None = None,
     parameter: str = "thickness",
     unit: str = "",
-    check: Check = verdict,
+    check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -346,7 +247,7 @@ def limit_thickness(
     finder = find if find is not None else partial(found, friction)
     family = Parametric(build, finder, parameter, unit)
     width = 1e-5 * abs(first - last)
-    return _bisected(family, first, last, width, check, chosen, executor, progress)
+    return bisected(family, first, last, width, Means(check, chosen, executor, progress))
 
 
 def axis_vector(axis: Any) -> Any:
@@ -364,102 +265,7 @@ def axis_vector(axis: Any) -> Any:
     return unit(axis, "axis")
 
 
-@dataclass(frozen=True, eq=False)
-class _Means:
-    """What a search works with."""
-
-    check: Check
-    options: LimitOptions
-    executor: Executor | None
-    progress: Progress | None
-
-    def tell(self, stage: str, done: int) -> None:
-        if self.progress is not None:
-            self.progress(stage, done, 2)
-
-
-def _width(options: LimitOptions, default: float) -> float:
-    return default if options.width is None else options.width
-
-
-def _bisected(
-    family: Family,
-    start: float,
-    end: float,
-    width: float,
-    check: Check,
-    options: LimitOptions,
-    executor: Executor | None,
-    progress: Progress | None,
-) -> Limit:
-    chosen = _width(options, width)
-    return _searched(
-        family,
-        start,
-        end,
-        lambda: (bisected_bound(family, start, end, width=chosen, cone=options.cone), chosen),
-        _Means(check, options, executor, progress),
-    )
-
-
-def _searched(
-    family: Family,
-    start: float,
-    end: float,
-    bound: Callable[[], tuple[Bracket, float]],
-    means: _Means,
-) -> Limit:
-    """The convex bound and its width first, then the full verdict inside it."""
-    _refuse_nothing_to_do(family, start)
-    began = time.perf_counter()
-    means.tell("limit of equilibrium", 0)
-    outer, width = bound()
-    between = time.perf_counter()
-    found: Found | None = None
-    if means.options.full:
-        means.tell("limit of rest", 1)
-        search = Search(family, means.check, means.executor)
-        if outer.stands is None:
-            found = Found(outer, (), ())
-        else:
-            found = search.run(
-                start, outer.stands, width=width, scan=means.options.scan, beyond=outer
-            )
-            found = replace(found, bracket=_with_samples(family, found.bracket, means.check))
-    means.tell("done", 2)
-    ended = time.perf_counter()
-    return Limit(
-        family.parameter,
-        family.unit,
-        start,
-        end,
-        outer,
-        None if found is None else found.bracket,
-        () if found is None else found.islands,
-        () if found is None else found.evaluations,
-        {"equilibrium": between - began, "rest": ended - between},
-    )
-
-
-def _with_samples(family: Family, bracket: Bracket, check: Check) -> Bracket:
-    """The bracket with all stiffnesses tried at its standing side, to tell how sensitive it is."""
-    if check is not verdict or bracket.stands is None:
-        return bracket
-    return replace(bracket, standing=evaluate(family, stability.check, bracket.stands))
-
-
-def _refuse_nothing_to_do(family: Family, start: float) -> None:
-    problem = family(start)
-    statics = build_statics(problem.assembly, problem.contacts, problem.load)
-    if statics.free_count == 0:
-        raise InputError("every block is fixed", remedy="free some blocks")
-    if not statics.load.any():
-        raise InputError("nothing loads the free blocks", remedy="give a load")
-
-
 __all__ = [
-    "Limit",
-    "LimitOptions",
     "axis_vector",
     "limit_friction",
     "limit_load",

@@ -14,8 +14,9 @@ from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats
-from drystone.limits.limits import Limit, LimitOptions, limit_tilt
-from drystone.limits.search import Bracket, Check, verdict
+from drystone.limits.limits import limit_tilt
+from drystone.limits.search import Bracket, Check
+from drystone.limits.types import Limit, LimitOptions
 from drystone.loads import LoadCase
 from drystone.progress import Progress
 
@@ -68,7 +69,7 @@ def tilt_sweep(
     load: LoadCase | None = None,
     *,
     upper: float = 180.0,
-    check: Check = verdict,
+    check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
@@ -23,25 +23,33 @@ Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
 ONE_STIFFNESS = stability.CheckOptions(samples=0, search=False)
 
 
+def one_stiffness(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """Whether it stands with uniform contact stiffness: quickly answered, and enough to stand."""
+    return stability.check(assembly, contacts, load, options=ONE_STIFFNESS)
+
+
 def verdict(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
     """Whether it stands, asked in two steps: most structures that stand do so at once.
 
     Uniform contact stiffness is tried first, and only where that falls the whole cascade of
     :func:`drystone.check`. How many stiffnesses would do is not asked.
     """
-    first = stability.check(assembly, contacts, load, options=ONE_STIFFNESS)
-    if first.verdict is Verdict.STABLE:
-        return first
-    return stability.check(assembly, contacts, load)
+    first = one_stiffness(assembly, contacts, load)
+    return first if first.verdict is Verdict.STABLE else stability.check(assembly, contacts, load)
 
 
-STANDS = {
+STANDS: Mapping[Verdict, bool | None] = {
     Verdict.STABLE: True,
     Verdict.EQUILIBRIUM_EXISTS: True,
     Verdict.UNSTABLE: False,
     Verdict.UNDECIDED: None,
 }
 """Whether a verdict counts as standing; ``None`` counts as neither."""
+
+STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
+    kind: stands is True for kind, stands in STANDS.items()
+}
+"""The same where what was not found to stand counts as falling."""
 
 
 @dataclass(frozen=True)
@@ -108,18 +116,27 @@ class Search:
     check
     executor
         Works on the values of a scan side by side.
+    meaning
+        What each verdict counts as.
     """
 
-    def __init__(self, family: Family, check: Check, executor: Executor | None = None) -> None:
+    def __init__(
+        self,
+        family: Family,
+        check: Check,
+        executor: Executor | None = None,
+        meaning: Mapping[Verdict, bool | None] = STANDS,
+    ) -> None:
         self.family = family
         self.check = check
         self.executor = executor
+        self.meaning = meaning
         self.results: dict[float, Result] = {}
 
     def stands(self, value: float) -> bool | None:
         """Whether the structure stands at a value."""
         self.evaluate([value])
-        return STANDS[self.results[value].verdict]
+        return self.meaning[self.results[value].verdict]
 
     def evaluate(self, values: Iterable[float]) -> None:
         """Try values that were not tried yet."""

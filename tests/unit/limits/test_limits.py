@@ -28,7 +28,7 @@ from tests.oracle import touching_faces
 
 TOWER = tower(2)
 JOINTS = touching_faces(TOWER, 0.4)
-QUICK = LimitOptions(scan=1)
+QUICK = LimitOptions(scan=1, width=0.01)
 SLIDE = float(np.rad2deg(np.arctan(0.4)))
 
 
@@ -47,7 +47,7 @@ def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
     def never(*arguments: object) -> None:
         raise AssertionError(arguments)
 
-    limit = limit_tilt(TOWER, JOINTS, check=never, options=LimitOptions(full=False))  # type: ignore[arg-type]
+    limit = limit_tilt(TOWER, JOINTS, check=never, options=LimitOptions(full=False, width=0.01))  # type: ignore[arg-type]
     assert limit.rest is None
     assert limit.best is limit.equilibrium
     assert limit.to_dict()["rest"] is None
@@ -55,7 +55,9 @@ def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
 
 def test_a_tilt_axis_is_a_name_or_any_vector() -> None:
     values = [
-        limit_tilt(TOWER, JOINTS, axis, options=LimitOptions(full=False)).equilibrium.value
+        limit_tilt(
+            TOWER, JOINTS, axis, options=LimitOptions(full=False, width=0.01)
+        ).equilibrium.value
         for axis in ("x", "-y", (2.0, 0.0, 0.0), (3.0, 1.0, 0.0))
     ]
     assert values == pytest.approx([SLIDE] * 4, abs=0.01)
@@ -108,7 +110,7 @@ def test_what_cannot_be_asked_is_refused(call, words) -> None:  # type: ignore[n
 def test_friction_can_be_searched_as_a_share_of_each_joint() -> None:
     slope = incline(20.0)
     joints = touching_faces(slope, 0.8)
-    limit = limit_friction(slope, joints, scaled=True, options=QUICK)
+    limit = limit_friction(slope, joints, scaled=True, options=LimitOptions(scan=1))
     assert limit.parameter == "share of friction"
     assert limit.best.value == pytest.approx(np.tan(np.deg2rad(20.0)) / 0.8, abs=1e-3)
 
@@ -148,7 +150,7 @@ def test_progress_counts_to_its_end() -> None:
         TOWER,
         JOINTS,
         2,
-        options=LimitOptions(full=False),
+        options=LimitOptions(full=False, width=0.01),
         progress=lambda *step: told.append(step),
     )
     assert told[-1][1:] == (2, 2)
@@ -224,3 +226,19 @@ def test_blocks_travel_to_other_processes_as_they_are() -> None:
     assert not copy.blocks[0].vertices.flags.writeable
     assert dict(copy.blocks[0].metadata) == dict(TOWER.blocks[0].metadata)
     np.testing.assert_array_equal(copy.mass, TOWER.mass)
+
+
+def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
+    # a wedge in a groove: where uniform stiffness falls, another share of the forces stands
+    from drystone.models import wedge
+
+    assembly = wedge("c")
+    joints = touching_faces(assembly, 0.84)
+    limit = limit_tilt(assembly, joints, "x", options=LimitOptions(scan=1, width=6.0))
+    assert limit.uniform is not None
+    assert limit.rest is not None
+    assert limit.uniform.stands is not None
+    assert limit.rest.stands is not None
+    assert limit.uniform.stands < limit.rest.stands
+    assert limit.is_sensitive
+    assert limit.equilibrium.value == pytest.approx(47.0, abs=6.0)

@@ -1,0 +1,148 @@
+"""The full verdict, searched inside the convex bound."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+from drystone import stability
+from drystone.errors import InputError
+from drystone.limits.bounds import bisected_bound
+from drystone.limits.families import Family
+from drystone.limits.search import (
+    STANDS,
+    STANDS_OR_NOT,
+    Bracket,
+    Check,
+    Evaluation,
+    Found,
+    Search,
+    one_stiffness,
+)
+from drystone.limits.types import Limit, LimitOptions
+from drystone.progress import Progress
+from drystone.statics import build_statics
+
+
+@dataclass(frozen=True, eq=False)
+class Means:
+    """What a search works with; without a check, the one of drystone in two steps."""
+
+    check: Check | None
+    options: LimitOptions
+    executor: Executor | None
+    progress: Progress | None
+
+    def tell(self, stage: str, done: int) -> None:
+        """Report one of three steps."""
+        if self.progress is not None:
+            self.progress(stage, done, 3)
+
+
+def bisected(family: Family, start: float, end: float, width: float, means: Means) -> Limit:
+    """A limit whose convex bound has to be bisected; the width of the options comes first."""
+    chosen = width if means.options.width is None else means.options.width
+    cone = means.options.cone
+    return searched(
+        family,
+        start,
+        end,
+        lambda: (bisected_bound(family, start, end, width=chosen, cone=cone), chosen),
+        means,
+    )
+
+
+def searched(
+    family: Family,
+    start: float,
+    end: float,
+    bound: Callable[[], tuple[Bracket, float]],
+    means: Means,
+) -> Limit:
+    """The convex bound and its width first, then the full verdict inside it.
+
+    Raises
+    ------
+    InputError
+        Nothing is free, or nothing is loaded.
+    """
+    _refuse_nothing_to_do(family, start)
+    began = time.perf_counter()
+    means.tell("limit of equilibrium", 0)
+    outer, width = bound()
+    between = time.perf_counter()
+    uniform: Found | None = None
+    rest: Found | None = None
+    if means.options.full:
+        means.tell("limit of rest", 1)
+        if outer.stands is None:
+            rest = Found(outer, (), ())
+        elif means.check is not None:
+            scan = means.options.scan
+            search = Search(family, means.check, means.executor)
+            rest = search.run(start, outer.stands, width=width, scan=scan, beyond=outer)
+        else:
+            uniform, rest = _in_two_steps(family, start, outer, width, means)
+    means.tell("done", 3)
+    tried = {one.value: one for found in (uniform, rest) if found for one in found.evaluations}
+    return Limit(
+        family.parameter,
+        family.unit,
+        start,
+        end,
+        outer,
+        None if rest is None else rest.bracket,
+        None if uniform is None else uniform.bracket,
+        () if rest is None else rest.islands,
+        tuple(tried[value] for value in sorted(tried)),
+        {"equilibrium": between - began, "rest": time.perf_counter() - between},
+    )
+
+
+def _in_two_steps(
+    family: Family, start: float, outer: Bracket, width: float, means: Means
+) -> tuple[Found, Found]:
+    """Limits for uniform stiffness and for some stiffness.
+
+    Trying one stiffness is cheap, so that the scan and the bisection are made with it. The whole
+    cascade is asked where uniform stiffness first falls: where that stands, it is searched too.
+    """
+    last = outer.stands
+    if last is None:
+        raise InputError("there is no equilibrium at the start of the range")
+    scan = means.options.scan
+    search = Search(family, one_stiffness, means.executor, STANDS_OR_NOT)
+    uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
+    edge = uniform.bracket.stands
+    if edge == last:
+        return uniform, replace(uniform, evaluations=())
+    full = Search(family, stability.check, means.executor, STANDS)
+    means.tell("other stiffnesses", 2)
+    falls = uniform.bracket.falls
+    first = start if falls is None else falls
+    if full.stands(first) is True:
+        further = full.run(first, last, width=width, scan=scan, beyond=outer)
+        return uniform, further
+    closed = full.stands(first) is False
+    bracket = Bracket(
+        edge,
+        first if closed else outer.falls,
+        uniform.bracket.standing,
+        full.results[first] if closed else outer.falling,
+    )
+    tried = (Evaluation(first, full.results[first].verdict, full.results[first].samples),)
+    return uniform, Found(bracket, uniform.islands, tried)
+
+
+def _refuse_nothing_to_do(family: Family, start: float) -> None:
+    problem = family(start)
+    statics = build_statics(problem.assembly, problem.contacts, problem.load)
+    if statics.free_count == 0:
+        raise InputError("every block is fixed", remedy="free some blocks")
+    if not statics.load.any():
+        raise InputError("nothing loads the free blocks", remedy="give a load")
+
+
+__all__ = ["Means", "bisected", "searched"]
