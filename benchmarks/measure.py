@@ -41,7 +41,7 @@ ARCH_LIMIT = 8.2
 T = TypeVar("T")
 
 
-def timed(work: Callable[[], T], enough_s: float = ENOUGH_S) -> tuple[T, float]:
+def timed(work: Callable[[], T], enough_s: float) -> tuple[T, float]:
     """The answer, and the least CPU seconds of several runs."""
     total, best = 0.0, float("inf")
     for _ in range(20):
@@ -90,10 +90,10 @@ def defect(result: Result) -> str:
     return "" if closing <= CLOSING and power > 0.0 else f"mechanism closes by {closing:.1e}"
 
 
-def measure(work: Workload, whole: bool) -> dict[str, Any]:
+def measure(work: Workload, whole: bool, enough_s: float = ENOUGH_S) -> dict[str, Any]:
     """All phases of one workload; ``whole`` also times the default options."""
-    assembly, build = timed(work.build)
-    contacts, detect = timed(lambda: work.find(Assembly(assembly.blocks, assembly.fixed)))
+    assembly, build = timed(work.build, enough_s)
+    contacts, detect = timed(lambda: work.find(Assembly(assembly.blocks, assembly.fixed)), enough_s)
     load = work.load(assembly)
     row: dict[str, Any] = {
         "key": work.key,
@@ -103,8 +103,8 @@ def measure(work: Workload, whole: bool) -> dict[str, Any]:
         "detect_s": detect,
     }
     if work.task is Task.TILT:
-        return row | _tilt_limit(work, assembly, contacts)
-    result, seconds = timed(_question(work, assembly, contacts, load))
+        return row | _tilt_limit(work, assembly, contacts, enough_s)
+    result, seconds = timed(_question(work, assembly, contacts, load), enough_s)
     row |= {
         "total_s": seconds,
         "check_s": _share(result, "check") * seconds,
@@ -116,7 +116,7 @@ def measure(work: Workload, whole: bool) -> dict[str, Any]:
         "one_thread": idle_threads(),
     }
     if whole and work.task is Task.VERDICT:
-        full, row["whole_s"] = timed(lambda: check(assembly, contacts, load))
+        full, row["whole_s"] = timed(lambda: check(assembly, contacts, load), enough_s)
         row["whole_verdict"] = full.verdict.value
         row["samples"] = f"{full.samples.standing} of {full.samples.tried}"
     return row
@@ -136,7 +136,9 @@ def _share(result: Result, phase: str) -> float:
     return result.time_s.get(phase, 0.0) / total if total > 0.0 else 0.0
 
 
-def _tilt_limit(work: Workload, assembly: Assembly, contacts: Contacts) -> dict[str, Any]:
+def _tilt_limit(
+    work: Workload, assembly: Assembly, contacts: Contacts, enough_s: float
+) -> dict[str, Any]:
     def find() -> tuple[float, float]:
         limit = limit_tilt(
             assembly,
@@ -147,7 +149,7 @@ def _tilt_limit(work: Workload, assembly: Assembly, contacts: Contacts) -> dict[
         )
         return limit.equilibrium.value, limit.best.value
 
-    (balance, rest), seconds = timed(find)
+    (balance, rest), seconds = timed(find, enough_s)
     near = abs(rest - ARCH_LIMIT) <= 0.1
     return {
         "total_s": seconds,
