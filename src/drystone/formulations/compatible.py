@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -134,12 +135,12 @@ def compatible_motion(statics: Statics, force: Floats) -> Floats | None:
         )
         for axis in (1, 2)
     ]
-    misfit = sparse.vstack(slides)
+    misfit: Any = sparse.vstack(slides)
     # unknowns: motion, scale of each slide (>= 0), closing that is missing (>= 0), misfits
     total = size + 2 * count
     cost = np.concatenate([np.full(size, 1e-6), np.full(count, 1e-9), 10.0 * weight**2])
     empty = sparse.csc_matrix((count, count))
-    bounds = sparse.vstack(
+    bounds: Any = sparse.vstack(
         [
             sparse.hstack([gap, empty, -sparse.identity(count)]),
             sparse.hstack([sparse.csc_matrix((count, size)), -sparse.identity(count), empty]),
@@ -302,8 +303,9 @@ def _joint_step(
     reach = np.concatenate([far, far])
     both = sparse.hstack([sparse.vstack(slides), sparse.csc_matrix((2 * count, 2 * count + size))])
     free_columns = sparse.csc_matrix((count, 2 * count + size))
-    zero_rows, zero_right = [balance], [-statics.load.ravel()]
-    rows = [
+    zero_rows: list[Any] = [balance]
+    zero_right = [-statics.load.ravel()]
+    rows: list[Any] = [
         sparse.hstack([nothing, -identity, none, nothing]),
         sparse.hstack([nothing, none, -identity, nothing]),
         sparse.hstack([nothing, -sparse.diags(statics.friction[corner]), identity, nothing]),
@@ -317,13 +319,15 @@ def _joint_step(
         wide = sparse.csc_matrix((statics.corner_count, 2 * count + size))
         rows.append(sparse.hstack([-every, wide]))
         right.append(np.maximum(moved[:, 0] + 1.0, 0.0))
-        zero_rows.append(sparse.hstack([gap, free_columns]).tocsr()[loaded])
+        closing: Any = sparse.hstack([gap, free_columns])
+        zero_rows.append(closing.tocsr()[loaded])
         zero_right.append(np.zeros(int(loaded.sum())))
     else:
         overlap = -moved[corner, 0]
         rows.append(sparse.hstack([gap, free_columns]))
         right.append(overlap - MARGIN * np.minimum(1.0, overlap))
-    equalities, inequalities = sparse.vstack(zero_rows), sparse.vstack(rows)
+    equalities: Any = sparse.vstack(zero_rows)
+    inequalities: Any = sparse.vstack(rows)
     weight = np.concatenate([np.full(size + 2 * count, 1e-10), np.ones(size)])
     solution = solve_conic(
         sparse.diags(weight),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Any
 
 import clarabel
 import numpy as np
@@ -75,9 +76,9 @@ class ConicSolution:
 
 
 def solve_conic(
-    quadratic: sparse.spmatrix,
+    quadratic: Any,
     linear: Floats,
-    matrix: sparse.spmatrix,
+    matrix: Any,
     right: Floats,
     cones: Cones,
     options: ConicOptions | None = None,
@@ -86,9 +87,9 @@ def solve_conic(
 
     Parameters
     ----------
-    quadratic : (x, x), upper triangle is read
+    quadratic : (x, x) sparse, upper triangle is read
     linear : (x,)
-    matrix : (r, x)
+    matrix : (r, x) sparse
     right : (r,)
     cones
         Of the r rows, in the order of :class:`Cones`.

@@ -11,6 +11,7 @@ in scaled units, displacements by the overlap. Source: Kao et al. 2022, eq. 5.6;
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -106,7 +107,7 @@ def solve_cra_reference(
         displacement=displacement if met else None,
         residuals=residuals,
         options=chosen,
-        solver=f"ipopt through casadi {casadi.__version__}",
+        solver=f"ipopt through casadi {version('casadi')}",
         time_s={"solve": clock.elapsed_s},
     )
 
