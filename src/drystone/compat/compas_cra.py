@@ -15,6 +15,7 @@ from __future__ import annotations
 import importlib
 import logging
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -217,6 +218,21 @@ def cra_penalty_solve(
     result = solve_cra_penalty(read.assembly, read.contacts, load)
     _tell(result, begin, verbose, timer)
     return _write(assembly, read, result, eps)
+
+
+def density_setup(assembly: Any, density: Mapping[Any, float]) -> None:
+    """Give blocks a density of their own, by node.
+
+    Parameters
+    ----------
+    assembly
+        Changed in place.
+    density
+        Nodes that are not named keep theirs.
+    """
+    for node in assembly.graph.nodes():
+        if node in density:
+            assembly.node_block(node).attributes["density"] = density[node]
 
 
 def _blocks(assembly: Any, density: float) -> tuple[Assembly, tuple[Any, ...]]:
