@@ -100,21 +100,24 @@ class Statics:
 
         The three rows of a corner hold six numbers for each free block that meets there.
         """
-        k = self.corner_count
-        a_first = self.block_a < self.block_b
+        k, shape = self.corner_count, (3 * self.corner_count, 6 * self.free_count)
         pair = np.stack([self.block_a, self.block_b], axis=1)
-        pair.sort(axis=1)
-        first = np.where(a_first[:, None, None], self.transfer_a, self.transfer_b)
-        second = np.where(a_first[:, None, None], self.transfer_b, self.transfer_a)
-        values = np.concatenate([first, second], axis=1).transpose(0, 2, 1).reshape(k, 3, 2, 6)
-        column = np.broadcast_to((6 * pair[:, :, None] + np.arange(6))[:, None], (k, 3, 2, 6))
+        values = np.empty((k, 3, 2, 6))
+        values[:, :, 0] = np.swapaxes(self.transfer_a, 1, 2)
+        values[:, :, 1] = np.swapaxes(self.transfer_b, 1, 2)
+        descending = np.flatnonzero(self.block_a > self.block_b)
+        pair[descending] = pair[descending, ::-1]
+        values[descending] = values[descending, :, ::-1]
+        index = np.int32 if max(36 * k, *shape) < 2**31 else np.int64
+        column = np.empty(values.shape, dtype=index)
+        column[:] = (6 * pair[:, :, None] + np.arange(6))[:, None]
         meets = pair >= 0
         if not meets.all():
             kept = np.broadcast_to(meets[:, None], (k, 3, 2))
             values, column = values[kept], column[kept]
         start = np.concatenate([[0], np.cumsum(np.repeat(6 * meets.sum(axis=1), 3))])
-        shape = (3 * k, 6 * self.free_count)
-        return sparse.csr_matrix((values.ravel(), column.ravel(), start), shape=shape)
+        entries = (values.ravel(), column.ravel(), start.astype(index))
+        return sparse.csr_matrix(entries, shape=shape)
 
     def wrench(self, force: Floats) -> Floats:
         """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
