@@ -115,9 +115,9 @@ class Statics:
         if not meets.all():
             kept = np.broadcast_to(meets[:, None], (k, 3, 2))
             values, column = values[kept], column[kept]
-        start = np.concatenate([[0], np.cumsum(np.repeat(6 * meets.sum(axis=1), 3))])
-        entries = (values.ravel(), column.ravel(), start.astype(index))
-        return sparse.csr_matrix(entries, shape=shape)
+        start = np.zeros(3 * k + 1, dtype=index)
+        np.cumsum(np.repeat(6 * meets.sum(axis=1), 3), out=start[1:])
+        return sparse.csr_matrix((values.ravel(), column.ravel(), start), shape=shape)
 
     def wrench(self, force: Floats) -> Floats:
         """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
