@@ -214,7 +214,7 @@ before:
 - **balances**: some contact forces balance the loads, with associative friction. A convex problem,
   necessary for standing; the figure of rigid-block limit analysis.
 - **some stiffness**: the full verdict. The forces arise without prestress for some contact
-  stiffness.
+  stiffness, sampled and, on models of up to 500 corners, searched for.
 - **uniform**: the same with uniform contact stiffness, as a discrete-element program would see it.
 
 The convex limit comes first and is confirmed by a checked state on either side: forces below it, a

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
-from drystone import stability
 from drystone.errors import InputError
 from drystone.limits.bounds import bisected_bound
 from drystone.limits.families import Family
@@ -20,6 +19,7 @@ from drystone.limits.search import (
     Found,
     Search,
     one_stiffness,
+    some_stiffness,
 )
 from drystone.limits.types import Limit, LimitOptions
 from drystone.progress import Progress
@@ -118,7 +118,7 @@ def _in_two_steps(
     edge = uniform.bracket.stands
     if edge == last:
         return uniform, replace(uniform, evaluations=())
-    full = Search(family, stability.check, means.executor, STANDS)
+    full = Search(family, some_stiffness, means.executor, STANDS)
     means.tell("other stiffnesses", 2)
     falls = uniform.bracket.falls
     first = start if falls is None else falls

@@ -20,6 +20,10 @@ from drystone.results import Result, Samples, Verdict
 Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
 """Any function that answers whether an assembly stands."""
 
+SEARCHED = 500
+"""Corners up to which a limit also searches for a stiffness where the sampled ones fall. Chosen: a
+search takes up to a minute beyond, and a limit asks it many times."""
+
 ONE_STIFFNESS = stability.CheckOptions(samples=0, search=False)
 
 
@@ -28,14 +32,20 @@ def one_stiffness(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Res
     return stability.check(assembly, contacts, load, options=ONE_STIFFNESS)
 
 
+def some_stiffness(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """The whole cascade of :func:`drystone.check`; on larger models without its search."""
+    options = stability.CheckOptions(search=contacts.corner_count <= SEARCHED)
+    return stability.check(assembly, contacts, load, options=options)
+
+
 def verdict(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
     """Whether it stands, asked in two steps: most structures that stand do so at once.
 
-    Uniform contact stiffness is tried first, and only where that falls the whole cascade of
-    :func:`drystone.check`. How many stiffnesses would do is not asked.
+    Uniform contact stiffness is tried first, and only where that falls the others. How many
+    stiffnesses would do is not asked.
     """
     first = one_stiffness(assembly, contacts, load)
-    return first if first.verdict is Verdict.STABLE else stability.check(assembly, contacts, load)
+    return first if first.verdict is Verdict.STABLE else some_stiffness(assembly, contacts, load)
 
 
 STANDS: Mapping[Verdict, bool | None] = {
