@@ -108,7 +108,8 @@ class Statics:
         descending = np.flatnonzero(self.block_a > self.block_b)
         pair[descending] = pair[descending, ::-1]
         values[descending] = values[descending, :, ::-1]
-        index = np.int32 if max(36 * k, *shape) < 2**31 else np.int64
+        wide = max(36 * k, *shape) >= 2**31
+        index: np.dtype[np.signedinteger] = np.dtype(np.int64 if wide else np.int32)
         column = np.empty(values.shape, dtype=index)
         column[:] = (6 * pair[:, :, None] + np.arange(6))[:, None]
         meets = pair >= 0
