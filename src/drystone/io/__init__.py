@@ -8,6 +8,7 @@ True
 from drystone.io import supports
 from drystone.io.draft import Model
 from drystone.io.formats import Format
+from drystone.io.joint_table import write_joints
 from drystone.io.registry import FORMATS, format_of, inspect, read, write
 from drystone.io.units import UNITS
 
@@ -21,4 +22,5 @@ __all__ = [
     "read",
     "supports",
     "write",
+    "write_joints",
 ]

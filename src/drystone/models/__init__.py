@@ -7,8 +7,8 @@ with planar faces that touch exactly; lengths are in metres, gravity is along -z
 from drystone.models.arches import arch, buttressed_arch
 from drystone.models.curved import cube_curve, curve_three_blocks
 from drystone.models.domes import dome
-from drystone.models.packs import random_pack
 from drystone.models.lunes import lune
+from drystone.models.packs import random_pack
 from drystone.models.published import a_model, concave, h_model, shelf, wedge
 from drystone.models.simple import (
     box,

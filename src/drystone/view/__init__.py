@@ -4,6 +4,8 @@ from drystone.view.figure import save_figure
 from drystone.view.inspection import inspection_scene
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import State
+from drystone.view.polar import save_polar
+from drystone.view.report import save_report
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.staging import scene_of, stage_of
 
@@ -17,6 +19,8 @@ __all__ = [
     "page_text",
     "save_figure",
     "save_page",
+    "save_polar",
+    "save_report",
     "scene_of",
     "stage_of",
 ]

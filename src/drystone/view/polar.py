@@ -11,11 +11,12 @@ import numpy as np
 from drystone.errors import FormatError
 from drystone.geometry.arrays import Floats
 from drystone.io.files import write_whole
-from drystone.limits import TiltSweep
 from drystone.view.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from drystone.limits import TiltSweep
 
 SUFFIXES = ("png", "svg", "pdf")
 
