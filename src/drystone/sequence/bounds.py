@@ -8,8 +8,11 @@ together.
 
 from __future__ import annotations
 
+import numpy as np
+
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
+from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
 from drystone.sequence.stages import Model, Stage, members
@@ -33,9 +36,41 @@ class LocalBalance:
         around = self.model.neighbours[block] & placed
         key = (block, around)
         if key not in self._known:
-            answer = self.model.solve(Stage(around | 1 << block, around))
-            self._known[key] = answer.verdict is not Verdict.UNSTABLE
+            self._known[key] = self._rests(block, around) or self._balanced(block, around)
         return self._known[key]
+
+    def _balanced(self, block: int, around: int) -> bool:
+        answer = self.model.solve(Stage(around | 1 << block, around))
+        return answer.verdict is not Verdict.UNSTABLE
+
+    def _rests(self, block: int, around: int) -> bool:
+        """Whether one joint alone carries it: the load goes through it, within its friction."""
+        wrench = self.model.load.wrench[block]
+        if wrench[3:].any() or not wrench[:3].any():
+            return False
+        contacts = self.model.contacts
+        down = wrench[:3] / np.linalg.norm(wrench[:3])
+        here = np.array(self.model.assembly.fixed)
+        here[list(members(around))] = True
+        as_b = (contacts.block_b == block) & here[contacts.block_a]
+        as_a = (contacts.block_a == block) & here[contacts.block_b]
+        dip = contacts.frame[:, 0] @ down * np.where(as_b, -1.0, 1.0)  # 1: level, below the block
+        within = dip >= 1.0 / np.sqrt(1.0 + contacts.friction**2)
+        return any(
+            self._through(int(i), self.model.assembly.centroid[block], down)
+            for i in np.flatnonzero((as_a | as_b) & within)
+        )
+
+    def _through(self, interface: int, point: Floats, direction: Floats) -> bool:
+        """Whether a line meets the convex hull of an interface: no corner direction is missed."""
+        contacts = self.model.contacts
+        frame = contacts.frame[interface]
+        corner = contacts.polygon(interface)
+        reach = ((corner[0] - point) @ frame[0]) / (direction @ frame[0])
+        flat = (corner - (point + reach * direction)) @ frame[1:].T
+        angle = np.sort(np.arctan2(flat[:, 1], flat[:, 0]))
+        gaps = np.diff(np.append(angle, angle[0] + 2.0 * np.pi))
+        return bool(gaps.max() <= np.pi)
 
     def unbalanced(self, blocks: int, placed: int) -> tuple[int, ...]:
         """Those of some blocks that have no equilibrium among what is in place."""

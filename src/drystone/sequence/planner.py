@@ -23,9 +23,10 @@ from drystone.sequence.search import Found, Node, Search, SearchOptions
 from drystone.sequence.stages import Answer, Check, Model, Stage, check_once, mask_of, members
 from drystone.sequence.workers import ExecutorFactory
 
-EFFORT = 2000
-"""Checks without progress, times free blocks, before the planner gives in and holds or props.
-Chosen: 250 for 8 blocks, where all stages can be seen, 30 for a dome of 60."""
+EFFORT, LARGE = 800.0, 100.0
+"""Checks without progress, times free blocks, before the planner gives in and holds or props, and
+the number of blocks beyond which it gives in sooner still. Chosen: 100 for 8 blocks, where most
+stages can be seen, 20 for a vault of 40, 13 for a dome of 60, none for one of 400."""
 
 POLISHED = 8
 """Props of one stage that are tried one by one whether they are needed there."""
@@ -41,8 +42,9 @@ class PlanOptions:
     exact
         Search all orders: for models of up to 14 free blocks.
     patience
-        Checks without getting further before blocks are held or propped; left out, 2000 by the
-        number of free blocks. Infinite: the answer is proved to need the fewest props.
+        Checks without getting further before blocks are held or propped; left out, 800 by the
+        number of free blocks, less for more than 100. Infinite: the answer is proved to need the
+        fewest props.
     width
         Blocks tried for removal at each stage. Chosen: the ends of a course and some beyond.
     anyway
@@ -154,13 +156,17 @@ class _Planner:
         free = self.model.everything.bit_count()
         patience = self.options.patience
         if patience is None:
-            patience = max(4.0, EFFORT / max(1, free))
+            patience = EFFORT / max(1.0, free) * min(1.0, LARGE / max(1.0, free))
         whole = self.options.exact or math.isinf(patience)
         search = Search(
             self.evaluator,
             self.bound,
             self.removal,
-            SearchOptions(patience, 2**30 if whole else self.options.width),
+            SearchOptions(
+                patience,
+                2**30 if whole else self.options.width,
+                int(min(4.0, max(1.0, patience // 4))),
+            ),
             bounded=whole and not self.options.exact,
             progress=self.progress,
         )
@@ -168,11 +174,11 @@ class _Planner:
         if not complete.stands:
             root = replace(search.prop(root, complete), cost=(0, 0))
         found = search_exactly(search, root) if self.options.exact else search.run(root)
-        return self.describe(complete, found)
+        return self.describe(complete, found, search)
 
-    def describe(self, complete: Answer, found: Found) -> Plan:
+    def describe(self, complete: Answer, found: Found, search: Search) -> Plan:
         path = found.path[::-1]
-        active = self.active_props(path)
+        active = self.active_props(path, search)
         steps = []
         for number in range(1, len(path)):
             steps.append(self.step(path[number - 1], path[number], active[number]))
@@ -190,9 +196,9 @@ class _Planner:
             self.evaluator.solve_s,
         )
 
-    def active_props(self, path: Sequence[Node]) -> list[int]:
+    def active_props(self, path: Sequence[Node], search: Search) -> list[int]:
         """Props at each stage, in the order of assembly: from first to last need, no longer."""
-        needed = [self.needed(node) for node in path]
+        needed = [self.needed(node, search) for node in path]
         ever = 0
         for mask in needed:
             ever |= mask
@@ -209,13 +215,17 @@ class _Planner:
             for mask, answer, least in zip(active, answers, needed, strict=True)
         ]
 
-    def needed(self, node: Node) -> int:
+    def needed(self, node: Node, search: Search) -> int:
         """Props of a stage without which it falls, tried one by one where there are few."""
-        if not node.props or self.evaluator.answer(Stage(node.placed)).stands:
-            return 0
         mask = node.props
-        if mask.bit_count() <= POLISHED:
-            for block in members(mask):
+        certain = mask_of(search.local.unbalanced(mask, node.placed))
+        if mask == certain:
+            return mask
+        if not certain and self.evaluator.answer(Stage(node.placed)).stands:
+            return 0
+        doubtful = mask & ~certain
+        if doubtful.bit_count() <= POLISHED:
+            for block in members(doubtful):
                 if self.evaluator.answer(Stage(node.placed, mask & ~(1 << block))).stands:
                     mask &= ~(1 << block)
         return mask

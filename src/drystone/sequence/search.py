@@ -32,9 +32,6 @@ Cost: TypeAlias = tuple[int, int]
 STANDARD_GRAVITY = 9.81
 """[m/s2], to compare what a hand holds with its payload."""
 
-PRUNED = 8
-"""Props that a forced move tries to do without again, at most."""
-
 
 @dataclass(frozen=True, eq=False)
 class Node:
@@ -81,10 +78,14 @@ class SearchOptions:
         blocks or props. Infinite: never, the answer is proved to be the best.
     width
         Blocks that are tried for removal from one stage, the first ones in the order.
+    tries
+        Of these, how many a forced move compares; and twice as many props that it adds are tried
+        to be done without.
     """
 
     patience: float = float("inf")
     width: int = 2**30
+    tries: int = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,7 +310,7 @@ class Search:
 
     def force(self, node: Node) -> Node:
         """One step further down from a stage that stands, with held blocks, else with props."""
-        tries = self.removals(node)[: max(1, min(self.options.width, 4))]
+        tries = self.removals(node)[: self.options.tries]
         answers = [self.look(one) for one in tries]
         for one, answer in zip(tries, answers, strict=True):
             if answer.stands:
@@ -334,7 +335,7 @@ class Search:
                 group=(*node.group, joining[0]),
                 cost=(props, together + 1),
             )
-            answer = self.evaluator.answer(node.stage)
+            answer = self.look(node)
         return node if self.can_hold(node) else None
 
     def prop(self, node: Node, answer: Answer) -> Node:
@@ -347,12 +348,12 @@ class Search:
             falling = mask_of(self.falling(node, answer))
             node = replace(node, props=node.props | (falling & near or falling))
             near = 0
-            answer = self.evaluator.answer(node.stage)
+            answer = self.look(node)
         added = node.props & ~given
-        if added.bit_count() <= PRUNED:
+        if added.bit_count() <= 2 * self.options.tries:
             for block in members(added):
                 fewer = replace(node, props=node.props & ~(1 << block))
-                if self.evaluator.answer(fewer.stage).stands:
+                if self.look(fewer).stands:
                     node = fewer
         props, together = node.cost
         return replace(node, cost=(props + (node.props & ~given).bit_count(), together))

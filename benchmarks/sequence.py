@@ -1,0 +1,248 @@
+"""Plans of towers, shells and the Armadillo: ``python -m benchmarks.sequence``.
+
+Correctness first: a plan with a stage that does not stand stops the run. Times are CPU seconds of
+one thread. Each part writes its table into docs/sequence.md between its markers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.machine import description
+from drystone import Assembly, CheckOptions, Contacts, LoadCase
+from drystone.detection import find_contacts
+from drystone.geometry.arrays import Floats
+from drystone.io import read
+from drystone.models import arch, corbelled_wall, tower
+from drystone.models.sequences import bridge, leaning_tower, snake
+from drystone.sequence import (
+    Order,
+    Plan,
+    PlanOptions,
+    Rules,
+    Status,
+    least_buildable_friction,
+    plan,
+)
+from drystone.shells import (
+    Body,
+    Edge,
+    Layout,
+    Patch,
+    Shape,
+    Side,
+    build_shell,
+)
+from drystone.shells import dome as dome_shape
+from drystone.stability import check
+
+PAGE = Path(__file__).parents[1] / "docs" / "sequence.md"
+VAULT_WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3)
+VAULT_FRICTION, DOME_FRICTION = 0.6, 0.66
+AIMS = {"vault": 5.0, "dome": 10.0, "armadillo": 180.0}
+"""[s]"""
+BY_COURSE = Rules(order=Order.COURSE)
+
+
+def vault(wedge: float) -> Assembly:
+    """A niche of 37 voussoirs in five courses, held by a wall on three sides, open at the top."""
+    top, radius = math.radians(72.0), 3.0
+
+    def point(u: Floats, v: Floats) -> Floats:
+        latitude, longitude = top * u, np.pi * (v - 0.5)
+        ring = radius * np.cos(latitude)
+        return np.stack(
+            [ring * np.cos(longitude), ring * np.sin(longitude), radius * np.sin(latitude)],
+            axis=-1,
+        )
+
+    supports = (Edge(0, Side.BOTTOM), Edge(0, Side.LEFT), Edge(0, Side.RIGHT))
+    shape = Shape((Patch(point, name="niche"),), supports=supports, name="niche")
+    layout = Layout(courses=5, blocks=7, wedge=wedge)
+    return build_shell(shape, layout, Body(thickness=0.35)).assembly
+
+
+def dome() -> Assembly:
+    """Five closed rings of twelve voussoirs, from 20 to 47.5 degrees of latitude."""
+    eye = 5.0 * math.cos(math.radians(47.5))
+    shape = dome_shape(radius=5.0, oculus=eye, springing_deg=20.0)
+    return build_shell(shape, Layout(courses=5, blocks=12, wedge=0.2), Body(thickness=0.5)).assembly
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A plan and what it took.
+
+    Attributes
+    ----------
+    name
+    plan
+    cold_s
+        One check of the complete structure with the default options.
+    plan_s
+    """
+
+    name: str
+    friction: float
+    plan: Plan
+    cold_s: float
+    plan_s: float
+
+    @property
+    def stage_share(self) -> float:
+        """Cost of a check of a stage, by that of a cold check of the complete structure."""
+        return self.plan_s / max(1, self.plan.solved) / self.cold_s
+
+
+def cpu(work: Callable[[], object], least: float = 0.3) -> float:
+    """CPU seconds of the fastest of several runs."""
+    best, total = math.inf, 0.0
+    while total < least:
+        began = time.process_time()
+        work()
+        spent = time.process_time() - began
+        best, total = min(best, spent), total + spent
+    return best
+
+
+def planned(name: str, assembly: Assembly, friction: float, rules: Rules) -> Row:
+    """Plan a model; stops the run when a stage of the plan does not stand."""
+    contacts = find_contacts(assembly, friction=friction).contacts
+    cold = cpu(lambda: check(assembly, contacts, options=CheckOptions()))
+    began = time.process_time()
+    found = plan(assembly, contacts, options=PlanOptions(rules=rules))
+    spent = time.process_time() - began
+    answers = [a for step in found.steps for a in (*step.during, step.answer)]
+    if not found.steps or not all(answer.stands for answer in answers):
+        raise SystemExit(f"{name}: {found.message or 'a stage does not stand'}")
+    return Row(name, friction, found, cold, spent)
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Counts and times."""
+    lines = [
+        "| model | friction | blocks | free | held | propped | stages | checks | plan [s] "
+        "| cold check [s] | check of a stage / cold check |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        counts = row.plan.counts
+        lines.append(
+            f"| {row.name} | {row.friction:g} | {len(row.plan.model.assembly.free)} "
+            f"| {counts['free']} | {counts['held']} | {counts['propped']} "
+            f"| {len(row.plan.steps)} | {row.plan.solved} | {row.plan_s:.1f} | {row.cold_s:.2f} "
+            f"| {row.stage_share:.2f} |"
+        )
+    return "\n".join(lines)
+
+
+def helped(found: Plan) -> str:
+    """The blocks that are not free, by status."""
+    names = found.model.assembly.names
+    out = []
+    for status in (Status.HELD, Status.PROPPED):
+        some = [names[b] for b, one in enumerate(found.status) if one is status]
+        if some:
+            out.append(f"{status.value}: {', '.join(some)}")
+    return "; ".join(out) or "every block is free"
+
+
+def shells() -> str:
+    """The vault with its wedges, and the dome."""
+    rows = [planned(f"vault, wedge {w:g}", vault(w), VAULT_FRICTION, BY_COURSE)
+            for w in VAULT_WEDGES]  # fmt: skip
+    rows.append(planned("dome", dome(), DOME_FRICTION, BY_COURSE))
+    ring = helped(rows[-1].plan)
+    note = (
+        f"\n\nThe dome, {ring}. Aims: {AIMS['vault']:g} s for a vault, {AIMS['dome']:g} s for the "
+        "dome, a fifth of a cold check per stage."
+    )
+    return table(rows) + note
+
+
+def designs() -> str:
+    """Tower, snake, bridge, and three that everyone knows."""
+    rows = [
+        planned(name, assembly, 0.6, Rules())
+        for name, assembly in (
+            ("leaning tower", leaning_tower()),
+            ("snake", snake()),
+            ("bridge", bridge()),
+            ("stack of 10", tower(11)),
+            ("corbelled wall", corbelled_wall()),
+        )
+    ]
+    rows.append(planned("arch, 1 hand", arch(0.3, 7), 0.4, Rules(hands=1)))
+    rows.append(planned("arch, 2 hands", arch(0.3, 7), 0.4, Rules(hands=2)))
+    lines = [table(rows), ""]
+    for name, family in (("leaning tower", leaning_tower), ("snake", snake), ("bridge", bridge)):
+        low, high = least(family())
+        lines.append(
+            f"- {name}: built without props from friction {high:.3f}, not at {low:.3f} and below."
+        )
+    lines.append(f"- arch with one hand, {helped(rows[-2].plan)}.")
+    lines.append(f"- arch with two hands, {helped(rows[-1].plan)}.")
+    return "\n".join(lines)
+
+
+def least(assembly: Assembly) -> tuple[float, float]:
+    """Friction coefficients around the least one that needs no props."""
+    contacts = find_contacts(assembly).contacts
+    return least_buildable_friction(contacts, partial(_plan_of, assembly), upper=0.6, width=0.002)
+
+
+def _plan_of(assembly: Assembly, contacts: Contacts) -> Plan:
+    return plan(assembly, contacts, LoadCase.gravity(assembly))
+
+
+def armadillo(path: Path) -> str:
+    """The vault of 399 stones, taken down course by course, counted from its supports."""
+    row = planned("Armadillo vault", read(path).assembly, 0.84, BY_COURSE)
+    counts = row.plan.counts
+    free = len(row.plan.model.assembly.free)
+    shares = ", ".join(
+        f"{kind} {counts[kind]} ({counts[kind] / free:.0%})" for kind in ("free", "held", "propped")
+    )
+    at_once = max(len(step.props) for step in row.plan.steps)
+    note = f"\n\nStages: {len(row.plan.steps)}. Blocks {shares}; at most {at_once} props at once."
+    return table([row]) + note + f" Aim: {AIMS['armadillo']:g} s."
+
+
+def write(part: str, text: str) -> None:
+    """Put a table between its markers."""
+    page = PAGE.read_text(encoding="utf-8")
+    begin, end = f"<!-- {part} -->", f"<!-- end {part} -->"
+    before, _, rest = page.partition(begin)
+    _, _, after = rest.partition(end)
+    if not rest or not after:
+        raise SystemExit(f"{PAGE} has no markers for {part}")
+    PAGE.write_text(f"{before}{begin}\n{text}\n{end}{after}", encoding="utf-8")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("parts", nargs="*", help="shells, designs, armadillo; all when left out")
+    parser.add_argument("--armadillo", type=Path, help="model file of the Armadillo vault")
+    arguments = parser.parse_args()
+    machine = description()
+    parts: dict[str, Callable[[], str]] = {"designs": designs, "shells": shells}
+    if arguments.armadillo is not None:
+        parts["armadillo"] = partial(armadillo, arguments.armadillo)
+    for name in arguments.parts or parts:
+        if name not in parts:
+            raise SystemExit(f"there is no part '{name}' (armadillo needs --armadillo FILE)")
+        text = parts[name]() + f"\n\nMeasured with {machine}"
+        print(text, flush=True)
+        write(name, text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,53 @@
+"""A dome and a vault, planned course by course."""
+
+import pytest
+
+from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION, dome, vault
+from drystone.assembly import Assembly
+from drystone.detection import find_contacts
+from drystone.sequence import Plan, PlanOptions, Status, plan
+
+
+def planned(assembly: Assembly, friction: float) -> Plan:
+    contacts = find_contacts(assembly, friction=friction).contacts
+    return plan(assembly, contacts, options=PlanOptions(rules=BY_COURSE))
+
+
+def course(name: str) -> int:
+    return int(name[1:3])
+
+
+@pytest.fixture(scope="module")
+def round_plan() -> Plan:
+    return planned(dome(), DOME_FRICTION)
+
+
+def test_a_dome_is_built_of_free_blocks_and_pairs_without_props(round_plan):
+    assert len(round_plan.model.assembly.free) == 60
+    assert round_plan.counts["propped"] == 0
+    assert round_plan.counts["free"] + round_plan.counts["held"] == 60
+    assert {len(step.blocks) for step in round_plan.steps} == {1, 2}
+    assert round_plan.verdict.value == "stable"
+
+
+def test_every_ring_is_closed_before_the_next_is_begun(round_plan):
+    courses = [course(name) for name in round_plan.order]
+    assert courses == sorted(courses)
+
+
+def test_the_first_blocks_of_the_steep_rings_are_the_held_ones(round_plan):
+    names = round_plan.model.assembly.names
+    held = {names[b] for b, one in enumerate(round_plan.status) if one is Status.HELD}
+    steep = sorted({course(name) for name in held})
+    assert steep
+    assert steep == list(range(steep[0], 5))  # from some ring on, all of them
+    for ring in steep:
+        first = [name for name in round_plan.order if course(name) == ring][:2]
+        assert set(first) == {name for name in held if course(name) == ring}
+
+
+def test_deeper_wedges_need_less_help():
+    shallow, deep = (planned(vault(wedge), VAULT_FRICTION).counts for wedge in (0.1, 0.3))
+    assert shallow["free"] + shallow["held"] + shallow["propped"] == 37
+    assert deep == {"support": 15, "free": 37, "held": 0, "propped": 0, "impossible": 0}
+    assert shallow["free"] < 37
