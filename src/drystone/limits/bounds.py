@@ -25,9 +25,9 @@ from drystone.results import Result
 from drystone.stability import RBEOptions, solve_rbe
 from drystone.statics import Statics, build_statics
 
-WIDEST = 1e-3
-"""Where our own checks confirm a state on either side of a limit found in one solve no closer than
-this share of it, it is bisected instead."""
+WIDEST = 3e-3
+"""Where our own checks confirm no state within this share of a limit found in one solve, it is
+bisected instead."""
 
 
 def rbe(cone: FrictionCone, assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
@@ -99,13 +99,24 @@ def _confirmed(
         if verdict is True:
             return Bracket(stands=end, standing=search.results[end])
     elif value >= start:
-        reach = 0.5 * width
-        while reach <= max(0.5 * width, WIDEST * (end - start)):
-            low, high = max(start, value - reach), min(end, value + reach)
-            if search.stands(low) is True and search.stands(high) is False:
-                return Bracket(low, high, search.results[low], search.results[high])
-            reach *= 4.0
+        widest = max(width, WIDEST * (abs(value) + width))
+        low = _nearest(search, value, -0.5 * width, widest, start, True)
+        high = _nearest(search, value, 0.5 * width, widest, end, False)
+        if low is not None and high is not None:
+            return Bracket(low, high, search.results[low], search.results[high], value)
     return search.run(start, end, width=width, scan=1).bracket
+
+
+def _nearest(
+    search: Search, value: float, step: float, widest: float, end: float, stands: bool
+) -> float | None:
+    """The first checked answer on one side of a limit, or none within reach."""
+    while abs(step) <= widest:
+        there = min(end, value + step) if step > 0.0 else max(end, value + step)
+        if search.stands(there) is stands:
+            return there
+        step *= 2.0
+    return None
 
 
 __all__ = ["bisected_bound", "load_factor_bound", "rbe", "scaled_wrench", "tilt_bound"]

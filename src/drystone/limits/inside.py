@@ -84,7 +84,7 @@ def searched(
             search = Search(family, means.check, means.executor)
             rest = search.run(start, outer.stands, width=width, scan=scan, beyond=outer)
         else:
-            uniform, rest = _in_two_steps(family, start, outer, width, means)
+            uniform, rest = _in_two_steps(family, (start, outer.stands), outer, width, means)
     means.tell("done", 3)
     tried = {one.value: one for found in (uniform, rest) if found for one in found.evaluations}
     return Limit(
@@ -102,17 +102,14 @@ def searched(
 
 
 def _in_two_steps(
-    family: Family, start: float, outer: Bracket, width: float, means: Means
+    family: Family, span: tuple[float, float], outer: Bracket, width: float, means: Means
 ) -> tuple[Found, Found]:
     """Limits for uniform stiffness and for some stiffness.
 
     Trying one stiffness is cheap, so that the scan and the bisection are made with it. The whole
     cascade is asked where uniform stiffness first falls: where that stands, it is searched too.
     """
-    last = outer.stands
-    if last is None:
-        raise InputError("there is no equilibrium at the start of the range")
-    scan = means.options.scan
+    (start, last), scan = span, means.options.scan
     search = Search(family, one_stiffness, means.executor, STANDS_OR_NOT)
     uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
     edge = uniform.bracket.stands

@@ -83,18 +83,23 @@ class Bracket:
         The first value beyond it that falls; ``None`` where all that were tried stand.
     standing, falling
         The states there; the falling one has the mechanism.
+    computed
+        The limit between them that a convex program gives, where there is one.
     """
 
     stands: float | None = None
     falls: float | None = None
     standing: Result | None = None
     falling: Result | None = None
+    computed: float | None = None
 
     @property
     def value(self) -> float | None:
-        """The limit: the middle of the bracket, or ``None`` where a side is missing."""
+        """The limit: computed, or the middle of the bracket; ``None`` where a side is missing."""
         if self.stands is None or self.falls is None:
             return None
+        if self.computed is not None:
+            return self.computed
         return 0.5 * (self.stands + self.falls)
 
 
