@@ -10,6 +10,7 @@ from drystone.models.domes import dome
 from drystone.models.lunes import lune
 from drystone.models.packs import random_pack
 from drystone.models.published import a_model, concave, h_model, shelf, wedge
+from drystone.models.sequences import bridge, leaning_tower, snake
 from drystone.models.simple import (
     box,
     harmonic_offsets,
@@ -28,6 +29,7 @@ __all__ = [
     "arch",
     "barrel_vault",
     "box",
+    "bridge",
     "buttressed_arch",
     "concave",
     "corbelled_wall",
@@ -38,11 +40,13 @@ __all__ = [
     "h_model",
     "harmonic_offsets",
     "incline",
+    "leaning_tower",
     "lune",
     "overhang",
     "prism",
     "random_pack",
     "shelf",
+    "snake",
     "stool",
     "tower",
     "two_blocks_on_incline",
