@@ -11,15 +11,17 @@ from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.polyhedron import Loop
 
 
-def first_coincident(points: Floats, distance: float) -> Ints:
+def first_coincident(points: Floats, distance: float | Floats, body: Ints | None = None) -> Ints:
     """For each point the first of the group of points that it coincides with.
 
     Parameters
     ----------
     points : (p, 3) [m]
-    distance : [m]
+    distance : [m], or (p,) one for each point, the same within a body
         Points up to this far apart coincide, and so do chains of them; points further apart than
         four times as much do not, unless a chain joins them.
+    body : (p,), optional
+        Points of different bodies do not coincide.
 
     Notes
     -----
@@ -29,25 +31,54 @@ def first_coincident(points: Floats, distance: float) -> Ints:
     count = len(points)
     if count == 0:
         return np.zeros(0, dtype=np.intp)
-    if not distance > 0.0:
-        _, first, inverse = np.unique(points, axis=0, return_index=True, return_inverse=True)
-        return np.asarray(first[inverse.ravel()], dtype=np.intp)
+    owner = np.zeros(count, dtype=np.intp) if body is None else body
+    same = _first_alike([owner, *points.T])
+    kept = np.flatnonzero(same == np.arange(count))
+    cell = 2.0 * np.broadcast_to(np.asarray(distance, dtype=np.float64), (count,))[kept]
+    if not (cell > 0.0).any():
+        return same
+    first = kept[_joined(points[kept], cell, owner[kept])]
+    whole = np.arange(count, dtype=np.intp)
+    whole[kept] = first
+    return whole[same]
+
+
+def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
+    """For each of different points the first that it coincides with."""
     from scipy.sparse import coo_array  # slow to import, and few models need it
     from scipy.sparse.csgraph import connected_components
 
-    scaled = (points - points.min(axis=0)) / (2.0 * distance)
-    links = []
-    for shift in product((0.0, 0.5), repeat=3):
-        cell = np.floor(scaled + np.array(shift))
-        _, first, inverse = np.unique(cell, axis=0, return_index=True, return_inverse=True)
-        links.append(first[inverse.ravel()])
-    target = np.concatenate(links)
-    source = np.tile(np.arange(count), len(links))
+    count = len(points)
+    low = np.full((int(owner.max()) + 1, 3), np.inf)
+    np.minimum.at(low, owner, points)
+    size = np.where(cell > 0.0, cell, 1.0)[:, None]
+    scaled = (points - low[owner]) / size
+    links = [
+        _first_alike([owner, *np.floor(scaled + np.array(shift)).T])
+        for shift in product((0.0, 0.5), repeat=3)
+    ]
+    here = np.arange(count, dtype=np.intp)
+    moved = [link != here for link in links]
+    if not any(move.any() for move in moved):
+        return here
+    source = np.concatenate([here[move] for move in moved])
+    target = np.concatenate([link[move] for link, move in zip(links, moved, strict=True)])
     graph = coo_array((np.ones(len(source)), (source, target)), shape=(count, count))
     parts, label = connected_components(graph, directed=False)
     first_of = np.full(parts, count, dtype=np.intp)
-    np.minimum.at(first_of, label, np.arange(count, dtype=np.intp))
+    np.minimum.at(first_of, label, here)
     return first_of[label]
+
+
+def _first_alike(columns: Sequence[Floats | Ints]) -> Ints:
+    """For each row the first row that equals it in every column."""
+    key = np.zeros(len(columns[0]), dtype=np.int64)
+    for column in columns:
+        _, rank = np.unique(column, return_inverse=True)
+        _, key = np.unique(key * (int(rank.max()) + 1) + rank, return_inverse=True)
+    first = np.full(int(key.max()) + 1, len(key), dtype=np.intp)
+    np.minimum.at(first, key, np.arange(len(key), dtype=np.intp))
+    return first[key]
 
 
 def weld(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from drystone.geometry.polyhedron import (
     Loop,
     fan_triangles,
     mass_properties,
-    stack_faces,
 )
 
 SAME_ANGLE = 1e-6
@@ -23,7 +23,9 @@ SAME_ANGLE = 1e-6
 of coordinates, far below the angle of any wedge that one could cut."""
 
 
-def split_solids(vertices: Floats, faces: Sequence[Loop]) -> list[list[int]]:
+def split_solids(
+    vertices: Floats, faces: Sequence[Loop], heap: Ints | None = None
+) -> list[list[int]]:
     """Faces grouped into solids.
 
     Parameters
@@ -31,7 +33,9 @@ def split_solids(vertices: Floats, faces: Sequence[Loop]) -> list[list[int]]:
     vertices : (v, 3) [m]
         Coincident ones merged, see :func:`drystone.geometry.coincidence.weld`.
     faces
-        Loops, oriented alike in each solid.
+        Loops, oriented alike in each heap.
+    heap : (f,), optional
+        Ascending. Faces of different heaps, which share no vertices, make different solids.
 
     Returns
     -------
@@ -47,15 +51,20 @@ def split_solids(vertices: Floats, faces: Sequence[Loop]) -> list[list[int]]:
     """
     if not faces:
         return []
-    stacked = stack_faces([vertices], [faces])
-    part = _components(stacked)
-    return _with_cavities(vertices, faces, part)
+    stacked = _of_shells(vertices, faces, [range(len(faces))])
+    if heap is not None:
+        _, number = np.unique(heap, return_inverse=True)
+        stacked = replace(stacked, owner=number.astype(np.intp))
+    volume = mass_properties(stacked, int(stacked.owner[-1]) + 1)[0]
+    outwards = np.where(volume < 0.0, -1.0, 1.0)[stacked.owner]
+    part = _components(stacked, outwards)
+    return _with_cavities(vertices, faces, part, stacked.owner, outwards)
 
 
 def without_slivers(
-    vertices: Floats, faces: Sequence[Loop], tolerance: float
-) -> tuple[list[Loop], int]:
-    """Faces without triangles that have no height, and how many of those there were.
+    vertices: Floats, faces: Sequence[Loop], height: Floats
+) -> tuple[list[Loop], Ints]:
+    """Faces without triangles that have no height, and which faces those are that stay.
 
     Meshing programs close a straight joint between three vertices with such a triangle. It is left
     out and its middle vertex put into the long edge of every face there, so that what was closed
@@ -66,29 +75,35 @@ def without_slivers(
     vertices : (v, 3) [m]
     faces
         Loops of different vertices.
-    tolerance
-        Height that counts as none, relative to the extent of all vertices.
+    height : (v,) [m]
+        At each vertex the height of a triangle that counts as none.
+
+    Returns
+    -------
+    faces
+    kept : (f,)
+        Their numbers in what was given.
     """
+    every = np.arange(len(faces), dtype=np.intp)
     triangle = np.array([f for f in faces if len(f) == 3], dtype=np.intp).reshape(-1, 3)
     if len(triangle) == 0:
-        return list(faces), 0
-    extent = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
+        return list(faces), every
     corner = vertices[triangle]
     side = np.linalg.norm(corner[:, [1, 2, 0]] - corner, axis=2)
     longest = side.argmax(axis=1)
     double = np.linalg.norm(
         np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
     )
-    thin = double <= tolerance * extent * side.max(axis=1)
+    thin = double <= height[triangle[:, 0]] * side.max(axis=1)
     between: dict[tuple[int, int], set[int]] = defaultdict(set)
     for loop, long in zip(triangle[thin].tolist(), longest[thin].tolist(), strict=True):
         a, c, b = loop[long], loop[(long + 1) % 3], loop[(long + 2) % 3]
         between[min(a, c), max(a, c)].add(b)
     slivers = {tuple(loop) for loop in triangle[thin].tolist()}
     if not slivers:
-        return list(faces), 0
-    kept = [_subdivided(f, between, vertices) for f in faces if f not in slivers]
-    return kept, len(faces) - len(kept)
+        return list(faces), every
+    kept = every[[f not in slivers for f in faces]]
+    return [_subdivided(faces[i], between, vertices) for i in kept.tolist()], kept
 
 
 def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: Floats) -> Loop:
@@ -107,25 +122,22 @@ def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: 
     return tuple(out)
 
 
-def _components(faces: Faces) -> Ints:
-    """Part (f,) of each face, joined across edges."""
+def _components(faces: Faces, outwards: Floats) -> Ints:
+    """Part (f,) of each face, joined across edges; ``outwards`` is -1 in heaps inside out."""
     from scipy.sparse import coo_array  # slow to import, and few models need it
     from scipy.sparse.csgraph import connected_components
 
-    one, other = _neighbours(faces)
+    one, other = _neighbours(faces, outwards)
     graph = coo_array((np.ones(len(one)), (one, other)), shape=(faces.count, faces.count))
     return connected_components(graph, directed=False)[1].astype(np.intp)
 
 
-def _neighbours(faces: Faces) -> tuple[Ints, Ints]:
+def _neighbours(faces: Faces, outwards: Floats) -> tuple[Ints, Ints]:
     """Pairs of faces that belong to one surface."""
     face = np.repeat(np.arange(faces.count, dtype=np.intp), np.diff(faces.start))
     tail, head = faces.loop, faces.loop[following(faces.start)]
     key = np.minimum(tail, head) * np.int64(len(faces.point)) + np.maximum(tail, head)
     order = np.argsort(key, kind="stable")
-    volume = mass_properties(
-        Faces(faces.point, faces.loop, faces.start, np.zeros(faces.count, dtype=np.intp)), 1
-    )[0][0]
     first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
     used = np.diff(np.concatenate([first, [len(key)]]))
     pair = first[used == 2]
@@ -135,7 +147,7 @@ def _neighbours(faces: Faces) -> tuple[Ints, Ints]:
         rows = np.concatenate([np.arange(first[i], first[i] + used[i]) for i in crowded])
         half = order[rows]
         edge = np.repeat(np.arange(len(crowded)), used[crowded])
-        forward = (tail < head) == (volume >= 0.0)
+        forward = (tail < head) == (outwards[face] > 0.0)
         a, b = _sector_pairs(faces, half, edge, tail, head, face, forward[half])
         one.append(a)
         other.append(b)
@@ -187,7 +199,9 @@ def _in_turn(angle: Floats, ends: Bools) -> Ints:
     return order[rank]
 
 
-def _with_cavities(vertices: Floats, faces: Sequence[Loop], part: Ints) -> list[list[int]]:
+def _with_cavities(
+    vertices: Floats, faces: Sequence[Loop], part: Ints, heap: Ints, outwards: Floats
+) -> list[list[int]]:
     """Faces per solid; a part that is turned inwards and lies in another is its cavity."""
     members: dict[int, list[int]] = defaultdict(list)
     for i, p in enumerate(part.tolist()):
@@ -195,26 +209,37 @@ def _with_cavities(vertices: Floats, faces: Sequence[Loop], part: Ints) -> list[
     shells = list(members.values())
     if len(shells) == 1:
         return shells
-    stacked = stack_faces([vertices] * len(shells), [[faces[i] for i in s] for s in shells])
-    volume = mass_properties(stacked, len(shells))[0]
-    outwards = np.sign(volume.sum()) or 1.0
-    hollow = np.flatnonzero(volume * outwards < 0.0)
-    corners = [vertices[sorted({v for i in s for v in faces[i]})] for s in shells]
-    low = np.array([c.min(axis=0) for c in corners])
-    high = np.array([c.max(axis=0) for c in corners])
+    stacked = _of_shells(vertices, faces, shells)
+    lead = np.array([shell[0] for shell in shells])
+    volume = mass_properties(stacked, len(shells))[0] * outwards[lead]
+    first = stacked.start[np.searchsorted(stacked.owner, np.arange(len(shells)))]
+    corner = stacked.point[stacked.loop]
+    low, high = np.minimum.reduceat(corner, first), np.maximum.reduceat(corner, first)
     home = list(range(len(shells)))
-    for cavity in hollow.tolist():
+    for cavity in np.flatnonzero(volume < 0.0).tolist():
         around = ((low <= low[cavity]) & (high >= high[cavity])).all(axis=1)
-        around &= volume * outwards > abs(volume[cavity])
-        for solid in np.flatnonzero(around)[np.argsort(volume[around] * outwards)].tolist():
-            shell = stack_faces([vertices], [[faces[i] for i in shells[solid]]])
-            if abs(winding_number(corners[cavity].mean(axis=0), shell)) > 0.5:
+        around &= (volume > -volume[cavity]) & (heap[lead] == heap[lead[cavity]])
+        for solid in np.flatnonzero(around)[np.argsort(volume[around])].tolist():
+            shell = _of_shells(vertices, faces, [shells[solid]])
+            if abs(winding_number(0.5 * (low[cavity] + high[cavity]), shell)) > 0.5:
                 home[cavity] = solid
                 break
     solids: dict[int, list[int]] = defaultdict(list)
     for shell_faces, solid in zip(shells, home, strict=True):
         solids[solid].extend(shell_faces)
     return sorted((sorted(s) for s in solids.values()), key=lambda s: s[0])
+
+
+def _of_shells(vertices: Floats, faces: Sequence[Loop], shells: Sequence[Sequence[int]]) -> Faces:
+    """The faces of each shell, one shell after the other, over common vertices."""
+    loops = [faces[i] for shell in shells for i in shell]
+    lengths = np.array([len(loop) for loop in loops], dtype=np.intp)
+    return Faces(
+        vertices,
+        np.array([corner for loop in loops for corner in loop], dtype=np.intp),
+        np.concatenate([[0], np.cumsum(lengths)]).astype(np.intp),
+        np.repeat(np.arange(len(shells)), [len(shell) for shell in shells]),
+    )
 
 
 def winding_number(point: Floats, faces: Faces) -> float:

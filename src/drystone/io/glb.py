@@ -21,7 +21,7 @@ from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.files import write_bytes
-from drystone.io.heap import moved, named_apart, shapes_of
+from drystone.io.heap import Heap, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
@@ -47,8 +47,8 @@ def read(data: bytes, path: Path) -> Draft:
             where=str(path),
             remedy="export without compression and extensions",
         )
-    shapes: list[Shape] = []
-    notes: list[str] = []
+    heaps: list[Heap] = []
+    told: dict[str, Field | None] = {}
     triangles = 0
     for number, (node, matrix) in enumerate(_placed_nodes(top)):
         if not node.has("mesh"):
@@ -60,18 +60,26 @@ def read(data: bytes, path: Path) -> Draft:
         if triangles > MOST_TRIANGLES:
             raise node.error(f"brings the scene over {MOST_TRIANGLES:,} triangles")
         vertices, mirrored = moved(vertices, matrix)
-        vertices = vertices @ Z_UP.T
         if mirrored:
             faces = faces[:, ::-1]
-        told = node.get("extras", {})
-        ours = told["drystone"] if isinstance(told.value, dict) and told.has("drystone") else None
-        made, remarks = shapes_of(
-            vertices, faces.tolist(), f"{path}, node '{name}'", SINGLE, name, split=ours is None
-        )
-        shapes += [_with_material(shape, ours) for shape in made]
-        notes += remarks if ours is None else []
+        ours = _ours(node)
+        where = f"node {number}"
+        told[where] = ours
+        heaps.append(Heap(vertices @ Z_UP.T, faces.tolist(), name, where, split=ours is None))
+    shapes, notes = shapes_of(heaps, SINGLE, path)
+    shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
+    if None not in told.values():
+        notes = []
     shapes, renamed = named_apart(shapes)
-    return Draft(tuple(shapes), units="m", notes=(*dict.fromkeys(notes), *renamed))
+    return Draft(tuple(shapes), units="m", notes=(*notes, *renamed))
+
+
+def _ours(node: Field) -> Field | None:
+    """What we wrote beside a mesh."""
+    extras = node.get("extras", {})
+    if isinstance(extras.value, dict) and extras.has("drystone"):
+        return extras["drystone"]
+    return None
 
 
 def _with_material(shape: Shape, told: Field | None) -> Shape:

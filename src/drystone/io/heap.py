@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from drystone.errors import FormatError
 from drystone.geometry import coincidence, soup
-from drystone.geometry.arrays import Floats
+from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.merge import merge_coplanar
 from drystone.geometry.polyhedron import Loop, edge_defects
 from drystone.io.draft import Shape
@@ -21,67 +23,143 @@ MANY = 5
 """Names told of in notes."""
 
 
-def shapes_of(
-    vertices: Floats,
-    faces: Sequence[Sequence[int]],
-    where: str,
-    tolerance: float,
-    stem: str,
-    *,
-    split: bool = True,
-) -> tuple[list[Shape], list[str]]:
-    """A shape for each solid in a heap of faces, and what was done to find them.
+@dataclass(frozen=True)
+class Heap:
+    """Faces that belong to one or more solids.
+
+    Attributes
+    ----------
+    vertices : (v, 3)
+    faces
+    name
+        Of its solid; with a number behind it where there are several.
+    where
+        Its place in the file, for errors; empty where it is all there is.
+    split
+        Otherwise all its faces are one shape.
+    """
+
+    vertices: Floats
+    faces: Sequence[Sequence[int]]
+    name: str
+    where: str
+    split: bool = True
+
+
+def shapes_of(heaps: Sequence[Heap], tolerance: float, path: Path) -> tuple[list[Shape], list[str]]:
+    """A shape for each solid in heaps of faces, and what was done to find them.
 
     Vertices that coincide become one, faces without area go, solids are told apart, and coplanar
     neighbours are merged into polygons.
 
     Parameters
     ----------
-    vertices : (v, 3)
-    faces
-    where
-        The file, for errors.
+    heaps
     tolerance
-        Distance that counts as none, relative to the extent of all vertices.
-    stem
-        The solids are called ``stem-0``, ``stem-1``; a single one ``stem``.
-    split
-        Otherwise everything is one shape.
+        Distance that counts as none, relative to the extent of a heap.
+    path
+        The file, for errors.
+
+    Raises
+    ------
+    FormatError
+        A heap has no face with an area, or a vertex that is not finite.
     """
-    usable = (np.abs(vertices) <= FARTHEST).all(axis=1)
+    if not heaps:
+        return [], []
+    reach = np.array([tolerance * _extent(heap, path) for heap in heaps])
+    count = np.array([len(heap.vertices) for heap in heaps])
+    owner = np.repeat(np.arange(len(heaps)), count)
+    vertices = np.concatenate([heap.vertices for heap in heaps])
+    first = coincidence.first_coincident(vertices, reach[owner], owner).tolist()
+    offset = (np.cumsum(count) - count).tolist()
+    loops: list[Loop] = []
+    of_loop: list[int] = []
+    for number, heap in enumerate(heaps):
+        for face in heap.faces:
+            loop = tuple(dict.fromkeys(first[i + offset[number]] for i in face))
+            if len(loop) >= 3:
+                loops.append(loop)
+                of_loop.append(number)
+    loops, kept = soup.without_slivers(vertices, loops, reach[owner])
+    home = np.array(of_loop, dtype=np.intp)[kept]
+    missing = np.flatnonzero(np.bincount(home, minlength=len(heaps)) == 0)
+    if len(missing):
+        where = _place(heaps[missing[0]], path)
+        raise FormatError("has no face with an area", where=where, remedy="export it again")
+    solids = _per_heap(soup.split_solids(vertices, loops, home), home, heaps)
+    gone = sum(len(heap.faces) for heap in heaps) - len(loops)
+    merged = len(vertices) - len(set(first))
+    return _shapes(vertices, loops, solids, heaps, tolerance), _notes(merged, gone, solids)
+
+
+def _place(heap: Heap, path: Path) -> str:
+    return f"{path}, {heap.where}" if heap.where else str(path)
+
+
+def _extent(heap: Heap, path: Path) -> float:
+    """Diagonal of a heap whose numbers can be used."""
+    usable = (np.abs(heap.vertices) <= FARTHEST).all(axis=1)
     if not usable.all():
         bad = int(np.flatnonzero(~usable)[0])
-        what = "far too large" if np.isfinite(vertices[bad]).all() else "not finite"
-        raise FormatError(f"vertex {bad} is {what}", where=where, remedy="give finite numbers")
-    if len(faces) == 0 or len(vertices) == 0:
-        raise FormatError("holds no faces", where=where, remedy="export the blocks as meshes")
-    welded, merged = coincidence.weld(vertices, faces, tolerance)
-    loops = [loop for loop in welded if len(set(loop)) == len(loop)]
-    kept, slivers = soup.without_slivers(vertices, loops, tolerance)
-    if not kept:
-        raise FormatError("has no face with an area", where=where, remedy="export it again")
+        what = "far too large" if np.isfinite(heap.vertices[bad]).all() else "not finite"
+        raise FormatError(
+            f"vertex {bad} is {what}", where=_place(heap, path), remedy="give finite numbers"
+        )
+    if len(heap.faces) == 0 or len(heap.vertices) == 0:
+        raise FormatError(
+            "holds no faces", where=_place(heap, path), remedy="export the blocks as meshes"
+        )
+    return float(np.linalg.norm(heap.vertices.max(axis=0) - heap.vertices.min(axis=0)))
+
+
+def _per_heap(solids: list[list[int]], home: Ints, heaps: Sequence[Heap]) -> list[list[list[int]]]:
+    """Solids (lists of faces) of each heap."""
+    grouped: list[list[list[int]]] = [[] for _ in heaps]
+    for solid in solids:
+        grouped[int(home[solid[0]])].append(solid)
+    return [
+        found if heap.split else [sorted(face for solid in found for face in solid)]
+        for found, heap in zip(grouped, heaps, strict=True)
+    ]
+
+
+def _shapes(
+    vertices: Floats,
+    loops: Sequence[Loop],
+    solids: Sequence[Sequence[Sequence[int]]],
+    heaps: Sequence[Heap],
+    tolerance: float,
+) -> list[Shape]:
+    made: list[Shape] = []
+    own: list[list[Loop]] = []
+    for found, heap in zip(solids, heaps, strict=True):
+        for number, solid in enumerate(found):
+            name = heap.name if len(found) == 1 else f"{heap.name}-{number}"
+            points, faces = _own_vertices(vertices, [loops[i] for i in solid])
+            made.append(Shape(name, points, faces, heap.where))
+            own.append(faces)
+    closed = [i for i, faces in enumerate(own) if edge_defects(faces) == ([], [], True)]
+    polygons = merge_coplanar(
+        [made[i].vertices for i in closed], [own[i] for i in closed], tolerance
+    )
+    for i, merged in zip(closed, polygons, strict=True):
+        made[i] = replace(made[i], faces=merged)
+    return made
+
+
+def _notes(merged: int, gone: int, solids: Sequence[Sequence[Any]]) -> list[str]:
     notes = []
     if merged:
         notes.append(f"{merged} coincident vertices merged")
-    if len(faces) > len(loops) or slivers:
-        notes.append(f"{len(faces) - len(loops) + slivers} faces without area left out")
-    solids = soup.split_solids(vertices, kept) if split else [list(range(len(kept)))]
-    if len(solids) > 1:
-        notes.append(f"one heap of faces split into {len(solids)} solids")
-    bodies = [_own_vertices(vertices, [kept[i] for i in solid]) for solid in solids]
-    closed = [edge_defects(loops) == ([], [], True) for _, loops in bodies]
-    polygons = iter(
-        merge_coplanar(
-            [points for (points, _), good in zip(bodies, closed, strict=True) if good],
-            [loops for (_, loops), good in zip(bodies, closed, strict=True) if good],
-            tolerance,
-        )
-    )
-    shapes = []
-    for number, (solid, (points, own), good) in enumerate(zip(solids, bodies, closed, strict=True)):
-        name = stem if len(solids) == 1 else f"{stem}-{number}"
-        shapes.append(Shape(name, points, next(polygons) if good else own, f"face {solid[0]}"))
-    return shapes, notes
+    if gone:
+        notes.append(f"{gone} faces without area left out")
+    several = [i for i, found in enumerate(solids) if len(found) > 1]
+    if several:
+        parts = sum(len(solids[i]) for i in several)
+        what = "one heap of faces" if len(several) == 1 else f"{len(several)} heaps of faces"
+        notes.append(f"{what} split into {parts} solids")
+    return notes
 
 
 def moved(vertices: Floats, matrix: Floats) -> tuple[Floats, bool]:

@@ -21,7 +21,7 @@ from drystone.errors import FormatError
 from drystone.io import ply_body
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.files import write_bytes
-from drystone.io.heap import shape_of, shapes_of
+from drystone.io.heap import Heap, shape_of, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MARK = "drystone block "
@@ -90,7 +90,8 @@ def read(data: bytes, path: Path) -> Draft:
     if marked and "block" in face:
         return _ours(vertices, loops, face["block"], marked, path)
     exact = vertex["x"].dtype.itemsize == 8 or not header.order
-    shapes, notes = shapes_of(vertices, loops, str(path), EXACT if exact else SINGLE, path.stem)
+    heap = Heap(vertices, loops, path.stem, "")
+    shapes, notes = shapes_of([heap], EXACT if exact else SINGLE, path)
     return Draft(tuple(shapes), notes=tuple(notes))
 
 

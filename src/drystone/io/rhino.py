@@ -26,7 +26,7 @@ from drystone.geometry.polyhedron import Loop
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.files import write_through
-from drystone.io.heap import moved, named_apart, shapes_of
+from drystone.io.heap import Heap, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Inches": "in", "Feet": "ft"}
@@ -117,7 +117,7 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str
     else:
         faces = [_loop(face, vertices) for face in item["faces"].elements()]
         tolerance = EXACT if item["exact"].boolean() else SINGLE
-        made, notes = shapes_of(vertices, faces, place, tolerance, name)
+        made, notes = shapes_of([Heap(vertices, faces, name, f"{where} '{name}'")], tolerance, path)
         if kind == "drawn":
             notes.append(f"'{name}' is curved: read through the mesh that it was drawn with")
     fixed = layer.lower() in SUPPORT_LAYERS if told.fixed is None else told.fixed

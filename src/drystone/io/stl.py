@@ -13,9 +13,9 @@ import numpy as np
 from drystone.errors import FormatError
 from drystone.geometry.arrays import Floats
 from drystone.geometry.triangulate import triangulate
-from drystone.io.draft import Draft, Model, Shape
+from drystone.io.draft import Draft, Model
 from drystone.io.files import decode, write_bytes
-from drystone.io.heap import shapes_of
+from drystone.io.heap import Heap, shapes_of
 
 HEADER, RECORD = 84, 50
 """[bytes] Before the first triangle, and of each triangle, in the binary form."""
@@ -52,13 +52,12 @@ def _binary(data: bytes, path: Path) -> Draft:
             remedy="export it again",
         )
     corners = np.frombuffer(data, TRIANGLE, count, HEADER)["corner"].astype(np.float64)
-    return _heap(corners.reshape(-1, 3), str(path), path.stem, SINGLE)
-
-
-def _heap(points: Floats, where: str, stem: str, tolerance: float) -> Draft:
-    faces = np.arange(len(points)).reshape(-1, 3).tolist()
-    shapes, notes = shapes_of(points, faces, where, tolerance, stem)
+    shapes, notes = shapes_of([_heap(corners.reshape(-1, 3), path.stem, "")], SINGLE, path)
     return Draft(tuple(shapes), notes=tuple(notes))
+
+
+def _heap(points: Floats, name: str, where: str) -> Heap:
+    return Heap(points, np.arange(len(points)).reshape(-1, 3).tolist(), name, where)
 
 
 def _text(text: str, path: Path) -> Draft:
@@ -89,16 +88,14 @@ def _text(text: str, path: Path) -> Draft:
 
 
 def _named(solids: list[tuple[str, int, list[list[float]]]], path: Path) -> Draft:
-    """One block per solid; a single solid, or one without a name, is a heap of its own."""
-    shapes: list[Shape] = []
-    notes: list[str] = []
+    """Blocks called like their solids; a solid without a name, like the file or by number."""
+    heaps = []
     for i, (name, line, points) in enumerate(solids):
-        stem = name or (path.stem if len(solids) == 1 else f"solid-{i}")
+        known = name or (path.stem if len(solids) == 1 else f"solid-{i}")
         corners = np.array(points, dtype=np.float64).reshape(-1, 3)
-        part = _heap(corners, f"{path}, line {line}", stem, EXACT)
-        shapes += part.shapes
-        notes += [note for note in part.notes if "coincident" not in note]
-    return Draft(tuple(shapes), notes=tuple(dict.fromkeys(notes)))
+        heaps.append(_heap(corners, known, f"line {line}"))
+    shapes, notes = shapes_of(heaps, EXACT, path)
+    return Draft(tuple(shapes), notes=tuple(note for note in notes if "coincident" not in note))
 
 
 def _vertex(words: list[str], path: Path, number: int, line: str) -> list[float]:
@@ -130,12 +127,12 @@ def write(model: Model, path: Path) -> None:
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     length = np.linalg.norm(normal, axis=1)
     normal = normal / np.where(length > 0.0, length, 1.0)[:, None]
-    owner = faces.owner[polygon]
+    begin = np.searchsorted(faces.owner[polygon], np.arange(len(model.assembly) + 1)).tolist()
     lines: list[str] = []
     for i, block in enumerate(model.assembly.blocks):
         name = " ".join(block.name.split())
         lines.append(f"solid {name}")
-        mine = owner == i
+        mine = slice(begin[i], begin[i + 1])
         for n, points in zip(normal[mine].tolist(), corner[mine].tolist(), strict=True):
             lines.append(" facet normal " + " ".join(f"{x:.9g}" for x in n))
             lines.append("  outer loop")

@@ -24,9 +24,10 @@ def select(assembly: Assembly, spec: str) -> Assembly:
     ----------
     assembly
     spec
-        ``lowest``; ``below:Z``, the blocks whose lowest corner is at or below Z (metres, or with a
-        unit: ``below:150mm``); or block names and patterns (``*``, ``?``, ``[...]``), separated by
-        commas.
+        Any of these, separated by commas: ``lowest``; ``below:Z``, the blocks whose lowest corner is
+        at or below Z (metres, or with a unit: ``below:150mm``); block names and patterns (``*``,
+        ``?``, ``[...]``). A name that holds a comma is understood when it stands alone; a block
+        called ``lowest`` is reached by the pattern ``[l]owest``.
 
     Raises
     ------
@@ -39,15 +40,15 @@ def select(assembly: Assembly, spec: str) -> Assembly:
     >>> select(tower(3), "block-[12]").fixed.tolist()
     [False, True, True]
     """
-    if spec in assembly.names:
-        return Assembly(assembly.blocks, np.array([name == spec for name in assembly.names]))
-    if spec == "lowest":
-        return Assembly(assembly.blocks, lowest(assembly))
-    if spec.startswith("below:"):
-        return Assembly(assembly.blocks, _below(assembly, spec.removeprefix("below:")))
     fixed = np.zeros(len(assembly), dtype=bool)
-    for part in spec.split(","):
-        fixed |= _named(assembly, part.strip())
+    alone = spec in assembly.names
+    for part in [spec] if alone else [part.strip() for part in spec.split(",")]:
+        if part == "lowest":
+            fixed |= lowest(assembly)
+        elif part.startswith("below:"):
+            fixed |= _below(assembly, part.removeprefix("below:"))
+        else:
+            fixed |= _named(assembly, part)
     return Assembly(assembly.blocks, fixed)
 
 

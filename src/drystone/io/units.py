@@ -24,7 +24,9 @@ def scale_of(units: str) -> float:
     0.3048
     """
     if units not in UNITS:
-        raise InputError(f"unit '{units}' is not known", remedy=f"use one of {', '.join(UNITS)}")
+        raise InputError(
+            f"unit '{units}' is not known", where="units", remedy=f"use one of {', '.join(UNITS)}"
+        )
     return UNITS[units]
 
 

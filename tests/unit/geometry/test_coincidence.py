@@ -56,3 +56,15 @@ def test_a_doubled_vertex_does_not_hide_a_missing_one() -> None:
     one = np.array([[0.0, 0, 0], [1, 1, 1], [0.5, 0, 0], [0.5, 0, 0]])
     other = np.array([[0.0, 0, 0], [1, 1, 1], [0.5, 0, 0], [0.25, 0, 0]])
     assert duplicates([one, other], 1e-9) == []
+
+
+def test_points_of_different_bodies_do_not_coincide() -> None:
+    points = np.zeros((4, 3))
+    assert first_coincident(points, 1.0, np.array([0, 1, 0, 1])).tolist() == [0, 1, 0, 1]
+
+
+def test_each_body_has_a_distance_of_its_own() -> None:
+    points = np.array([[0.0, 0, 0], [1e-3, 0, 0], [0, 0, 0], [1e-3, 0, 0]])
+    body = np.array([0, 0, 1, 1])
+    distance = np.array([1e-2, 1e-2, 1e-5, 1e-5])
+    assert first_coincident(points, distance, body).tolist() == [0, 0, 2, 3]

@@ -28,8 +28,8 @@ def heap(assembly: Assembly, rng: np.random.Generator) -> tuple[Floats, list[Loo
 )
 def test_touching_blocks_are_told_apart(assembly: Assembly) -> None:
     points, loops, _ = heap(assembly, np.random.default_rng(3))
-    kept, slivers = without_slivers(points, loops, 1e-9)
-    assert slivers == len(loops) - len(kept)
+    kept, number = without_slivers(points, loops, np.full(len(points), 1e-9))
+    assert len(number) == len(kept)
     solids = split_solids(points, kept)
     assert len(solids) == len(assembly)
     volumes = []
@@ -81,9 +81,33 @@ def test_a_heap_that_is_inside_out_as_a_whole_is_told_apart_as_well() -> None:
 def test_slivers_go_and_their_vertices_stay_on_the_edges_of_their_neighbours() -> None:
     points = np.array([[0.0, 0, 0], [3, 0, 0], [0, 3, 0], [1, 0, 0], [2, 1e-12, 0], [0, -1, 0]])
     loops = [(0, 1, 2), (1, 0, 3), (1, 3, 4), (3, 0, 5), (4, 3, 5), (1, 4, 5)]
-    kept, slivers = without_slivers(points, loops, 1e-9)
-    assert slivers == 2
+    kept, number = without_slivers(points, loops, np.full(len(points), 1e-9))
+    assert number.tolist() == [0, 3, 4, 5]
     assert kept == [(0, 3, 4, 1, 2), (3, 0, 5), (4, 3, 5), (1, 4, 5)]
+
+
+def test_heaps_are_split_apart_each_for_itself() -> None:
+    """Two heaps of two cubes in one place, one of them inside out."""
+    points, loops, heap = [], [], []
+    for number, (assembly, turned) in enumerate(((tower(2), False), (tower(2), True))):
+        vertices, faces, _ = packed(assembly)
+        first = sum(map(len, points))
+        points.append(vertices)
+        loops += [tuple(first + i for i in (f[::-1] if turned else f)) for f in faces]
+        heap += [number] * len(faces)
+    solids = split_solids(np.concatenate(points), loops, np.array(heap))
+    assert [len(solid) for solid in solids] == [6, 6, 6, 6]
+    assert all(len({heap[i] for i in solid}) == 1 for solid in solids)
+
+
+def packed(assembly: Assembly) -> tuple[Floats, list[Loop], list[int]]:
+    """All faces of an assembly over merged vertices, and the block of each."""
+    faces = assembly.faces
+    loops = [
+        tuple(faces.loop[a:b].tolist())
+        for a, b in zip(faces.start[:-1], faces.start[1:], strict=True)
+    ]
+    return faces.point, list(weld(faces.point, loops, 1e-9)[0]), faces.owner.tolist()
 
 
 def test_nothing_makes_no_solid() -> None:
