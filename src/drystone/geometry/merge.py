@@ -67,7 +67,7 @@ def merge_coplanar(
     first_face = np.searchsorted(stacked.owner, np.arange(len(vertices))).tolist()
     for face, (body, of) in enumerate(zip(stacked.owner.tolist(), group.tolist(), strict=True)):
         whole = rings.get(of, []) if kept[face] else []
-        if len(whole) == 1 and len(np.unique(whole[0])) == len(whole[0]):
+        if len(whole) == 1 and len(set(whole[0].tolist())) == len(whole[0]):
             if of not in done:
                 merged[body].append(tuple((whole[0] - first[body]).tolist()))
                 done.add(of)
