@@ -3,6 +3,7 @@
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.insertion import Freedom, RemovalTest, freedom
+from drystone.sequence.judges import check_once, check_thoroughly
 from drystone.sequence.margins import (
     FrictionSweep,
     Margin,
@@ -16,7 +17,7 @@ from drystone.sequence.plan import Plan, Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.report import save_table, table_text
 from drystone.sequence.rules import Order, Rules
-from drystone.sequence.stages import Answer, Model, Stage, check_once, check_thoroughly
+from drystone.sequence.stages import Answer, Model, Stage
 from drystone.sequence.workers import DaskWorkers, ExecutorFactory, LocalWorkers
 
 __all__ = [

@@ -21,7 +21,7 @@ from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.split import Piece, split
 from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
-from drystone.sequence.stages import Check, check_once
+from drystone.sequence.judges import Check, check_once
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,8 @@ from typing import TypeAlias
 
 from drystone.errors import InputError
 from drystone.sequence.rules import Bound
-from drystone.sequence.search import Found, Node, Search
+from drystone.sequence.search import Search
+from drystone.sequence.states import Found, Node
 
 LARGEST = 14
 """Free blocks: beyond, the number of stages, doubled with every block, takes hours."""

@@ -17,10 +17,12 @@ from drystone.progress import Progress
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.exact import search_exactly
 from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.judges import Check, check_once
 from drystone.sequence.plan import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
-from drystone.sequence.search import Found, Node, Search, SearchOptions
-from drystone.sequence.stages import Answer, Check, Model, Stage, check_once, mask_of, members
+from drystone.sequence.search import Search
+from drystone.sequence.stages import Answer, Model, Stage, mask_of, members
+from drystone.sequence.states import Found, Node, SearchOptions
 from drystone.sequence.workers import ExecutorFactory
 
 EFFORT, LARGE = 800.0, 100.0

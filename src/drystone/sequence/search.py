@@ -13,8 +13,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import TypeAlias
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,83 +24,10 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.rules import Bound
 from drystone.sequence.stages import Answer, Stage, mask_of, members
-
-Cost: TypeAlias = tuple[int, int]
-"""Props, and blocks placed together with another one."""
+from drystone.sequence.states import Cost, Found, Node, SearchOptions
 
 STANDARD_GRAVITY = 9.81
 """[m/s2], to compare what a hand holds with its payload."""
-
-
-@dataclass(frozen=True, eq=False)
-class Node:
-    """A stage on the way.
-
-    Attributes
-    ----------
-    placed, props
-        Bits; props are always among the placed blocks.
-    group
-        Blocks that left since the last stage that stood, in the order in which they leave.
-    cost
-    parent
-        That stage.
-    """
-
-    placed: int
-    props: int
-    group: tuple[int, ...] = ()
-    cost: Cost = (0, 0)
-    parent: Node | None = None
-
-    @property
-    def stage(self) -> Stage:
-        """What is to be checked."""
-        return Stage(self.placed, self.props)
-
-    def path(self) -> list[Node]:
-        """From the complete structure to here."""
-        out: list[Node] = [self]
-        while out[-1].parent is not None:
-            out.append(out[-1].parent)
-        return out[::-1]
-
-
-@dataclass(frozen=True)
-class SearchOptions:
-    """How hard to search.
-
-    Attributes
-    ----------
-    patience
-        Checks without getting further down before the best state so far is forced on with held
-        blocks or props. Infinite: never, the answer is proved to be the best.
-    width
-        Blocks that are tried for removal from one stage, the first ones in the order.
-    tries
-        Of these, how many a forced move compares; and twice as many props that it adds are tried
-        to be done without.
-    """
-
-    patience: float = float("inf")
-    width: int = 2**30
-    tries: int = 4
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """What a search ended with.
-
-    Attributes
-    ----------
-    path
-        Stages that stand, from the complete one to the core.
-    proved
-        Whether no cheaper one exists.
-    """
-
-    path: list[Node]
-    proved: bool
 
 
 class Search:
@@ -199,6 +125,12 @@ class Search:
         if batch > 1:
             stages += [entry[-1].stage for entry in heapq.nsmallest(batch - 1, self.heap)]
         return self.evaluator.answers(stages)[0]
+
+    def widened(self, blocks: int) -> int:
+        """Some blocks and all that touch them."""
+        for block in members(blocks):
+            blocks |= self.model.neighbours[block]
+        return blocks
 
     def push(self, nodes: list[Node]) -> None:
         """Let nodes wait; earlier ones of a later call are looked at first."""
@@ -339,15 +271,16 @@ class Search:
         return node if self.can_hold(node) else None
 
     def prop(self, node: Node, answer: Answer) -> Node:
-        """Props until it stands: under what falls beside the gap, else under all that falls."""
-        near = 0
-        for block in node.group:
-            near |= self.model.neighbours[block]
+        """Props until it stands: under what falls beside the gap, then farther and farther away."""
         given = node.props
+        reach = mask_of(node.group)
         while not answer.stands and node.props != node.placed:
             falling = mask_of(self.falling(node, answer))
-            node = replace(node, props=node.props | (falling & near or falling))
-            near = 0
+            wider = self.widened(reach)
+            while not falling & wider and wider != reach:
+                reach, wider = wider, self.widened(wider)
+            reach = wider
+            node = replace(node, props=node.props | (falling & reach or falling))
             answer = self.look(node)
         added = node.props & ~given
         if added.bit_count() <= 2 * self.options.tries:
@@ -359,4 +292,4 @@ class Search:
         return replace(node, cost=(props + (node.props & ~given).bit_count(), together))
 
 
-__all__ = ["Cost", "Found", "Node", "Search", "SearchOptions"]
+__all__ = ["Search"]

@@ -10,10 +10,10 @@ taken away only the part that it belonged to has to be checked again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,12 +23,8 @@ from drystone.contacts import Contacts
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.loads import LoadCase
-from drystone.results import Result, Verdict
-from drystone.stability import CheckOptions, check
-
-Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
-"""Any verdict: ``check(assembly, contacts, load)``. It travels to other processes, so it must be
-importable there."""
+from drystone.results import Verdict
+from drystone.sequence.judges import Check, check_once
 
 LOADED = 1e-6
 """Corners that carry less than this share of the largest force of their part say nothing about the
@@ -68,19 +64,6 @@ def members(mask: int) -> Iterator[int]:
         lowest = mask & -mask
         yield lowest.bit_length() - 1
         mask ^= lowest
-
-
-def check_once(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
-    """The verdict with uniform contact stiffness: what every stage is asked by default.
-
-    What comes to rest for other stiffnesses only is not counted upon while it is built.
-    """
-    return check(assembly, contacts, load, options=CheckOptions(samples=0, search=False))
-
-
-def check_thoroughly(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
-    """The verdict of the whole cascade: any compatible state counts."""
-    return check(assembly, contacts, load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,13 +284,4 @@ def _friction_used(contacts: Contacts, force: Floats) -> float:
     return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
 
 
-__all__ = [
-    "Answer",
-    "Check",
-    "Model",
-    "Stage",
-    "check_once",
-    "check_thoroughly",
-    "mask_of",
-    "members",
-]
+__all__ = ["Answer", "Model", "Stage", "mask_of", "members"]
