@@ -28,6 +28,15 @@ Seismic: TypeAlias = Annotated[
     str | None,
     typer.Option(metavar="KX,KY", help="Horizontal forces as shares of the weight, along x and y."),
 ]
+Cases: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--case",
+        metavar="[FACTOR*]NAME",
+        help="A load case of the file instead of the weight, such as 1.35*dead. Can be given "
+        "several times: they add up.",
+    ),
+]
 MASS = re.compile(r"(?P<mass>[^@,=]+)kg")
 
 
@@ -83,6 +92,29 @@ def loaded(
     if seismic is not None:
         total = total + parsed_seismic(seismic, assembly)
     return total
+
+
+def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
+    """The sum of load cases of the file, each ``[FACTOR*]NAME``.
+
+    Raises
+    ------
+    InputError
+        A factor is not a number, or the file has no such case.
+    """
+    from drystone.loads import LoadCase
+
+    known = {case.name: case for case in cases}
+    parts = []
+    for text in texts:
+        factor, star, name = text.rpartition("*")
+        if name not in known:
+            names = ", ".join(f"'{case}'" for case in known) or "none"
+            raise InputError(
+                f"no load case is called '{name}'", where="--case", remedy=f"the file has {names}"
+            )
+        parts.append((_number(factor, "--case") if star else 1.0, known[name]))
+    return LoadCase.combine(parts, " + ".join(texts))
 
 
 def chosen_case(text: str, assembly: Assembly, cases: Iterable[LoadCase]) -> LoadCase:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from drystone.cli.loading import loaded
+from drystone.cli.loading import combined, loaded
 from drystone.cli.options import gravity_vector, positive
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
@@ -61,6 +61,7 @@ def prepare(
     split: bool = False,
     loads: Sequence[str] | None = None,
     seismic: str | None = None,
+    cases: Sequence[str] | None = None,
 ) -> Prepared:
     """Read a model, fix its supports, find its contacts and load it with its weight and more.
 
@@ -94,7 +95,15 @@ def prepare(
         notes.append(f"the {contacts.count} interfaces of the file are used")
         contacts = contacts if friction is None else contacts.with_friction(friction)
     load = weight(assembly, direction)
-    if model.loads and direction is None and density is None:
+    if cases:
+        if direction is not None or density is not None:
+            raise InputError(
+                "the cases of the file have their own weight",
+                where="--case",
+                remedy="leave out --gravity and --density",
+            )
+        load = combined(cases, model.loads)
+    elif model.loads and direction is None and density is None:
         load = model.loads[0]
         notes.append(f"the load case '{load.name}' of the file is used")
     load = loaded(assembly, load, loads, seismic)

@@ -94,6 +94,22 @@ def test_a_load_case_of_the_file_can_grow(tmp_path: Path, capsys: Capsys) -> Non
     assert told["equilibrium"]["value"] == pytest.approx(0.6 * 2.4 * 9.81, rel=1e-3)
 
 
+def test_load_cases_of_the_file_combine_with_factors(tmp_path: Path, capsys: Capsys) -> None:
+    wind = LoadCase(LoadCase.point_load(TOWER, 1, (1000.0, 0.0, 0.0)).wrench, "wind")
+    path = tmp_path / "loaded.json"
+    io.write(Model(TOWER, None, (LoadCase.gravity(TOWER), wind), ()), path)
+    cases = ("--case", "1.35*gravity", "--case", "wind")
+    code, told = answer(capsys, "check", str(path), *cases)
+    assert code == 0
+    force = told["largest"]["force"]
+    assert force["normal"] == pytest.approx(1.35 * 2400.0 * 9.81)
+    assert force["tangential"] == pytest.approx(1000.0)
+    assert "no load case is called 'snow'" in refused(capsys, "check", str(path), "--case", "snow")
+    given = ("--case", "wind", "--gravity", "9.81")
+    assert "leave out --gravity" in refused(capsys, "check", str(path), *given)
+    assert "'x' is not a number" in refused(capsys, "check", str(path), "--case", "x*wind")
+
+
 def test_shrink_tolerance_and_thickness_answer(model: str, capsys: Capsys) -> None:
     code, told = answer(capsys, "limit", "shrink", model, "--seismic", "0.25", "--scan", "1")
     assert code == 0
