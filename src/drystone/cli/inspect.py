@@ -89,7 +89,7 @@ def _show(
         low, high = block["bounds"]
         size = " x ".join(f"{b - a:.3g}" for a, b in zip(low, high, strict=True))
         state = "fixed" if block["fixed"] else ""
-        volume, mass = f"{block['volume']:.4g}", f"{block['mass']:,.1f}"
+        volume, mass = f"{block['volume']:.4g}", output.number(block["mass"])
         table.add_row(output.safe(block["name"]), state, volume, mass, size, str(block["faces"]))
     console.print(table)
     if len(blocks) > LISTED and not everything:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from drystone.errors import InputError
@@ -34,6 +36,19 @@ def safe(text: str) -> str:
     return escape(clean(text))
 
 
+def number(value: float) -> str:
+    """A quantity of any size: one decimal where that says enough, else four digits."""
+    if value == 0.0:
+        return "0"
+    return f"{value:,.1f}" if 1.0 <= abs(value) < 1e7 else f"{value:.4g}"
+
+
+def vector(values: Sequence[float]) -> str:
+    """Components, those that are only rounding told as 0."""
+    largest = max(map(abs, values), default=0.0)
+    return ", ".join(number(x if abs(x) > 1e-6 * largest else 0.0) for x in values)
+
+
 def emit(data: dict[str, Any]) -> None:
     """Print one JSON object on stdout; what is not finite becomes null."""
     print(json.dumps(_finite(data), ensure_ascii=True, allow_nan=False))
@@ -49,7 +64,10 @@ def fail(error: BaseException, code: int, as_json: bool) -> int:
         for part in ("what", "where", "remedy", "package", "extra"):
             if getattr(error, part, None):
                 told[part] = getattr(error, part)
-        emit({"error": told, "exit_code": code})
+        try:
+            emit({"error": told, "exit_code": code})
+        except OSError:  # nobody reads stdout, or it is full: the line on stderr is left
+            sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
     print(f"drystone: {message}", file=sys.stderr)
     return code
 

@@ -166,7 +166,7 @@ def show(data: Mapping[str, Any]) -> None:
     if data["message"]:
         console.print(output.safe(data["message"]))
     console.print(
-        f"{data['blocks']} blocks ({data['free_blocks']} free, {data['mass']:,.0f} kg), "
+        f"{data['blocks']} blocks ({data['free_blocks']} free, {output.number(data['mass'])} kg), "
         f"{data['interfaces']} interfaces, {data['corners']} corners"
     )
     if data["falling"]:
@@ -179,8 +179,10 @@ def show(data: Mapping[str, Any]) -> None:
             table.add_row(
                 title,
                 output.safe(" - ".join(row["blocks"])),
-                f"{row['normal']:,.1f}",
-                f"{row['tangential']:,.1f}",
+                output.number(row["normal"]),
+                output.number(
+                    row["tangential"] if row["tangential"] > 1e-6 * row["normal"] else 0.0
+                ),
                 f"{used:.1%}" if np.isfinite(used) else "no capacity",
             )
         console.print(table)
@@ -204,8 +206,8 @@ def _show_falling(console: Any, data: Mapping[str, Any]) -> None:
     table = Table("block", "prop force [N]", "prop moment [N m]", box=None)
     for name in rows[:LISTED]:
         need = needs.get(name)
-        force = ", ".join(f"{x:,.1f}" for x in need["force"]) if need else "-"
-        moment = ", ".join(f"{x:,.1f}" for x in need["moment"]) if need else "-"
+        force = output.vector(need["force"]) if need else "-"
+        moment = output.vector(need["moment"]) if need else "-"
         table.add_row(output.safe(name), force, moment)
     console.print(table)
     if len(rows) > LISTED:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints, cross, dot
 from drystone.geometry.halfedge import (
     HalfEdges,
@@ -30,6 +31,9 @@ eleven strips or more."""
 REENTRANT = np.deg2rad(0.5)
 """[rad] A block is convex when no edge turns inwards by more; chosen, above the noise of warped
 faces."""
+FOLDED = 1e-12
+"""Area vector of a face, by the surface of its block, that is none."""
+
 STRAIGHT = 1e-9
 """A corner nearer than this share of the block size to the line of its neighbours is no corner."""
 
@@ -104,6 +108,7 @@ def patches_of(assembly: Assembly) -> Patches:
     area = np.linalg.norm(vectors, axis=1)
     surface = np.bincount(faces.owner, area, minlength=len(assembly))
     size = 6.0 * assembly.volume / surface
+    _refuse_folded(assembly, faces, area, surface)
     normal = _unit(vectors, area)
     edges = half_edges(faces)
     turn = turn_angles(faces, edges, normal)
@@ -156,6 +161,26 @@ def _centred(assembly: Assembly) -> tuple[Faces, Floats]:
     faces = assembly.faces
     origin = 0.5 * (faces.point.min(axis=0) + faces.point.max(axis=0))
     return Faces(faces.point - origin, faces.loop, faces.start, faces.owner), origin
+
+
+def _refuse_folded(assembly: Assembly, faces: Faces, area: Floats, surface: Floats) -> None:
+    """Raise for a face that is folded onto itself: corners in space, and yet no area.
+
+    A face whose corners lie on one line has no area either, and does no harm.
+    """
+    flat = np.flatnonzero(area <= FOLDED * surface[faces.owner])
+    for face in flat.tolist():
+        corner = faces.point[faces.loop[faces.start[face] : faces.start[face + 1]]]
+        local = corner - corner.mean(axis=0)
+        spread = np.linalg.norm(np.cross(local, np.roll(local, -1, axis=0)), axis=1).sum()
+        if spread > 1e3 * FOLDED * surface[faces.owner[face]]:
+            block = int(faces.owner[face])
+            number = face - int(np.searchsorted(faces.owner, block))
+            raise InputError(
+                f"face {number} is folded onto itself: it has corners but no area",
+                where=f"block '{assembly.names[block]}'",
+                remedy="its corners are out of order, or the face is twisted: split or rebuild it",
+            )
 
 
 def _unit(vectors: Floats, length: Floats) -> Floats:
@@ -266,13 +291,14 @@ def _curvature(
         return sag, bend
     here, there = group[edges.face[smooth]], group[edges.face[edges.twin[smooth]]]
     along = faces.point[faces.loop[edges.after[smooth]]] - faces.point[faces.loop[smooth]]
-    length = np.linalg.norm(along, axis=1)
+    length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
     own = np.minimum(area[here] / length, np.sqrt(area[here]))
     other = np.minimum(area[there] / length, np.sqrt(area[there]))
     narrow = np.minimum(own, other)
+    share = narrow / np.where(own > 0.0, own, 1.0)
     angle = np.abs(turn[smooth])
     np.maximum.at(sag, here, narrow * angle * np.where(triangle[here], 0.5, 0.125))
-    np.maximum.at(bend, here, 0.5 * angle * narrow / own)
+    np.maximum.at(bend, here, 0.5 * angle * share)
     return sag, bend
 
 

@@ -32,7 +32,8 @@ def frames_from_normals(normal: Floats) -> Floats:
     steep = np.abs(n[:, 2]) > 0.9
     helper = np.where(steep[:, None], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
     u = np.cross(helper, n)
-    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    length = np.linalg.norm(u, axis=1, keepdims=True)
+    u /= np.where(length > 0.0, length, 1.0)
     return np.stack([n, u, np.cross(n, u)], axis=1)
 
 

@@ -24,10 +24,10 @@ def select(assembly: Assembly, spec: str) -> Assembly:
     ----------
     assembly
     spec
-        Any of these, separated by commas: ``lowest``; ``below:Z``, the blocks whose lowest corner is
-        at or below Z (metres, or with a unit: ``below:150mm``); block names and patterns (``*``,
-        ``?``, ``[...]``). A name that holds a comma is understood when it stands alone; a block
-        called ``lowest`` is reached by the pattern ``[l]owest``.
+        Any of these, separated by commas: ``lowest``; ``below:Z``, the blocks whose lowest corner
+        is at or below Z (metres, or with a unit: ``below:150mm``); block names and patterns
+        (``*``, ``?``, ``[...]``). A name that holds a comma is understood when it stands alone; a
+        block called ``lowest`` is reached by the pattern ``[l]owest``.
 
     Raises
     ------

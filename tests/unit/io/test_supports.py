@@ -72,3 +72,9 @@ def test_what_fits_no_block_is_refused_with_advice(spec: str, words: list[str]) 
         select(tower(3), spec)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_keywords_names_and_patterns_add_up():
+    assembly = tower(4)
+    assert select(assembly, "lowest, block-[3]").fixed.tolist() == [True, False, False, True]
+    assert select(assembly, "below:1.5,block-3").fixed.tolist() == [True, True, False, True]
