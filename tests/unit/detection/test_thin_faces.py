@@ -15,7 +15,7 @@ def test_a_face_folded_onto_itself_is_named():
     straight = box((1, 1, 1), (0, 0, 1), name="twisted")
     points = straight.vertices.copy()
     points[4:] = points[[6, 7, 4, 5]]
-    with pytest.raises(InputError, match="block 'twisted': face . is folded onto itself"):
+    with pytest.raises(InputError, match=r"block 'twisted': face \d is folded onto itself"):
         find_contacts(pair(Block(points, straight.faces, "twisted")))
 
 
