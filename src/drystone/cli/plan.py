@@ -82,6 +82,12 @@ def plan(
         list[str] | None,
         typer.Option(metavar="FIRST:THEN", help="One block before another; several times."),
     ] = None,
+    reach: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAMES", help="Blocks placed before any of the next --reach; by commas."
+        ),
+    ] = None,
     exact: Annotated[
         bool, typer.Option("--exact", help="Search all orders (up to 14 free blocks).")
     ] = False,
@@ -127,7 +133,7 @@ def plan(
         else options.output_path(instructions, "--print", (".html", ".htm")),
         None if csv is None else options.output_path(csv, "--csv", (".csv",)),
     )  # fmt: skip
-    rules = _rules(order, hands, payload, before)
+    rules = _rules(order, hands, payload, before, reach)
     frictions = _numbers(sweep)
     executor = _executor(workers, dask)
     with Waiting() as waiting:
@@ -173,7 +179,13 @@ def plan(
     return 0 if found.steps and found.verdict.value == "stable" and not helped else 1
 
 
-def _rules(order: str, hands: int, payload: float | None, before: list[str] | None) -> Rules:
+def _rules(
+    order: str,
+    hands: int,
+    payload: float | None,
+    before: list[str] | None,
+    reach: list[str] | None,
+) -> Rules:
     from drystone.sequence import Order, Rules
 
     pairs = []
@@ -182,10 +194,18 @@ def _rules(order: str, hands: int, payload: float | None, before: list[str] | No
         if not colon or not first or not then:
             raise InputError(f"'{text}' is no pair", where="--before", remedy="write FIRST:THEN")
         pairs.append((first, then))
-    known = {one.value: one for one in Order}
-    tried = known.get(order)
-    given = tried if tried is not None else [name.strip() for name in order.split(",")]
-    return Rules(hands, float("inf") if payload is None else payload, pairs, (), given)
+    tried = {one.value: one for one in Order}.get(order)
+    return Rules(
+        hands,
+        float("inf") if payload is None else payload,
+        pairs,
+        [_names(group) for group in reach or []],
+        tried if tried is not None else _names(order),
+    )
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",")]
 
 
 def _numbers(text: str | None) -> list[float]:

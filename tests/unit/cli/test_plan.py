@@ -32,6 +32,19 @@ def test_a_stack_needs_no_help(stack, capsys):
     assert [step["verdict"] for step in data["steps"]] == ["stable"] * 3
 
 
+def test_groups_within_reach_come_one_after_the_other(tmp_path, capsys):
+    path = tmp_path / "three.json"
+    blocks = tuple(
+        box((1.0, 1.0, 1.0), (1.5 * i, 0.0, z), f"{name}{i}")
+        for name, z in (("base", 0.0), ("top", 1.0))
+        for i in range(3)
+    )
+    io.write(Assembly(blocks, np.arange(6) < 3), path)
+    code, data = answer(capsys, str(path), "--reach", "top1", "--reach", "top2,top0")
+    assert code == 0
+    assert data["order"][0] == "top1"
+
+
 def test_a_person_reads_steps_and_counts(stack, capsys):
     assert main(["plan", stack]) == 0
     out = capsys.readouterr().out
