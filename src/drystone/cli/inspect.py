@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drystone.cli import options, output
 from drystone.cli.session import found
 from drystone.cli.waiting import Waiting
+
+if TYPE_CHECKING:
+    from drystone.assembly import Assembly
+    from drystone.contacts import Contacts
+    from drystone.detection import ContactReport, GapSweep
 
 LISTED = 20
 """Blocks shown without --all."""
@@ -21,6 +27,13 @@ def inspect(
     units: options.Units = None,
     gap: options.Gap = None,
     split: options.Split = False,
+    sweep: Annotated[
+        bool, typer.Option("--sweep", help="Count the contacts for many gap tolerances.")
+    ] = False,
+    html: Annotated[
+        str | None,
+        typer.Option("--html", help="Write a page with the contacts, near misses in orange."),
+    ] = None,
     everything: Annotated[bool, typer.Option("--all", help="List every block.")] = False,
     as_json: options.Json = False,
 ) -> int:
@@ -28,6 +41,7 @@ def inspect(
 
     Exit code 0: every block can be used. 2: some cannot.
     """
+    page = None if html is None else options.output_path(html, "--html", (".html", ".htm"))
     from drystone import io  # the program starts fast: work is imported when there is some
 
     with Waiting() as waiting:
@@ -36,7 +50,12 @@ def inspect(
         assembly = built.assembly
         if assembly is not None and supports is not None:
             assembly = io.supports.select(assembly, supports)
-        report = None if assembly is None else found(assembly, None, waiting, gap)[1]
+        report = swept = None
+        if assembly is not None:
+            contacts, report = found(assembly, None, waiting, gap)
+            swept = _swept(assembly, waiting) if sweep else None
+            if page is not None:
+                _draw(assembly, contacts, report, page, waiting)
     blocks = [block for block in built.blocks if block is not None]
     fixed = built.fixed if assembly is None else assembly.fixed.tolist()
     data: dict[str, Any] = {
@@ -62,14 +81,35 @@ def inspect(
             for error in built.defects
         ],
         "contacts": None if report is None else report.to_dict(),
+        "sweep": None if swept is None else swept.to_dict(),
+        "files": [] if page is None or report is None else [str(page)],
         "notes": list(built.notes),
         "time_s": dict(waiting.time_s),
     }
     if as_json:
         output.emit(data)
     else:
-        _show(data, built.defects, [] if report is None else report.summary(), everything)
+        lines = [] if report is None else report.summary()
+        lines += [] if swept is None else swept.summary()
+        _show(data, built.defects, lines, everything)
     return 2 if built.defects else 0
+
+
+def _swept(assembly: Assembly, waiting: Waiting) -> GapSweep:
+    from drystone.detection import gap_sweep
+
+    waiting.stage("sweep", "trying gaps")
+    return gap_sweep(assembly, progress=waiting)
+
+
+def _draw(
+    assembly: Assembly, contacts: Contacts, report: ContactReport, page: Path, waiting: Waiting
+) -> None:
+    from drystone.detection import Detection
+    from drystone.view import inspection_scene, save_page
+
+    waiting.stage("pictures", "drawing")
+    save_page(inspection_scene(assembly, Detection(contacts, report)), page)
 
 
 def _show(
@@ -100,3 +140,5 @@ def _show(
         console.print(f"[yellow]note:[/] {output.safe(note)}")
     for line in contacts:
         console.print(output.safe(line))
+    for name in data["files"]:
+        console.print(f"wrote {output.safe(name)}")

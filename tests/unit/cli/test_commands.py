@@ -223,6 +223,19 @@ def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsy
     assert "--all lists every block" in out
 
 
+def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:
+    model = file(tmp_path, boxes(base=(0, 0, 0), on=(0, 0, 1), near=(0, 0, 2.02)))
+    page = tmp_path / "contacts.html"
+    _, told = answer(capsys, "inspect", model, "--sweep", "--html", str(page))
+    assert told["sweep"]["pairs"][0] == 1
+    assert told["sweep"]["pairs"][-1] == 2
+    assert told["files"] == [str(page)]
+    assert told["contacts"]["missed"]
+    assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert main(["inspect", model, "--sweep"]) == 0
+    assert "plateau from" in capsys.readouterr().out
+
+
 def test_demo_checks_a_vault_and_draws_it(tmp_path: Path, capsys: Capsys) -> None:
     code, told = answer(capsys, "demo", "--folder", str(tmp_path))
     assert (code, told["verdict"]) == (0, "stable")
