@@ -14,7 +14,7 @@ EXPLANATIONS: dict[tuple[str, str], str] = {
     ),
     ("curve-3-blocks x mu 0.84", "3DEC"): (
         "the tangential stiffness decides: ours is a tenth of the normal one; with the two equal "
-        "the limit is 24.7, as in 3DEC."
+        "the limit is 25.0, next to the whole degree of 3DEC."
     ),
 }
 """By study and column."""

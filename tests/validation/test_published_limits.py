@@ -11,6 +11,7 @@ from collections.abc import Callable
 import pytest
 
 from drystone import Assembly, CheckOptions, LoadCase, RBEOptions, Verdict, models
+from drystone.checks import corner_motion
 from drystone.detection import find_contacts
 from drystone.stability import FrictionCone, check, solve_rbe
 
@@ -125,3 +126,31 @@ def test_hooked_plank_stands_to_the_published_angle(
     model = models.concave(length)  # type: ignore[arg-type]
     contacts = find_contacts(model, friction=friction).contacts
     assert check(model, contacts, LoadCase.tilt(model, Y, angle)).verdict is Verdict.STABLE
+
+
+@pytest.mark.parametrize(
+    ("length", "friction", "angle"),
+    [("short", 0.84, 50), ("short", 0.10, 12), ("long", 0.84, 65), ("long", 0.10, 15)],
+)
+def test_hooked_plank_slides_out_well_above_the_published_angle(
+    length: str, friction: float, angle: float
+) -> None:
+    """It slides along the walls beside it: nothing presses it against them but prestress."""
+    model = models.concave(length)  # type: ignore[arg-type]
+    contacts = find_contacts(model, friction=friction).contacts
+    found = check(model, contacts, LoadCase.tilt(model, Y, angle))
+    assert found.verdict is not Verdict.STABLE
+
+
+@pytest.mark.parametrize("angle", [5.0, 12.0, 50.0])
+def test_forces_press_only_where_blocks_overlap(angle: float) -> None:
+    """Eq. 5.6: a force needs an overlap; one that rounding makes is none."""
+    model = models.concave()
+    contacts = find_contacts(model, friction=0.10).contacts
+    found = check(model, contacts, LoadCase.tilt(model, Y, angle))
+    if found.verdict is Verdict.STABLE:
+        assert found.force is not None
+        assert found.displacement is not None
+        moved = corner_motion(model, contacts, found.displacement)
+        pressed = found.force[:, 0] > 1e-6 * found.force[:, 0].max()
+        assert (-moved[pressed, 0]).min() > 1e-9 * abs(moved).max()
