@@ -27,7 +27,7 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
     """
     a, b = _corner_blocks(contacts)
-    relative = _point_motion(assembly, contacts, motion, b) - _point_motion(
+    relative = point_motion(assembly, contacts, motion, b) - point_motion(
         assembly, contacts, motion, a
     )
     return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], relative)
@@ -155,7 +155,8 @@ def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:
     return contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
 
 
-def _point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: Ints) -> Floats:
+def point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: Ints) -> Floats:
+    """Displacement (k, 3), world axes, of each corner as a point of the block (k,) given for it."""
     arm = contacts.point - assembly.centroid[block]
     moving = np.where(assembly.fixed[:, None], 0.0, motion)[block]
     return moving[:, :3] + np.cross(moving[:, 3:], arm)

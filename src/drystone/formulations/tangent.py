@@ -7,6 +7,7 @@ centroids of its two blocks: the pattern is that of the contact graph, found onc
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.frames import skew
@@ -26,8 +27,13 @@ class TangentSystem:
     def __init__(self, statics: Statics, position: Floats) -> None:
         self.statics = statics
         n = statics.free_count
+        k = statics.corner_count
         first = np.flatnonzero(np.diff(statics.interface, prepend=-1))
-        self.start = first
+        self.joints = len(first)
+        # sums over corners and over interfaces as sparse products: they beat reduceat tenfold
+        self.of_joint = sparse.csr_matrix(
+            (np.ones(k), np.arange(k), np.append(first, k)), shape=(len(first), k)
+        )
         interface = np.cumsum(np.diff(statics.interface, prepend=-1) > 0) - 1
         a, b = statics.block_a[first], statics.block_b[first]
         # lengths by block differ: levers are taken by the length of either block, then scaled
@@ -46,27 +52,22 @@ class TangentSystem:
         unique, where = np.unique(key, return_inverse=True)
         self.row, self.column = unique // n, unique % n
         self.diagonal = where[:n]
-        order = np.argsort(where[n:], kind="stable")
-        self.source, self.kind = source[order], kind[order]
-        target = where[n:][order]
-        self.target_start = np.flatnonzero(np.diff(target, prepend=-1))
-        self.target = target[self.target_start]
+        self.of_block = sparse.csr_matrix(
+            (np.ones(len(source)), (where[n:], kind * len(first) + source)),
+            shape=(len(unique), 4 * len(first)),
+        )
         self.ordering = BlockOrdering(position, self.row, self.column, 6)
 
     def blocks(self, tangent: Floats, weight: Floats) -> Floats:
         """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
         out = np.zeros((len(self.row), 6, 6))
-        if len(self.start):
+        if self.joints:
             corner = self.spread @ tangent @ self.gather
-            joint = np.add.reduceat(corner.reshape(-1, 36), self.start).reshape(-1, 6, 6)
+            joint = (self.of_joint @ corner.reshape(-1, 36)).reshape(-1, 6, 6)
             from_a, from_b = np.swapaxes(self.to_a, 1, 2), np.swapaxes(self.to_b, 1, 2)
             left_a, left_b = self.to_a @ joint, self.to_b @ joint
             parts = np.stack([left_a @ from_a, -left_a @ from_b, -left_b @ from_a, left_b @ from_b])
-            sorted_parts = parts[self.kind, self.source].reshape(-1, 36)
-            if len(sorted_parts):
-                out[self.target] = np.add.reduceat(sorted_parts, self.target_start).reshape(
-                    -1, 6, 6
-                )
+            out = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
         out[self.diagonal[:, None], index, index] += weight
         return out

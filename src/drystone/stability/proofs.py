@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.checks import block_speed, corner_motion, mechanism_defects
+from drystone.checks import block_speed, mechanism_defects, point_motion
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.geometry.arrays import Bools, Floats
@@ -75,14 +75,19 @@ def unpressed(assembly: Assembly, contacts: Contacts, acceleration: Floats) -> B
     acceleration : (n, 6)
         Of each block under its load alone; blocks outside the set rest.
     """
-    falling = ~assembly.fixed & (block_speed(assembly, acceleration) > 0.0)
+    speed = block_speed(assembly, acceleration)
+    falling = ~assembly.fixed & (speed > 0.0)
     a = contacts.block_a[contacts.interface]
     b = contacts.block_b[contacts.interface]
+    normal = contacts.frame[contacts.interface, 0]
+    away_a, away_b = (
+        (point_motion(assembly, contacts, acceleration, block) * normal).sum(axis=1)
+        for block in (a, b)
+    )
     while falling.any():
-        motion = np.where(falling[:, None], acceleration, 0.0)
-        speed = block_speed(assembly, motion)
-        reach = np.maximum(speed[a], speed[b])
-        approach = corner_motion(assembly, contacts, motion)[:, 0] < -1e-12 * reach
+        opening = np.where(falling[b], away_b, 0.0) - np.where(falling[a], away_a, 0.0)
+        reach = np.maximum(np.where(falling[a], speed[a], 0.0), np.where(falling[b], speed[b], 0.0))
+        approach = opening < -1e-12 * reach
         pressed = np.zeros(len(assembly), dtype=bool)
         pressed[a[approach]] = pressed[b[approach]] = True
         if not (falling & pressed).any():
