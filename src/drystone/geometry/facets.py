@@ -27,6 +27,10 @@ ALONG = 0.2
 """Neighbours share this part of the outline of the smaller one at least; chosen, so that facets
 that meet in a corner are none."""
 
+STRAIGHT = 1e-6
+"""Corners nearer to each other, or to the line of their neighbours, relative to the size of a
+facet, are one."""
+
 Joining = Callable[["Facet", "Facet"], float | None]
 """The price of joining two neighbours; ``None`` where they must stay apart."""
 
@@ -223,6 +227,7 @@ def _halves(facet: Facet) -> list[Facet]:
     along = edge[int(np.argmax(length))] / length.max()
     place = local @ along
     shape = shapely.polygons(local)
+    tiny = STRAIGHT * float(np.sqrt(facet.area))
     low, high = float(place.min()), float(place.max())
     across = np.array([-along[1], along[0]]) * 2.0 * np.sqrt(max(spans)[0])
     for _ in range(50):  # bisection for the line that halves the area
@@ -235,6 +240,8 @@ def _halves(facet: Facet) -> list[Facet]:
     for begin, end in ((place.min(), middle), (middle, place.max())):
         part = planar.overlay(shapely.intersection, shape, _strip(begin, end, along, across))
         corner, start, _ = planar.pieces_of(np.array([part], dtype=object))
+        corner, start = clip.cleaned(corner, start, np.full(len(start) - 1, tiny))
+        start = np.unique(start)
         for i, area in enumerate(clip.areas(corner, start)):
             point = origin + corner[start[i] : start[i + 1]] @ frame[1:]
             found.append(Facet(point, facet.normal, float(area), facet.members))

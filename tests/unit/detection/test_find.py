@@ -38,7 +38,7 @@ def assert_well_formed(contacts: Contacts) -> None:
     for i in range(contacts.count):
         local = (contacts.polygon(i) - contacts.polygon(i)[0]) @ frame[i].T
         size = np.abs(local).max()
-        assert np.abs(local[:, 0]).max() < 1e-9 * size
+        assert np.abs(local[:, 0]).max() <= 1e-9 * size
         if len(local) < 3:
             assert contacts.area[i] == 0.0
             continue
