@@ -106,7 +106,7 @@ def patches_of(assembly: Assembly) -> Patches:
     faces, origin = _centred(assembly)
     vectors = area_vectors(faces.point[faces.loop], faces.start)
     area = np.linalg.norm(vectors, axis=1)
-    surface: Floats = np.bincount(faces.owner, area, minlength=len(assembly))
+    surface: Floats = np.bincount(faces.owner, area, minlength=len(assembly)).astype(np.float64)
     size = 6.0 * assembly.volume / surface
     _refuse_folded(assembly, faces, area, surface)
     normal = _unit(vectors, area)
