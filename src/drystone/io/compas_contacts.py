@@ -12,6 +12,7 @@ from drystone.geometry import polygon
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.geometry.frames import frames_from_normals
 from drystone.io.draft import Extras
+from drystone.io.heap import FARTHEST
 from drystone.io.jsontext import Field
 
 
@@ -108,6 +109,8 @@ def joined(
 
 def frame_of(xaxis: Floats, yaxis: Floats) -> Floats | None:
     """Rows n, u, v of a COMPAS frame made orthonormal; ``None`` where its axes span no plane."""
+    if not max(np.abs(xaxis).max(), np.abs(yaxis).max()) < FARTHEST:
+        return None
     normal = np.cross(xaxis, yaxis)
     size = float(np.linalg.norm(normal))
     if not 1e-12 < size < np.inf:
@@ -128,7 +131,10 @@ def _points(interface: Field) -> Floats:
     points = [_plain(point).floats(3) for point in _plain(interface)["points"].elements()]
     if not points:
         raise interface.error("has no points")
-    return np.array(points)
+    corners = np.array(points)
+    if not np.abs(corners).max() <= FARTHEST:
+        raise interface.error("has a coordinate that is far too large")
+    return corners
 
 
 def _frame(interface: Field, points: Floats) -> Floats:

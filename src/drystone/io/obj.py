@@ -27,7 +27,9 @@ FREE_FORM = frozenset(
 )
 """Statements of curves and surfaces."""
 NEWLINE = re.compile(r"\r\n|\r|\n")
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE)
+NUMBER = re.compile(
+    r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE
+)
 
 
 @dataclass

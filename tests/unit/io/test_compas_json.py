@@ -141,6 +141,24 @@ def test_a_normal_that_points_the_wrong_way_is_turned(tmp_path: Path) -> None:
     assert contacts.frame[0].tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]]
 
 
+@pytest.mark.parametrize(
+    ("where", "value", "words"),
+    [
+        ("points", [[0, 0, 0], [1e200, 0, 0], [0, 1e200, 0]], "far too large"),
+        ("points", [], "no points"),
+        ("frame", {"xaxis": [1e200, 0, 0], "yaxis": [0, 1e200, 0]}, "span no plane"),
+        ("frame", {"xaxis": [1, 0, 0], "yaxis": [2, 0, 0]}, "span no plane"),
+    ],
+)
+def test_interfaces_that_cannot_be_used_are_refused(
+    tmp_path: Path, where: str, value: Any, words: str
+) -> None:
+    stored = interface()
+    stored["data"][where] = value
+    with pytest.raises(FormatError, match=words):
+        load(tmp_path, assembly_file(interfaces=[stored]))
+
+
 def test_an_interface_without_a_frame_gets_one(tmp_path: Path) -> None:
     stored = interface()
     stored["data"]["frame"] = None

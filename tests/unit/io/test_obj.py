@@ -151,3 +151,8 @@ def test_writing_and_reading_keeps_names_polygons_and_every_bit(tmp_path: Path, 
 def test_lengths_are_in_the_unit_that_is_named(tmp_path: Path, units: str, volume: float) -> None:
     model = load(tmp_path, CUBE + FACES, units=units)
     assert model.assembly.blocks[0].volume == pytest.approx(volume)
+
+
+def test_a_number_of_very_many_digits_is_refused_at_once(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match="not three numbers"):
+        load(tmp_path, f"v 0 0 {'9' * 200_000}-\n")
