@@ -10,18 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
 from drystone.geometry.arrays import Floats
-from drystone.loads import LoadCase
-from drystone.results import Result, Verdict
+from drystone.results import Verdict
+from drystone.sequence.judges import balance
 from drystone.sequence.stages import Model, Stage, members
-from drystone.stability import RBEOptions, solve_rbe
-
-
-def balance(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
-    """Rigid-block equilibrium alone: necessary for standing."""
-    return solve_rbe(assembly, contacts, load, options=RBEOptions(tension=False))
 
 
 class LocalBalance:
@@ -95,4 +87,4 @@ class LocalBalance:
         return not self.holds(block, self.model.everything & ~(1 << other))
 
 
-__all__ = ["LocalBalance", "balance"]
+__all__ = ["LocalBalance"]

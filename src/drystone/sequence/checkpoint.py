@@ -48,6 +48,7 @@ def write_checkpoint(path: Path, model: Model, known: dict[Stage, Answer]) -> No
             {
                 "placed": f"{part.placed:x}",
                 "held": f"{part.held:x}",
+                "doubtful": part.doubtful,
                 "verdict": found.verdict.name,
                 "message": found.message,
                 "falling": list(found.falling),
@@ -88,7 +89,7 @@ def read_checkpoint(path: Path, model: Model) -> dict[Stage, Answer]:
 
 
 def _stage(record: Any) -> Stage:
-    return Stage(int(record["placed"], 16), int(record["held"], 16))
+    return Stage(int(record["placed"], 16), int(record["held"], 16), bool(record["doubtful"]))
 
 
 def _answer(record: Any) -> Answer:

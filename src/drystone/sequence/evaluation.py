@@ -113,7 +113,9 @@ class Evaluator:
                     self.save()
             self.solve_s += time.perf_counter() - began
         return [
-            self.model.combine(stage, (self._known[part] for part in some))
+            self.model.combine(
+                stage, [one for part in some if (one := self._find(part)) is not None]
+            )
             for stage, some in zip(stages, parts, strict=True)
         ]
 
@@ -123,8 +125,17 @@ class Evaluator:
         if self._file is not None:
             write_checkpoint(self._file, self.model, self._known)
 
+    def _find(self, part: Stage) -> Answer | None:
+        """What is known of a part; that it stands is known however it was asked.
+
+        That it falls is not: the blocks that are told to fall may differ, and with them the plan,
+        which must not depend on what workers happened to look at ahead.
+        """
+        other = self._known.get(part._replace(doubtful=not part.doubtful))
+        return self._known.get(part, other if other is not None and other.stands else None)
+
     def _has(self, part: Stage, forces: bool) -> bool:
-        known = self._known.get(part)
+        known = self._find(part)
         return known is not None and not (forces and known.stands and not len(known.corner))
 
     def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, Answer]]:

@@ -9,7 +9,7 @@ from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.results import Result
-from drystone.stability import CheckOptions, check
+from drystone.stability import CheckOptions, RBEOptions, check, solve_rbe
 
 Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
 """Any verdict: ``check(assembly, contacts, load)``. It travels to other processes, so it must be
@@ -29,4 +29,9 @@ def check_thoroughly(assembly: Assembly, contacts: Contacts, load: LoadCase) -> 
     return check(assembly, contacts, load)
 
 
-__all__ = ["Check", "check_once", "check_thoroughly"]
+def balance(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """Rigid-block equilibrium alone: necessary for standing."""
+    return solve_rbe(assembly, contacts, load, options=RBEOptions(tension=False))
+
+
+__all__ = ["Check", "balance", "check_once", "check_thoroughly"]

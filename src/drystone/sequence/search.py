@@ -166,7 +166,8 @@ class Search:
         hanging: list[Node] = []
         for block in self.candidates(node.placed):
             bit = 1 << block
-            one = Node(node.placed & ~bit, node.props & ~bit, (block,), node.cost, parent=node)
+            second = bool(out or hanging)
+            one = Node(node.placed & ~bit, node.props & ~bit, (block,), node.cost, node, second)
             air = self.model.floating(one.placed) & ~self.model.floating(node.placed)
             (hanging if air else out).append(one)
             if len(out) >= self.options.width:

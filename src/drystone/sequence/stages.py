@@ -24,7 +24,7 @@ from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.loads import LoadCase
 from drystone.results import Verdict
-from drystone.sequence.judges import Check, check_once
+from drystone.sequence.judges import Check, balance, check_once
 
 LOADED = 1e-6
 """Corners that carry less than this share of the largest force of their part say nothing about the
@@ -32,10 +32,15 @@ friction that is needed."""
 
 
 class Stage(NamedTuple):
-    """Blocks in place and, among them, those that are held; one bit per block."""
+    """Blocks in place and, among them, those that are held; one bit per block.
+
+    A doubtful stage is likely to fall: whether any forces balance it is asked first, which is the
+    cheaper way to say no, and the dearer one to say yes.
+    """
 
     placed: int
     held: int = 0
+    doubtful: bool = False
 
 
 def mask_of(blocks: Iterable[int]) -> int:
@@ -191,7 +196,7 @@ class Model:
                 frontier = near & moving & ~reached
                 reached |= frontier
             held = touched & stage.held
-            out.append(Stage(reached | held, held))
+            out.append(Stage(reached | held, held, stage.doubtful))
             moving &= ~reached
         return out
 
@@ -223,7 +228,9 @@ class Model:
         some = self.assembly.subset(blocks.tolist()).with_fixed(np.flatnonzero(resting).tolist())
         contacts, corner = self._contacts_of(blocks, resting)
         load = LoadCase(self.load.wrench[blocks], self.load.name)
-        result = self.judge(some, contacts, load)
+        result = balance(some, contacts, load) if part.doubtful else None
+        if result is None or result.verdict is not Verdict.UNSTABLE:
+            result = self.judge(some, contacts, load)
         falling = tuple(int(blocks[i]) for i in result.falling)
         if result.verdict is not Verdict.STABLE or result.force is None:
             return Answer(result.verdict, result.message, falling)

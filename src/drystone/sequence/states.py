@@ -24,6 +24,8 @@ class Node:
     cost
     parent
         That stage.
+    doubtful
+        A second choice: what was tried first fell.
     """
 
     placed: int
@@ -31,11 +33,12 @@ class Node:
     group: tuple[int, ...] = ()
     cost: Cost = (0, 0)
     parent: Node | None = None
+    doubtful: bool = False
 
     @property
     def stage(self) -> Stage:
         """What is to be checked."""
-        return Stage(self.placed, self.props)
+        return Stage(self.placed, self.props, self.doubtful)
 
     def path(self) -> list[Node]:
         """From the complete structure to here."""
