@@ -10,19 +10,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.geometry import boxes, polygon
+from drystone.geometry import polygon
 from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.convexity import convex_bodies, planes
 from drystone.geometry.polyhedron import Faces, Loop, stack_faces
 
 TOUCH = 1e-9
 """Distance, relative to the size of a body, at which parts of its surface touch."""
-CONVEX = 1e-9
-"""A body is convex when no vertex lies farther than this share of its size over a face plane."""
 SIDE = 2.0
 """An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
 the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
-MANY_PAIRS = 2_000_000
-"""Pairs of a vertex and a face looked at together, chosen: some hundred MB at most."""
 BATCH = 2_000
 """Edges or vertices compared at a time with all faces near them, chosen: bounds the memory."""
 
@@ -115,58 +112,13 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     return [SelfContact(concave[body], what) for body, what in sorted(found.items())]
 
 
-def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
-    """Whether no vertex of a body lies above the plane of a face of it, within :data:`CONVEX`.
-
-    A body with so many faces that the question costs more than it saves is taken for concave.
-
-    Parameters
-    ----------
-    vertices
-        Per body (v, 3) [m].
-    faces
-        Per body its loops, oriented outwards.
-    """
-    convex = np.zeros(len(vertices), dtype=bool)
-    pairs = np.array([len(v) * len(f) for v, f in zip(vertices, faces, strict=True)])
-    small = np.flatnonzero(pairs <= MANY_PAIRS)
-    batch = np.cumsum(pairs[small]) // MANY_PAIRS
-    for bodies in np.split(small, np.flatnonzero(np.diff(batch)) + 1):
-        if len(bodies):
-            part = bodies.tolist()
-            convex[bodies] = _convex_batch([vertices[i] for i in part], [faces[i] for i in part])
-    return convex
-
-
-def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
-    placed = [(v - v[0]) / np.linalg.norm(v.max(axis=0) - v.min(axis=0)) for v in vertices]
-    stacked = stack_faces(placed, faces)
-    normal, middle = _planes(stacked)
-    count = np.array([len(v) for v in vertices])
-    first = np.cumsum(count) - count
-    face, vertex = boxes.expand(first[stacked.owner], count[stacked.owner])
-    height = ((stacked.point[vertex] - middle[face]) * normal[face]).sum(axis=1)
-    highest = np.zeros(len(vertices))
-    np.maximum.at(highest, stacked.owner[face], height)
-    return highest <= CONVEX
-
-
-def _planes(faces: Faces) -> tuple[Floats, Floats]:
-    """Unit normal (zero for a face without area) and mean corner of each face."""
-    here = faces.point[faces.loop]
-    area = polygon.area_vectors(here, faces.start)
-    length = np.linalg.norm(area, axis=1)
-    normal = area / np.where(length > 0.0, length, 1.0)[:, None]
-    return normal, polygon.loop_means(here, faces.start)
-
-
 def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Surface:
     placed = []
     for i, points in enumerate(vertices):
         low, high = points.min(axis=0), points.max(axis=0)
         placed.append((points - low) / np.linalg.norm(high - low) + np.array([2.0 * i, 0.0, 0.0]))
     stacked = stack_faces(placed, faces)
-    normal, middle = _planes(stacked)
+    normal, middle = planes(stacked)
     face = np.repeat(np.arange(stacked.count), np.diff(stacked.start))
     local = stacked.point[stacked.loop] - middle[face]
     height = np.abs((local * normal[face]).sum(axis=1))

@@ -7,7 +7,6 @@ is a block. Extensions that a file requires, sparse accessors and files outside 
 
 from __future__ import annotations
 
-import json
 import struct
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,9 +17,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import FormatError
 from drystone.geometry.arrays import Floats, Ints
-from drystone.geometry.triangulate import triangulate
-from drystone.io.draft import Draft, Model, Shape
-from drystone.io.files import write_bytes
+from drystone.io.draft import Draft, Shape
 from drystone.io.heap import Heap, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
@@ -228,92 +225,3 @@ def _accessor(
     if count == 0:
         return np.zeros((0, columns), dtype)
     return np.ndarray((count, columns), dtype, binary, start, (stride, dtype.itemsize))
-
-
-def write(model: Model, path: Path) -> None:
-    """A node per block, with its name; supports, densities and metadata as extras.
-
-    Coordinates are single precision, polygons are cut into triangles.
-    """
-    assembly = model.assembly
-    faces = assembly.faces
-    triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
-    corners = faces.loop[triangle]
-    owner = faces.owner[polygon]
-    sizes = np.array([len(block.vertices) for block in assembly.blocks])
-    first = np.concatenate([[0], np.cumsum(sizes)])
-    begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
-    points = (faces.point @ Z_UP).astype("<f4")
-    index = (corners - first[owner][:, None]).astype("<u4")
-    views: list[dict[str, int]] = []
-    accessors: list[dict[str, Any]] = []
-    for i in range(len(assembly)):
-        mine, loops = points[first[i] : first[i + 1]], index[begin[i] : begin[i + 1]]
-        views.append({"buffer": 0, "byteOffset": 12 * int(first[i]), "byteLength": mine.nbytes})
-        views.append(
-            {
-                "buffer": 0,
-                "byteOffset": points.nbytes + 12 * int(begin[i]),
-                "byteLength": loops.nbytes,
-            }
-        )
-        accessors.append(
-            {
-                "bufferView": 2 * i,
-                "componentType": FLOAT,
-                "count": len(mine),
-                "type": "VEC3",
-                "min": mine.min(axis=0).tolist(),
-                "max": mine.max(axis=0).tolist(),
-            }
-        )
-        accessors.append(
-            {
-                "bufferView": 2 * i + 1,
-                "componentType": 5125,
-                "count": loops.size,
-                "type": "SCALAR",
-            }
-        )
-    content = {
-        "asset": {"version": "2.0", "generator": "drystone"},
-        "scene": 0,
-        "scenes": [{"nodes": list(range(len(assembly)))}],
-        "nodes": [
-            {"name": name, "mesh": i, "extras": {"drystone": _told(model, i)}}
-            for i, name in enumerate(assembly.names)
-        ],
-        "meshes": [
-            {"primitives": [{"attributes": {"POSITION": 2 * i}, "indices": 2 * i + 1}]}
-            for i in range(len(assembly))
-        ],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": points.nbytes + index.nbytes}],
-    }
-    try:
-        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
-    except (TypeError, ValueError) as error:
-        raise FormatError("metadata of a block is no JSON value", where=str(path)) from error
-    write_bytes(path, _glb(text, points.tobytes() + index.tobytes()))
-
-
-def _told(model: Model, i: int) -> dict[str, Any]:
-    block = model.assembly.blocks[i]
-    told = {"fixed": bool(model.assembly.fixed[i]), "density": block.density}
-    return told | ({"metadata": dict(block.metadata)} if block.metadata else {})
-
-
-def _glb(text: bytes, binary: bytes) -> bytes:
-    text += b" " * (-len(text) % 4)
-    binary += b"\0" * (-len(binary) % 4)
-    total = 12 + 8 + len(text) + 8 + len(binary)
-    return b"".join(
-        [
-            struct.pack("<3I", MAGIC, VERSION, total),
-            struct.pack("<2I", len(text), JSON),
-            text,
-            struct.pack("<2I", len(binary), BIN),
-            binary,
-        ]
-    )

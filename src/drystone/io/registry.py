@@ -12,6 +12,7 @@ from drystone.io import (
     drystone_json,
     drystone_json_write,
     glb,
+    glb_write,
     jsontext,
     obj,
     ply,
@@ -62,7 +63,9 @@ FORMATS: tuple[Format, ...] = (
     Format("stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {MATERIAL}"),
     Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS),
     Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino.write, CONTACTS),
-    Format("glb", "glTF 2.0, binary", (".glb",), glb.read, glb.write, f"{SINGLE}, {CONTACTS}"),
+    Format(
+        "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
+    ),
 )
 """In order of preference where several share a suffix."""
 
