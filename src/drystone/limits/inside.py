@@ -11,11 +11,10 @@ from drystone.errors import InputError
 from drystone.limits.bounds import bisected_bound
 from drystone.limits.families import Family
 from drystone.limits.search import (
-    STANDS,
+    SEARCHED,
     STANDS_OR_NOT,
     Bracket,
     Check,
-    Evaluation,
     Found,
     Search,
     one_stiffness,
@@ -23,6 +22,7 @@ from drystone.limits.search import (
 )
 from drystone.limits.types import Limit, LimitOptions
 from drystone.progress import Progress
+from drystone.results import Verdict
 from drystone.statics import build_statics
 
 
@@ -115,22 +115,42 @@ def _in_two_steps(
     edge = uniform.bracket.stands
     if edge == last:
         return uniform, replace(uniform, evaluations=())
-    full = Search(family, some_stiffness, means.executor, STANDS)
     means.tell("other stiffnesses", 2)
     falls = uniform.bracket.falls
     first = start if falls is None else falls
-    if full.stands(first) is True:
-        further = full.run(first, last, width=width, scan=scan, beyond=outer)
-        return uniform, further
-    closed = full.stands(first) is False
-    bracket = Bracket(
-        edge,
-        first if closed else outer.falls,
-        uniform.bracket.standing,
-        full.results[first] if closed else outer.falling,
-    )
-    tried = (Evaluation(first, full.results[first].verdict, full.results[first].samples),)
-    return uniform, Found(bracket, uniform.islands, tried)
+    if family(start).contacts.corner_count <= SEARCHED:
+        full = Search(family, some_stiffness, means.executor)
+        if full.stands(first) is True:
+            return uniform, full.run(first, last, width=width, scan=scan, beyond=outer)
+        farther = None
+    else:
+        full = Search(family, some_stiffness, means.executor, STANDS_OR_NOT)
+        farther = _farther(full, first, last, width)
+    if farther is None:
+        inside = uniform.bracket
+        bracket = Bracket(inside.stands, first, inside.standing, full.results[first])
+    else:
+        bracket = farther
+    if bracket.falling is None or bracket.falling.verdict is not Verdict.UNSTABLE:
+        bracket = replace(bracket, falls=outer.falls, falling=outer.falling)
+    return uniform, Found(bracket, uniform.islands, full.evaluations())
+
+
+def _farther(search: Search, first: float, last: float, width: float) -> Bracket | None:
+    """The limit from ``first`` on by growing steps; ``None`` where that does not stand.
+
+    Asking a large model that falls is dear, so that no value far beyond the limit is tried.
+    """
+    if not search.stands(first):
+        return None
+    inside, step = first, width if last > first else -width
+    while inside != last:
+        there = inside + step
+        there = last if (last - there) * step <= 0.0 else there
+        if not search.stands(there):
+            return search.run(inside, there, width=width, scan=1).bracket
+        inside, step = there, 2.0 * step
+    return Bracket(last, standing=search.results[last])
 
 
 def _refuse_nothing_to_do(family: Family, start: float) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from functools import partial
+from operator import itemgetter
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -240,13 +241,13 @@ class Search:
                 doubtful.append(middle)
 
     def _found(self, bracket: Bracket, islands: tuple[tuple[float, float], ...]) -> Found:
-        return Found(
-            bracket,
-            islands,
-            tuple(
-                Evaluation(value, result.verdict, result.samples)
-                for value, result in sorted(self.results.items())
-            ),
+        return Found(bracket, islands, self.evaluations())
+
+    def evaluations(self) -> tuple[Evaluation, ...]:
+        """What was tried, in ascending order."""
+        return tuple(
+            Evaluation(value, result.verdict, result.samples)
+            for value, result in sorted(self.results.items(), key=itemgetter(0))
         )
 
 

@@ -7,7 +7,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, LoadCase, Verdict, solve_rbe
+from drystone import Assembly, InputError, LoadCase, Result, Verdict, solve_rbe
 from drystone.limits import (
     Imperfections,
     LimitOptions,
@@ -242,3 +242,36 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
     assert limit.uniform.stands < limit.rest.stands
     assert limit.is_sensitive
     assert limit.equilibrium.value == pytest.approx(47.0, abs=6.0)
+
+
+@pytest.mark.parametrize("searched", [0, 500])
+def test_large_models_are_searched_by_growing_steps_to_the_same_limit(
+    searched: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from drystone.limits import inside
+
+    def some(assembly, contacts, load):  # type: ignore[no-untyped-def]
+        # stands for some stiffness until the load leans by 15 degrees, then nobody knows
+        lean = np.rad2deg(np.arctan2(np.abs(load.wrench[1, 1]), -load.wrench[1, 2]))
+        verdict = Verdict.STABLE if lean < 15.0 else Verdict.UNDECIDED
+        return solve_result(assembly, contacts, load, verdict)
+
+    def one(assembly, contacts, load):  # type: ignore[no-untyped-def]
+        lean = np.rad2deg(np.arctan2(np.abs(load.wrench[1, 1]), -load.wrench[1, 2]))
+        verdict = Verdict.STABLE if lean < 10.0 else Verdict.UNDECIDED
+        return solve_result(assembly, contacts, load, verdict)
+
+    monkeypatch.setattr(inside, "some_stiffness", some)
+    monkeypatch.setattr(inside, "one_stiffness", one)
+    monkeypatch.setattr(inside, "SEARCHED", searched)
+    limit = limit_tilt(TOWER, JOINTS, "x", options=LimitOptions(scan=4, width=0.1))
+    assert limit.uniform is not None
+    assert limit.rest is not None
+    assert limit.uniform.value == pytest.approx(10.0, abs=0.1)
+    assert limit.rest.stands == pytest.approx(15.0, abs=0.1)
+    assert limit.rest.falls == limit.equilibrium.falls
+    assert limit.is_sensitive
+
+
+def solve_result(assembly, contacts, load, verdict):  # type: ignore[no-untyped-def]
+    return Result("given", verdict, assembly, contacts, load)
