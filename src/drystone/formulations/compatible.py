@@ -27,6 +27,10 @@ from drystone.statics import Statics
 MARGIN = 1e-3
 """Overlap that a pressing corner keeps, by its present one, while a motion is improved."""
 
+PRESSED = 1e-3
+"""Least overlap of a corner that presses, by the largest displacement. The source bounds slides by
+eta = 10 to 1000 overlaps; corners that press less than that would be prestress in all but name."""
+
 LEVEL = 1e-6
 """Overlaps this near to the largest are equal to it."""
 
@@ -75,7 +79,9 @@ def compatible_forces(
     unbalanced
     """
     moved = statics.displacement(motion)
-    allowed = moved[:, 0] < 0.0 if pressing is None else pressing & (moved[:, 0] < 0.0)
+    allowed = moved[:, 0] < -PRESSED * np.abs(moved).max(initial=0.0)
+    if pressing is not None:
+        allowed &= pressing
     corner = np.flatnonzero(allowed)
     count = len(corner)
     force = np.zeros((statics.corner_count, 3))
@@ -226,7 +232,7 @@ def improve(
 
 def _pressing(statics: Statics, motion: Floats, equal_overlap: bool) -> Bools:
     gap = statics.displacement(motion)[:, 0]
-    return gap <= -1.0 + LEVEL if equal_overlap else gap < 0.0
+    return gap <= -1.0 + LEVEL if equal_overlap else gap < -1.5 * PRESSED
 
 
 def _level(statics: Statics, motion: Floats) -> Floats | None:
@@ -325,7 +331,7 @@ def _joint_step(
     else:
         overlap = -moved[corner, 0]
         rows.append(sparse.hstack([gap, free_columns]))
-        right.append(overlap - MARGIN * np.minimum(1.0, overlap))
+        right.append(overlap - np.maximum(MARGIN * overlap, 1.5 * PRESSED))
     equalities: Any = sparse.vstack(zero_rows)
     inequalities: Any = sparse.vstack(rows)
     weight = np.concatenate([np.full(size + 2 * count, 1e-10), np.ones(size)])

@@ -40,8 +40,15 @@ SEARCH_LIMIT = 4000
 """Corners up to which a rest state is searched for by convex steps where sampled stiffnesses find
 none. Chosen: one step takes about a second there."""
 
+SLIDE_LIMIT = 2500.0
+"""eta / eps: largest displacement by the overlap of a state that the search may answer with. The
+source uses up to 1000; where two ways to slide meet a state needs a little more."""
+
 TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60)
 """A first look: with this ground a rest state leans on it by parts in a million of the load."""
+
+SHARPER = RestOptions(ground=1e-9, tolerance=1e-6)
+"""A first motion close to the limit is slow, and blurred less by weaker ground."""
 
 AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-6)
 """The state itself: what the ground still carries is below every tolerance."""
@@ -129,6 +136,7 @@ class _Candidate:
     displacement: Floats
     residuals: Residuals
     state: RestState | None = None
+    springs: Compliance | None = None
 
     @property
     def stands(self) -> bool:
@@ -148,6 +156,7 @@ class _Check:
         self.iterations = 0
         self.checking_s = 0.0
         self.tried = 0
+        self.unequal = False
         self.standing: list[_Candidate] = []
         self.falling: list[_Candidate] = []
 
@@ -197,7 +206,7 @@ class _Check:
         if share.max() < 0.5:
             final = find_rest(system, springs, AT_REST, start=state, stop=self.clock.late)
             self.iterations += final.iterations
-        candidate = replace(self.examine(final.motion, final.force), state=state)
+        candidate = replace(self.examine(final.motion, final.force), state=state, springs=springs)
         if candidate.stands:
             self.standing.append(candidate)
         elif state.converged and share.max() > 1e-4:
@@ -266,7 +275,11 @@ class _Check:
         return self.unstable("no contact forces can balance the loads", mechanism)
 
     def search(self) -> _Candidate | None:
-        """A rest state by convex steps from the pressed corners, or from balanced forces."""
+        """A state of eq. 5.6 by convex steps from the pressed corners, or from balanced forces.
+
+        Equal overlaps are asked for: with any stiffness at any corner almost every wedge can be
+        held by forces that only prestress brings about.
+        """
         problem = self.problem
         statics = problem.statics
         if not self.options.search or statics.corner_count > SEARCH_LIMIT or self.clock.late():
@@ -276,8 +289,14 @@ class _Check:
                 continue
             found = improve(statics, motion, stop=self.clock.late)
             self.iterations += found.iterations
-            candidate = self.examine(found.motion, found.force)
-            if candidate.stands:
+            if not self.examine(found.motion, found.force).stands:
+                continue
+            self.unequal = True
+            level = improve(statics, found.motion, equal_overlap=True, stop=self.clock.late)
+            self.iterations += level.iterations
+            slide = float(np.abs(statics.displacement(level.motion)).max())
+            candidate = self.examine(level.motion, level.force)
+            if candidate.stands and slide <= SLIDE_LIMIT:
                 return candidate
         return None
 
@@ -357,8 +376,8 @@ class _Check:
     def sensitive(self, found: _Candidate) -> Result:
         return self.answer(
             Verdict.STABLE,
-            f"a compatible state exists, but none of {self.tried} contact stiffnesses tried leads "
-            "to it: sensitive to how the joints press",
+            f"eq. 5.6 is met, but none of {self.tried} contact stiffnesses tried leads to rest: "
+            "sensitive to how the joints press",
             force=found.force,
             displacement=found.displacement,
             residuals=found.residuals,
@@ -366,12 +385,16 @@ class _Check:
 
     def first_motion(self) -> Result:
         problem = self.problem
-        for trial in self.falling:
-            if trial.state is None:
-                continue
-            share = problem.ground_share(trial.state.ground)
+        if self.unequal:
+            return self.answer(
+                Verdict.UNDECIDED,
+                f"it falls for all {self.tried} contact stiffnesses tried; forces and a motion "
+                "that agree exist, but only for joints of very unequal stiffness",
+            )
+        for state in self.falling_states():
+            share = problem.ground_share(state.ground)
             moving = (share > FALLING_SHARE * share.max())[:, None]
-            motion = problem.mechanism(np.where(moving, trial.state.motion, 0.0))
+            motion = problem.mechanism(np.where(moving, state.motion, 0.0))
             if is_first_motion(problem, motion):
                 return self.unstable(
                     "forces could balance the loads, but only prestress would bring them about: "
@@ -384,6 +407,17 @@ class _Check:
             f"no rest state in {self.tried} stiffness distributions, and no proof that there is "
             f"none; {words}",
         )
+
+    def falling_states(self) -> Iterator[RestState]:
+        """The states on ground springs that do not come to rest, then the same on weaker ones."""
+        for trial in self.falling:
+            if trial.state is not None:
+                yield trial.state
+        for trial in self.falling:
+            if trial.springs is not None and not self.clock.late():
+                sharp = find_rest(self.problem.system, trial.springs, SHARPER, stop=self.clock.late)
+                self.iterations += sharp.iterations
+                yield sharp
 
     def unstable(self, message: str, mechanism: Floats) -> Result:
         """With the blocks and props of the state on ground springs where there is one."""
