@@ -18,7 +18,7 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import FormatError
 from drystone.geometry.arrays import Floats, Ints
 from drystone.io.draft import Draft, Shape
-from drystone.io.heap import Heap, moved, named_apart, shapes_of
+from drystone.io.heap import Heap, in_double, moved, named_apart, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
@@ -169,7 +169,7 @@ def _geometry(top: Field, binary: bytes, mesh: Field) -> tuple[Floats, Ints]:
         if mode not in (TRIANGLES, STRIP, FAN):
             continue  # points and lines bound no solid
         accessor = _item(top, "accessors", part["attributes"]["POSITION"])
-        points = _accessor(top, binary, accessor, 3, {FLOAT: "<f4"}).astype(np.float64)
+        points = in_double(_accessor(top, binary, accessor, 3, {FLOAT: "<f4"}))
         if part.has("indices"):
             accessor = _item(top, "accessors", part["indices"])
             index = _accessor(top, binary, accessor, 1, INDEX_TYPES).ravel().astype(np.intp)

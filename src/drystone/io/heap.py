@@ -162,6 +162,12 @@ def _notes(merged: int, gone: int, solids: Sequence[Sequence[Any]]) -> list[str]
     return notes
 
 
+def in_double(values: np.ndarray[Any, Any]) -> Floats:
+    """Numbers of a file as float64; what is not a number there is found where it is used."""
+    with np.errstate(invalid="ignore"):  # a signalling NaN
+        return values.astype(np.float64)
+
+
 def moved(vertices: Floats, matrix: Floats) -> tuple[Floats, bool]:
     """Vertices (v, 3) moved by a matrix (4, 4), and whether that mirrors them.
 

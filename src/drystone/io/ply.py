@@ -21,7 +21,7 @@ from drystone.errors import FormatError
 from drystone.io import ply_body
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.files import write_bytes
-from drystone.io.heap import Heap, shape_of, shapes_of
+from drystone.io.heap import Heap, in_double, shape_of, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MARK = "drystone block "
@@ -75,7 +75,7 @@ def read(data: bytes, path: Path) -> Draft:
     vertex, face = tables.get("vertex", {}), tables.get("face", {})
     if not all(axis in vertex for axis in "xyz"):
         raise FormatError("has no vertices with x, y and z", where=str(path))
-    vertices = np.stack([vertex[axis] for axis in "xyz"], axis=1).astype(np.float64)
+    vertices = np.stack([in_double(vertex[axis]) for axis in "xyz"], axis=1)
     loops = face.get("vertex_indices", face.get("vertex_index"))
     if loops is None:
         raise FormatError("has no faces", where=str(path), remedy="export the blocks as meshes")

@@ -15,7 +15,7 @@ from drystone.geometry.arrays import Floats
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Draft, Model
 from drystone.io.files import decode, write_bytes
-from drystone.io.heap import Heap, shapes_of
+from drystone.io.heap import Heap, in_double, shapes_of
 
 HEADER, RECORD = 84, 50
 """[bytes] Before the first triangle, and of each triangle, in the binary form."""
@@ -51,7 +51,7 @@ def _binary(data: bytes, path: Path) -> Draft:
             where=str(path),
             remedy="export it again",
         )
-    corners = np.frombuffer(data, TRIANGLE, count, HEADER)["corner"].astype(np.float64)
+    corners = in_double(np.frombuffer(data, TRIANGLE, count, HEADER)["corner"])
     shapes, notes = shapes_of([_heap(corners.reshape(-1, 3), path.stem, "")], SINGLE, path)
     return Draft(tuple(shapes), notes=tuple(notes))
 

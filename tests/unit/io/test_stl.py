@@ -68,6 +68,7 @@ def test_numbers_of_blocks_follow_the_file_name(tmp_path: Path) -> None:
     assert io.read(path).assembly.names == ("rock-0", "rock-1", "rock-2")
 
 
+SIGNALLING_NAN = b"\x01\x00\x80\x7f"
 FACET = """facet normal 0 0 1
  outer loop
   vertex 0 0 0
@@ -97,6 +98,7 @@ endfacet
             binary(tower(1)).replace(struct.pack("<f", 1.0), struct.pack("<f", float("nan")), 1),
             ["not finite"],
         ),
+        (binary(tower(1)).replace(struct.pack("<f", 1.0), SIGNALLING_NAN, 1), ["not finite"]),
     ],
 )
 def test_what_cannot_be_read_is_told_in_one_line(
