@@ -385,20 +385,16 @@ class _Check:
 
     def first_motion(self) -> Result:
         problem = self.problem
-        if self.unequal:
-            return self.answer(
-                Verdict.UNDECIDED,
-                f"it falls for all {self.tried} contact stiffnesses tried; forces and a motion "
-                "that agree exist, but only for joints of very unequal stiffness",
-            )
         for state in self.falling_states():
             share = problem.ground_share(state.ground)
             moving = (share > FALLING_SHARE * share.max())[:, None]
             motion = problem.mechanism(np.where(moving, state.motion, 0.0))
             if is_first_motion(problem, motion):
                 return self.unstable(
-                    "forces could balance the loads, but only prestress would bring them about: "
-                    "it starts to move",
+                    "it starts to move: only joints of very unequal stiffness could hold it"
+                    if self.unequal
+                    else "forces could balance the loads, but only prestress would bring them "
+                    "about: it starts to move",
                     motion,
                 )
         words = "the time was up" if self.clock.late() else "more samples may help"
