@@ -135,7 +135,7 @@ def rbe_solve(
     load = LoadCase.gravity(read.assembly, 1.0)
     result = solve_rbe(read.assembly, read.contacts, load, options=options)
     _tell(result, begin, verbose, timer)
-    return _write(assembly, read, result, None)
+    return _write(assembly, read, result)
 
 
 def cra_solve(
@@ -161,6 +161,7 @@ def cra_solve(
         Where a block has no density of its own.
     d_bnd, eps
         Bound of the displacements, and the overlap; only their ratio matters for the answer.
+        Without an overlap displacements are written such that the largest is ``d_bnd``.
     verbose, timer
         Tell the log more.
 
@@ -175,13 +176,13 @@ def cra_solve(
     """
     read = _read(assembly, mu, density)
     begin = time.perf_counter()
-    options = CRAOptions(slide_limit=d_bnd / eps)
+    options = CRAOptions(slide_limit=d_bnd / eps if eps > 0.0 else float("inf"))
     load = LoadCase.gravity(read.assembly, 1.0)
     result = solve_cra(read.assembly, read.contacts, load, options=options)
     _tell(result, begin, verbose, timer)
     if result.verdict is not Verdict.STABLE:
         raise ValueError(f"solve failed: {result.verdict.value} ({result.message})")
-    return _write(assembly, read, result, eps)
+    return _write(assembly, read, result, (eps, d_bnd))
 
 
 def cra_penalty_solve(
@@ -200,7 +201,7 @@ def cra_penalty_solve(
     assembly
         Changed in place: ``interface.forces`` (``c_nn`` is tension) and ``displacement``.
     mu, density, d_bnd, eps, verbose, timer
-        As there; ``d_bnd`` is not needed.
+        As there.
 
     Returns
     -------
@@ -211,13 +212,12 @@ def cra_penalty_solve(
     ValueError
         No forces were found.
     """
-    del d_bnd
     read = _read(assembly, mu, density)
     begin = time.perf_counter()
     load = LoadCase.gravity(read.assembly, 1.0)
     result = solve_cra_penalty(read.assembly, read.contacts, load)
     _tell(result, begin, verbose, timer)
-    return _write(assembly, read, result, eps)
+    return _write(assembly, read, result, (eps, d_bnd))
 
 
 def density_setup(assembly: Any, density: Mapping[Any, float]) -> None:
@@ -263,7 +263,9 @@ def _read(assembly: Any, mu: float, density: float) -> _Read:
     return _Read(ours, contacts, tuple(interfaces), backwards, nodes)
 
 
-def _write(assembly: Any, read: _Read, result: Result, eps: float | None) -> Any:
+def _write(
+    assembly: Any, read: _Read, result: Result, scale: tuple[float, float] | None = None
+) -> Any:
     """Forces per corner, in the order of the interface's points, and displacements."""
     if result.force is None:
         raise ValueError(f"solve failed: {result.verdict.value} ({result.message})")
@@ -281,21 +283,24 @@ def _write(assembly: Any, read: _Read, result: Result, eps: float | None) -> Any
             }
             for k in (rows[::-1] if read.backwards[i] else rows)
         ]
-    if eps is not None and result.displacement is not None:
-        moved = result.displacement * _scale_to(eps, read, result)
+    if scale is not None and result.displacement is not None:
+        moved = result.displacement * _factor(*scale, read, result)
         for i in read.assembly.free.tolist():
             assembly.graph.node_attribute(read.nodes[i], "displacement", moved[i].tolist())
     return assembly
 
 
-def _scale_to(eps: float, read: _Read, result: Result) -> float:
-    """Factor by which displacements grow for pressed corners to overlap by ``eps``."""
+def _factor(eps: float, d_bnd: float, read: _Read, result: Result) -> float:
+    """By how much displacements grow for pressed corners to overlap by ``eps``."""
     if result.force is None or result.displacement is None:
         return 1.0
-    weight = np.maximum(result.force[:, 0], 0.0)
-    overlap = -corner_motion(read.assembly, read.contacts, result.displacement)[:, 0]
-    mean = float((weight * overlap).sum() / max(weight.sum(), 1e-300))
-    return eps / mean if mean > 0.0 else 1.0
+    moved = corner_motion(read.assembly, read.contacts, result.displacement)
+    if eps > 0.0:
+        weight = np.maximum(result.force[:, 0], 0.0)
+        now, wanted = float(-(weight @ moved[:, 0]) / max(weight.sum(), 1e-300)), eps
+    else:
+        now, wanted = float(np.abs(moved).max(initial=0.0)), d_bnd
+    return wanted / now if now > 0.0 else 1.0
 
 
 def _tell(result: Result, begin: float, verbose: bool, timer: bool) -> None:

@@ -105,6 +105,13 @@ def test_displacements_of_free_blocks_are_such_that_pressed_corners_overlap_by_e
     assert source.graph.node_attribute(0, "displacement") is None
 
 
+def test_without_an_overlap_the_largest_displacement_is_the_bound() -> None:
+    source = with_interfaces(tower(2))
+    compas_cra.cra_solve(source, d_bnd=1e-2, eps=0.0)
+    moved = source.graph.node_attribute(1, "displacement")
+    assert moved == pytest.approx([0.0, 0.0, -1e-2, 0.0, 0.0, 0.0], abs=1e-8)
+
+
 def test_what_does_not_stand_raises_a_value_error_and_writes_nothing() -> None:
     source = with_interfaces(h_model())
     with pytest.raises(ValueError, match="solve failed: unstable"):
