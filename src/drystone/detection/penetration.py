@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drystone.assembly import Assembly, Block
 from drystone.detection.candidates import Pairs, block_boxes
 from drystone.detection.patches import Patches
-from drystone.geometry import boxes, solid
+from drystone.geometry import boxes
 from drystone.geometry.arrays import Floats, Ints
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.depth import depths
 
 CROSS = 1e-6
 """Cross products of unit directions shorter than this name no direction of their own."""
@@ -58,11 +58,12 @@ def penetrations(
     depth = np.zeros(len(deep))
     both = convex[deep]
     depth[both] = _convex_depth(assembly, patches, a[deep[both]], b[deep[both]])
-    bodies = _Bodies(assembly, patches.origin)
-    for i in np.flatnonzero(~both):
-        one, two = int(a[deep[i]]), int(b[deep[i]])
-        if _least_overlap(assembly, patches, one, two) > tolerance[deep[i]]:
-            depth[i] = bodies.depth(one, two, float(tolerance[deep[i]]))
+    row = np.flatnonzero(~both)
+    least, direction = _least_overlaps(assembly, patches, a[deep[row]], b[deep[row]])
+    close = least > tolerance[deep[row]]
+    row, pair = row[close], deep[row[close]]
+    faces = replace(assembly.faces, point=assembly.faces.point - patches.origin)
+    depth[row] = depths(faces, a[pair], b[pair], tolerance[pair], direction[close])
     return tuple(
         Penetration(int(a[pair]), int(b[pair]), float(each))
         for pair, each in zip(deep, depth, strict=True)
@@ -96,14 +97,23 @@ def _convex_depth(assembly: Assembly, patches: Patches, a: Ints, b: Ints) -> Flo
     return np.maximum(depth, 0.0)
 
 
-def _least_overlap(assembly: Assembly, patches: Patches, a: int, b: int) -> float:
-    """Least overlap [m] of two blocks along any of their face normals; a plane parts them at 0."""
+def _least_overlaps(
+    assembly: Assembly, patches: Patches, a: Ints, b: Ints
+) -> tuple[Floats, Floats]:
+    """Least overlap (p,) [m] along any face normal of the two, and that normal (p, 3).
+
+    A plane parts them where it is 0.
+    """
     first = patches.first_patch
-    normals = np.concatenate([patches.normal[first[i] : first[i + 1]] for i in (a, b)])
-    one, two = (assembly.blocks[i].vertices - patches.origin for i in (a, b))
-    x, y = one @ normals.T, two @ normals.T
-    overlap = np.minimum(x.max(axis=0) - y.min(axis=0), y.max(axis=0) - x.min(axis=0))
-    return float(overlap.min())
+    least, direction = np.zeros(len(a)), np.zeros((len(a), 3))
+    for k, pair in enumerate(zip(a.tolist(), b.tolist(), strict=True)):
+        normals = np.concatenate([patches.normal[first[i] : first[i + 1]] for i in pair])
+        one, two = (assembly.blocks[i].vertices - patches.origin for i in pair)
+        x, y = one @ normals.T, two @ normals.T
+        overlap = np.minimum(x.max(axis=0) - y.min(axis=0), y.max(axis=0) - x.min(axis=0))
+        thinnest = int(np.argmin(overlap))
+        least[k], direction[k] = overlap[thinnest], normals[thinnest]
+    return least, direction
 
 
 def _directions(block: Block) -> Floats:
@@ -147,54 +157,6 @@ def _face_overlap(assembly: Assembly, patches: Patches, a: Ints, b: Ints) -> Flo
     begin = np.cumsum(first[a + 1] - first[a]) - (first[a + 1] - first[a])
     least: Floats = np.minimum.reduceat(depth, begin)
     return least
-
-
-class _Bodies:
-    """Blocks as triangles, made when first asked for."""
-
-    def __init__(self, assembly: Assembly, origin: Floats) -> None:
-        self._assembly = assembly
-        self._origin = origin
-        self._triangles: dict[int, Floats] = {}
-
-    def triangles(self, block: int) -> Floats:
-        if block not in self._triangles:
-            body = self._assembly.blocks[block]
-            corner = body.vertices[[i for face in body.faces for i in face]] - self._origin
-            start = np.concatenate([[0], np.cumsum([len(face) for face in body.faces])])
-            self._triangles[block] = corner[triangulate(corner, start.astype(np.intp))[0]]
-        return self._triangles[block]
-
-    def depth(self, a: int, b: int, least: float) -> float:
-        """How deep points on the edges of one lie in the other [m], if deeper than ``least``."""
-        return max(self._depth_of_edges(a, b, least), self._depth_of_edges(b, a, least))
-
-    def _depth_of_edges(self, block: int, other: int, least: float) -> float:
-        triangles = self.triangles(other)
-        low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
-        start, end = (x - self._origin for x in _edges(self._assembly.blocks[block]))
-        near = (np.minimum(start, end) <= high).all(axis=1)
-        near &= (np.maximum(start, end) >= low).all(axis=1)
-        start, end = start[near], end[near]
-        if len(start) == 0:
-            return 0.0
-        segment, share = solid.crossings(start, end, triangles)
-        edge = np.concatenate([np.tile(np.arange(len(start)), 2), segment])
-        place = np.concatenate([np.zeros(len(start)), np.ones(len(start)), share])
-        order = np.lexsort((place, edge))
-        edge, place = edge[order], place[order]
-        along = end - start
-        length = np.sqrt((along * along).sum(axis=1))
-        stretch = np.diff(place) * length[edge[:-1]]  # half of it is the most its middle is deep
-        between = np.flatnonzero((edge[1:] == edge[:-1]) & (stretch > 2.0 * least))
-        middle = start[edge[between]]
-        middle = (
-            middle + (0.5 * (place[between] + place[between + 1]))[:, None] * along[edge[between]]
-        )
-        points = np.concatenate([np.unique(np.concatenate([start, end]), axis=0), middle])
-        points = points[((points >= low) & (points <= high)).all(axis=1)]
-        points = points[solid.inside(points, triangles)]
-        return float(solid.distance(points, triangles).max(initial=0.0))
 
 
 __all__ = ["Penetration", "penetrations"]

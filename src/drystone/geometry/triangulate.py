@@ -1,4 +1,4 @@
-"""Triangles of polygon faces: a fan where the face is convex, ear clipping where it is not."""
+"""Triangles of polygon faces: a fan where one corner sees all the others, else ear clipping."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from drystone.geometry.polygon import area_vectors, following, loop_means
 FLAT_TURN = 1e-9
 """A corner that turns inwards by less than this share of the area of the face counts as straight;
 chosen, well above the rounding of coordinates."""
+
+MOST_CORNERS = 12
+"""Of a concave face whose corners are tried as the middle of a fan, chosen: beyond it hardly any
+sees all the others."""
 
 
 def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
@@ -38,7 +42,7 @@ def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
     --------
     >>> dart = np.array([[2.0, 0, 0], [0.5, 0.5, 0], [0, 2, 0], [0, 0, 0]])
     >>> triangulate(dart, np.array([0, 4]))[0].tolist()
-    [[3, 0, 1], [1, 2, 3]]
+    [[1, 2, 3], [1, 3, 0]]
     """
     count = np.diff(start)
     if len(count) == 0:
@@ -47,7 +51,14 @@ def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
     triangle = _fans(start)
     polygon = np.repeat(np.arange(len(count), dtype=np.intp), count - 2)
     first = np.concatenate([[0], np.cumsum(count - 2)])
-    for i in np.flatnonzero(~_convex(flat, start)):
+    concave = np.flatnonzero(~_convex(flat, start))
+    for size in np.unique(count[concave][count[concave] <= MOST_CORNERS]):
+        same = concave[count[concave] == size]
+        corner, seen = _seen_from_one(flat[start[same][:, None] + np.arange(size)])
+        rows = first[same[seen], None] + np.arange(size - 2)
+        triangle[rows] = start[same[seen], None, None] + corner[seen]
+        concave = np.setdiff1d(concave, same[seen], assume_unique=True)
+    for i in concave:
         ears = _clip_ears(flat[start[i] : start[i + 1]])
         triangle[first[i] : first[i + 1]] = ears + start[i]
     return triangle, polygon
@@ -82,6 +93,31 @@ def _fans(start: Ints) -> Ints:
     base = np.repeat(start[:-1], count)
     step = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     return np.stack([base, base + step + 1, base + step + 2], axis=1).astype(np.intp)
+
+
+def _seen_from_one(flat: Floats) -> tuple[Ints, Bools]:
+    """Fans (m, c - 2, 3) of polygons (m, c, 2) about the corner that sees the others best.
+
+    A fan covers the polygon when all its triangles turn the polygon's way.
+
+    Returns
+    -------
+    triangle : (m, c - 2, 3) corners
+    seen : (m,) whether there is such a corner
+    """
+    m, c = flat.shape[:2]
+    after = flat - flat[:, :1]
+    area = 0.5 * _cross(after, np.roll(after, -1, axis=1)).sum(axis=1)
+    least = np.empty((m, c))
+    for k in range(c):
+        spoke = np.roll(flat, -k, axis=1)[:, 1:] - flat[:, k, None]
+        least[:, k] = _cross(spoke[:, :-1], spoke[:, 1:]).min(axis=1)
+    best = least.argmax(axis=1)
+    turned = (best[:, None] + np.arange(c)) % c
+    triangle = np.stack(
+        [np.repeat(turned[:, :1], c - 2, axis=1), turned[:, 1:-1], turned[:, 2:]], -1
+    )
+    return triangle.astype(np.intp), least[np.arange(m), best] > FLAT_TURN * np.abs(area)
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

@@ -1,0 +1,85 @@
+"""How deep polyhedra stand in each other, concave ones too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drystone.assembly import Assembly, Block
+from drystone.geometry.depth import depths
+from drystone.geometry.frames import rotation_about
+from drystone.models import box, prism
+
+ELL = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]
+UP = (0.0, 0.0, 1.0)
+
+
+def depth(*blocks: Block, direction: tuple[float, float, float] = UP) -> list[float]:
+    a, b = np.triu_indices(len(blocks), 1)
+    found = depths(
+        Assembly(blocks).faces, a, b, np.full(len(a), 1e-6), np.tile(direction, (len(a), 1))
+    )
+    return found.tolist()
+
+
+def ells(seed: int, count: int) -> list[Block]:
+    random = np.random.default_rng(seed)
+    return [
+        prism(ELL, (0.0, 1.0), f"ell {k}").transformed(
+            rotation_about(random.normal(size=3), random.uniform(0.0, 360.0)),
+            random.uniform(0.0, 1.5, 3),
+        )
+        for k in range(count)
+    ]
+
+
+def test_blocks_that_fill_the_notch_of_another_touch_it_only() -> None:
+    ell = prism(ELL, (0.0, 1.0), "ell")
+    assert depth(ell, box((1.0, 1.0, 1.0), (1.0, 0.0, 1.0), "fits")) == [0.0]
+    deeper = box((1.0, 1.0, 1.0), (0.9, 0.0, 0.9), "deeper")
+    assert depth(ell, deeper) == pytest.approx([np.hypot(0.1, 0.1)])
+
+
+def test_a_block_wholly_inside_is_found() -> None:
+    inner = box((0.2, 0.2, 0.2), (0.4, 0.4, 0.4), "inner")
+    assert depth(box((1.0, 1.0, 1.0), name="outer"), inner) == pytest.approx([0.4])
+
+
+def test_the_direction_decides_nothing() -> None:
+    blocks = ells(0, 6)
+    along = [depth(*blocks, direction=tuple(axis)) for axis in np.eye(3)]
+    assert max(along[0]) > 0.1
+    assert along[0] == pytest.approx(along[1])
+    assert along[0] == pytest.approx(along[2])
+
+
+def test_pairs_measured_together_are_as_deep_as_alone() -> None:
+    blocks = ells(1, 5)
+    together = depth(*blocks)
+    a, b = np.triu_indices(len(blocks), 1)
+    alone = [depth(blocks[i], blocks[j])[0] for i, j in zip(a, b, strict=True)]
+    assert together == pytest.approx(alone)
+
+
+def within(points: np.ndarray) -> np.ndarray:
+    """Points in an L of two bars, in its own coordinates."""
+    inside = ((points > 0.0) & (points < [2.0, 1.0, 2.0])).all(axis=1)
+    return inside & ~((points[:, 0] > 1.0) & (points[:, 2] > 1.0))
+
+
+def test_blocks_have_a_depth_when_points_lie_in_both() -> None:
+    """Decided by points sampled in the two, without any surface."""
+    random = np.random.default_rng(2)
+    ell = prism(ELL, (0.0, 1.0), "ell")
+    seen = []
+    for _ in range(24):
+        rotation = rotation_about(random.normal(size=3), random.uniform(0.0, 360.0))
+        shift = random.uniform(-1.5, 2.5, 3)
+        points = random.uniform(0.0, 2.0, (4000, 3))
+        points = points[within(points)]
+        both = within((points - shift) @ rotation)
+        deep = depth(ell, ell.transformed(rotation, shift).renamed("other"))[0]
+        assert deep > 0.0 or not both.any()
+        assert both.any() or deep < 0.2
+        seen.append(deep > 0.0)
+    assert 5 < sum(seen) < 20
