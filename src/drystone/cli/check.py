@@ -7,19 +7,14 @@ from typing import Annotated
 import typer
 
 from drystone.cli import joint_files, loading, options, output, verdict
-from drystone.cli.session import prepare
+from drystone.cli.groups import Subject, expanded
 from drystone.cli.waiting import Waiting
 
 
+@expanded
 def check(
-    model: options.ModelArgument,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
-    units: options.Units = None,
-    gravity: options.Gravity = None,
+    subject: Subject,
     cases: loading.Cases = None,
-    loads: loading.Loads = None,
     seismic: loading.Seismic = None,
     gap: options.Gap = None,
     find_contacts: options.FindContacts = False,
@@ -45,16 +40,9 @@ def check(
     tables = joint_files.checked(joints, strength)
     options.positive(time_limit, "--time-limit")
     with Waiting() as waiting:
-        prepared = prepare(
-            model,
+        prepared = subject.prepared(
             waiting,
-            supports=supports,
-            friction=friction,
-            density=density,
-            units=units,
-            gravity=gravity,
             cases=cases,
-            loads=loads,
             seismic=seismic,
             gap=gap,
             find_contacts=find_contacts,
@@ -63,7 +51,7 @@ def check(
         result = verdict.solve(prepared, waiting, time_limit)
         files.write(result, waiting)
         written, said = tables.write(result, waiting)
-    data = verdict.content(result, prepared, waiting.time_s, model, files)
+    data = verdict.content(result, prepared, waiting.time_s, subject.model, files)
     data["files"] += written
     data["notes"] += said
     if as_json:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.cli import limit_answer, limit_options, loading, options
+from drystone.cli import limit_answer, loading, options
+from drystone.cli.groups import Subject, expanded
 from drystone.cli.limit_models import thickness, tolerance
-from drystone.cli.limit_options import search_options, working
-from drystone.cli.session import Prepared, prepare
+from drystone.cli.limit_options import Search
+from drystone.cli.session import Prepared
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
+
+if TYPE_CHECKING:
+    from drystone.limits import Limit
 
 limit = typer.Typer(
     help="By how much does it stand: largest tilt or load, least friction, thickness, joint size.",
@@ -23,8 +27,9 @@ limit.command()(tolerance)
 
 
 @limit.command()
+@expanded
 def tilt(
-    model: options.ModelArgument,
+    *,
     axis: Annotated[
         str | None, typer.Option(help="Turned counter-clockwise about: x, y, -x, -y or X,Y,Z (x).")
     ] = None,
@@ -32,17 +37,8 @@ def tilt(
         int | None, typer.Option(help="Number of directions to lean towards, instead of an axis.")
     ] = None,
     upper: Annotated[float, typer.Option(help="Angle at which the search ends.")] = 180.0,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
-    units: options.Units = None,
-    gravity: options.Gravity = None,
-    loads: loading.Loads = None,
-    width: limit_options.Width = None,
-    scan: limit_options.Scan = 6,
-    cone: limit_options.Cone = "exact",
-    equilibrium_only: limit_options.EquilibriumOnly = False,
-    workers: limit_options.Workers = 1,
+    subject: Subject,
+    search: Search,
     html: options.Html = None,
     png: options.Png = None,
     as_json: options.Json = False,
@@ -55,89 +51,54 @@ def tilt(
     if html is not None and polar is not None:
         raise InputError("shows one fall", where="--html", remedy="give an --axis, not --polar")
     files = limit_answer.Files.checked(html, png)
-    search = search_options(width, scan, cone, equilibrium_only)
+    search.options()
     with Waiting() as waiting:
         from drystone import limits
 
         direction = _axis(axis)
-        prepared = _prepared(model, waiting, supports, friction, density, units, gravity, loads)
-        waiting.stage("solve", "searching")
-        arguments: dict[str, Any] = {"upper": upper, "options": search, "progress": waiting}
-        with working(workers) as executor:
+        prepared = subject.prepared(waiting)
+        model = (prepared.assembly, prepared.contacts)
+        with search.under_way(waiting) as common:
             if polar is not None:
-                sweep = limits.tilt_sweep(
-                    prepared.assembly,
-                    prepared.contacts,
-                    polar,
-                    prepared.load,
-                    executor=executor,
-                    **arguments,
-                )
+                sweep = limits.tilt_sweep(*model, polar, prepared.load, upper=upper, **common)
             else:
-                found = limits.limit_tilt(
-                    prepared.assembly,
-                    prepared.contacts,
-                    direction,
-                    prepared.load,
-                    executor=executor,
-                    **arguments,
-                )
+                found = limits.limit_tilt(*model, direction, prepared.load, upper=upper, **common)
     if polar is not None:
-        return limit_answer.tell_sweep(sweep, model, prepared, files, waiting, as_json)
-    return limit_answer.tell(found, model, prepared.notes, files, waiting, as_json)
+        return limit_answer.tell_sweep(sweep, subject.model, prepared, files, waiting, as_json)
+    return limit_answer.tell(found, subject.model, prepared.notes, files, waiting, as_json)
 
 
 @limit.command(name="friction")
+@expanded
 def friction_(
-    model: options.ModelArgument,
+    *,
     upper: Annotated[
         float | None, typer.Option(help="Coefficient at which the search starts (--friction).")
     ] = None,
     scaled: Annotated[
         bool, typer.Option("--scaled", help="Search the share of each joint's own coefficient.")
     ] = False,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
-    units: options.Units = None,
-    gravity: options.Gravity = None,
-    loads: loading.Loads = None,
+    subject: Subject,
     seismic: loading.Seismic = None,
-    width: limit_options.Width = None,
-    scan: limit_options.Scan = 6,
-    cone: limit_options.Cone = "exact",
-    equilibrium_only: limit_options.EquilibriumOnly = False,
-    workers: limit_options.Workers = 1,
+    search: Search,
     html: options.Html = None,
     as_json: options.Json = False,
 ) -> int:
     """The least friction coefficient at which a model stands."""
-    files = limit_answer.Files.checked(html, None)
-    search = search_options(width, scan, cone, equilibrium_only)
-    with Waiting() as waiting:
-        from drystone import limits
 
-        prepared = _prepared(
-            model, waiting, supports, friction, density, units, gravity, loads, seismic
-        )
-        waiting.stage("solve", "searching")
-        with working(workers) as executor:
-            found = limits.limit_friction(
-                prepared.assembly,
-                prepared.contacts,
-                prepared.load,
-                upper=upper,
-                scaled=scaled,
-                options=search,
-                executor=executor,
-                progress=waiting,
-            )
-    return limit_answer.tell(found, model, prepared.notes, files, waiting, as_json)
+    def find(prepared: Prepared, common: dict[str, Any]) -> Limit:
+        from drystone.limits import limit_friction  # work is imported when there is some
+
+        model = (prepared.assembly, prepared.contacts, prepared.load)
+        return limit_friction(*model, upper=upper, scaled=scaled, **common)
+
+    return _answer(subject, search, seismic, find, html, as_json)
 
 
 @limit.command()
+@expanded
 def load(
-    model: options.ModelArgument,
+    *,
     case: Annotated[
         str,
         typer.Argument(
@@ -147,109 +108,64 @@ def load(
         ),
     ],
     upper: Annotated[float, typer.Option(help="Factor at which the search ends.")] = 1000.0,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
-    units: options.Units = None,
-    gravity: options.Gravity = None,
-    loads: loading.Loads = None,
+    subject: Subject,
     seismic: loading.Seismic = None,
-    width: limit_options.Width = None,
-    scan: limit_options.Scan = 6,
-    cone: limit_options.Cone = "exact",
-    equilibrium_only: limit_options.EquilibriumOnly = False,
-    workers: limit_options.Workers = 1,
+    search: Search,
     html: options.Html = None,
     as_json: options.Json = False,
 ) -> int:
     """The largest factor of a load on top of the weight and of --load."""
-    files = limit_answer.Files.checked(html, None)
-    search = search_options(width, scan, cone, equilibrium_only)
-    with Waiting() as waiting:
-        from drystone import limits
+    notes: list[str] = []
 
-        prepared = _prepared(
-            model, waiting, supports, friction, density, units, gravity, loads, seismic
-        )
+    def find(prepared: Prepared, common: dict[str, Any]) -> Limit:
+        from drystone.limits import limit_load  # as above
+
         live = loading.chosen_case(case, prepared.assembly, prepared.cases)
-        waiting.stage("solve", "searching")
-        with working(workers) as executor:
-            found = limits.limit_load(
-                prepared.assembly,
-                prepared.contacts,
-                live,
-                prepared.load,
-                upper=upper,
-                options=search,
-                executor=executor,
-                progress=waiting,
-            )
-    notes = (*prepared.notes, *live.notes)
-    return limit_answer.tell(found, model, notes, files, waiting, as_json)
+        notes.extend(live.notes)
+        model = (prepared.assembly, prepared.contacts)
+        return limit_load(*model, live, prepared.load, upper=upper, **common)
+
+    return _answer(subject, search, seismic, find, html, as_json, notes)
 
 
 @limit.command()
+@expanded
 def shrink(
-    model: options.ModelArgument,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
-    units: options.Units = None,
-    gravity: options.Gravity = None,
-    loads: loading.Loads = None,
+    *,
+    subject: Subject,
     seismic: loading.Seismic = None,
-    width: limit_options.Width = None,
-    scan: limit_options.Scan = 6,
-    cone: limit_options.Cone = "exact",
-    equilibrium_only: limit_options.EquilibriumOnly = False,
-    workers: limit_options.Workers = 1,
+    search: Search,
     html: options.Html = None,
     as_json: options.Json = False,
 ) -> int:
     """The least share of the size of all joints; its inverse is a geometric safety factor."""
+
+    def find(prepared: Prepared, common: dict[str, Any]) -> Limit:
+        from drystone.limits import limit_shrink  # as above
+
+        return limit_shrink(prepared.assembly, prepared.contacts, prepared.load, **common)
+
+    return _answer(subject, search, seismic, find, html, as_json)
+
+
+def _answer(
+    subject: Subject,
+    search: Search,
+    seismic: str | None,
+    find: Callable[[Prepared, dict[str, Any]], Limit],
+    html: str | None,
+    as_json: bool,
+    notes: list[str] | None = None,
+) -> int:
+    """Prepare the model, find the limit, tell it. What ``find`` adds to the notes is told too."""
     files = limit_answer.Files.checked(html, None)
-    search = search_options(width, scan, cone, equilibrium_only)
+    search.options()  # refused before the model is read
     with Waiting() as waiting:
-        from drystone import limits
-
-        prepared = _prepared(
-            model, waiting, supports, friction, density, units, gravity, loads, seismic
-        )
-        waiting.stage("solve", "searching")
-        with working(workers) as executor:
-            found = limits.limit_shrink(
-                prepared.assembly,
-                prepared.contacts,
-                prepared.load,
-                options=search,
-                executor=executor,
-                progress=waiting,
-            )
-    return limit_answer.tell(found, model, prepared.notes, files, waiting, as_json)
-
-
-def _prepared(
-    model: str,
-    waiting: Waiting,
-    supports: str | None,
-    friction: float | None,
-    density: float | None,
-    units: str | None,
-    gravity: str | None,
-    loads: Sequence[str] | None,
-    seismic: str | None = None,
-) -> Prepared:
-    return prepare(
-        model,
-        waiting,
-        supports=supports,
-        friction=friction,
-        density=density,
-        units=units,
-        gravity=gravity,
-        loads=loads,
-        seismic=seismic,
-    )
+        prepared = subject.prepared(waiting, seismic=seismic)
+        with search.under_way(waiting) as common:
+            found = find(prepared, common)
+    told = (*prepared.notes, *(notes or ()))
+    return limit_answer.tell(found, subject.model, told, files, waiting, as_json)
 
 
 def _axis(text: str | None) -> Any:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drystone.cli import limit_answer, limit_options, loading, options, output
-from drystone.cli.limit_options import search_options, working
-from drystone.cli.session import prepare
+from drystone.cli.groups import Subject, expanded
+from drystone.cli.limit_options import Search, working
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
@@ -29,7 +29,9 @@ FAMILIES = {
 """Parameter that is thickness, its unit, and the range that is searched, by family."""
 
 
+@expanded
 def thickness(
+    *,
     family: Annotated[str, typer.Argument(metavar="FAMILY", help=f"One of {', '.join(FAMILIES)}.")],
     settings: Annotated[
         list[str] | None,
@@ -48,17 +50,13 @@ def thickness(
     ] = None,
     thin: Annotated[float | None, typer.Option("--to", help="Where the search ends.")] = None,
     friction: options.Friction = None,
-    width: limit_options.Width = None,
-    scan: limit_options.Scan = 6,
-    cone: limit_options.Cone = "exact",
-    equilibrium_only: limit_options.EquilibriumOnly = False,
-    workers: limit_options.Workers = 1,
+    search: Search,
     html: options.Html = None,
     as_json: options.Json = False,
 ) -> int:
     """The least thickness at which a parametric model stands."""
     files = limit_answer.Files.checked(html, None)
-    search = search_options(width, scan, cone, equilibrium_only)
+    search.options()
     if family not in FAMILIES:
         raise InputError(f"there is no '{family}'", where="FAMILY", remedy=", ".join(FAMILIES))
     name, unit, (first, last) = FAMILIES[family]
@@ -74,8 +72,7 @@ def thickness(
     with Waiting() as waiting:
         from drystone.limits import limit_thickness
 
-        waiting.stage("solve", "searching")
-        with working(workers) as executor:
+        with search.under_way(waiting) as common:
             found = limit_thickness(
                 partial(_built, build, name, fixed),
                 first if thick is None else thick,
@@ -83,15 +80,14 @@ def thickness(
                 friction=0.6 if friction is None else friction,
                 parameter=name,
                 unit=unit,
-                options=search,
-                executor=executor,
-                progress=waiting,
+                **common,
             )
     return limit_answer.tell(found, family, (), files, waiting, as_json)
 
 
+@expanded
 def tolerance(
-    model: options.ModelArgument,
+    *,
     draws: Annotated[int, typer.Option(help="Number of random structures.")] = 100,
     seed: Annotated[int, typer.Option(help="The same seed gives the same draws.")] = 0,
     friction_range: Annotated[
@@ -104,12 +100,7 @@ def tolerance(
         float, typer.Option(help="Shift of joints in their plane by the root of their area.")
     ] = 0.0,
     turn: Annotated[float, typer.Option(help="Turn of joints out of their plane, degrees.")] = 0.0,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
-    units: options.Units = None,
-    gravity: options.Gravity = None,
-    loads: loading.Loads = None,
+    subject: Subject,
     seismic: loading.Seismic = None,
     workers: limit_options.Workers = 1,
     as_json: options.Json = False,
@@ -132,17 +123,7 @@ def tolerance(
                 "nothing is imperfect",
                 remedy="give --friction-range, --corner-loss, --offset or --turn",
             )
-        prepared = prepare(
-            model,
-            waiting,
-            supports=supports,
-            friction=friction,
-            density=density,
-            units=units,
-            gravity=gravity,
-            loads=loads,
-            seismic=seismic,
-        )
+        prepared = subject.prepared(waiting, seismic=seismic)
         waiting.stage("solve", "drawing")
         with working(workers) as executor:
             answer = limits.tolerance(
@@ -155,7 +136,7 @@ def tolerance(
                 executor=executor,
                 progress=waiting,
             )
-    data = {"model": model, **answer.to_dict(), "notes": list(prepared.notes)}
+    data = {"model": subject.model, **answer.to_dict(), "notes": list(prepared.notes)}
     data["time_s"] = dict(waiting.time_s)
     if as_json:
         output.emit(data)

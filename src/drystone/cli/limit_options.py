@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from drystone.cli import options
+from drystone.cli.options import positive
+from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,40 +18,59 @@ if TYPE_CHECKING:
 
     from drystone.limits import LimitOptions
 
-Width: TypeAlias = Annotated[
-    float | None, typer.Option(help="Width of the brackets, in the unit of the limit.")
-]
-Scan: TypeAlias = Annotated[
-    int, typer.Option(help="Steps of the scan for islands before the limit is bisected.")
-]
-Cone: TypeAlias = Annotated[
-    str, typer.Option(help="Friction of the equilibrium limit: exact, or octagon as published.")
-]
-EquilibriumOnly: TypeAlias = Annotated[
-    bool, typer.Option("--equilibrium-only", help="Leave out the full verdict.")
-]
 Workers: TypeAlias = Annotated[int, typer.Option(help="Processes that work side by side.")]
 
 
-def search_options(
-    width: float | None, scan: int, cone: str, equilibrium_only: bool
-) -> LimitOptions:
-    """How to search, from the options.
+@dataclass(frozen=True)
+class Search:
+    """How to search for a limit."""
 
-    Raises
-    ------
-    InputError
-    """
-    options.positive(width, "--width")
-    if scan < 1:
-        raise InputError(f"is {scan}", where="--scan", remedy="give one step or more")
-    from drystone.limits import LimitOptions
-    from drystone.stability import FrictionCone
+    width: Annotated[
+        float | None, typer.Option(help="Width of the brackets, in the unit of the limit.")
+    ] = None
+    scan: Annotated[
+        int, typer.Option(help="Steps of the scan for islands before the limit is bisected.")
+    ] = 6
+    cone: Annotated[
+        str, typer.Option(help="Friction of the equilibrium limit: exact, or octagon as published.")
+    ] = "exact"
+    equilibrium_only: Annotated[
+        bool, typer.Option("--equilibrium-only", help="Leave out the full verdict.")
+    ] = False
+    workers: Workers = 1
 
-    cones = {"exact": FrictionCone.exact, "octagon": FrictionCone.octagon}
-    if cone not in cones:
-        raise InputError(f"is '{cone}'", where="--cone", remedy=f"one of {', '.join(cones)}")
-    return LimitOptions(width=width, scan=scan, cone=cones[cone](), full=not equilibrium_only)
+    def options(self) -> LimitOptions:
+        """The same as the library takes it.
+
+        Raises
+        ------
+        InputError
+        """
+        positive(self.width, "--width")
+        if self.scan < 1:
+            raise InputError(f"is {self.scan}", where="--scan", remedy="give one step or more")
+        from drystone.limits import LimitOptions
+        from drystone.stability import FrictionCone
+
+        cones = {"exact": FrictionCone.exact, "octagon": FrictionCone.octagon}
+        if self.cone not in cones:
+            raise InputError(
+                f"is '{self.cone}'", where="--cone", remedy=f"one of {', '.join(cones)}"
+            )
+        return LimitOptions(
+            width=self.width,
+            scan=self.scan,
+            cone=cones[self.cone](),
+            full=not self.equilibrium_only,
+        )
+
+    @contextmanager
+    def under_way(self, waiting: Waiting) -> Iterator[dict[str, Any]]:
+        """What every limit of the library takes besides its model: options, workers, progress."""
+        chosen = self.options()
+        waiting.stage("solve", "searching")
+        with working(self.workers) as executor:
+            yield {"options": chosen, "executor": executor, "progress": waiting}
 
 
 @contextmanager

@@ -1,0 +1,78 @@
+"""Options that belong together: declared once, taken by many commands."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, get_type_hints
+
+from drystone.cli import loading, options
+from drystone.cli.session import Prepared, prepare
+from drystone.cli.waiting import Waiting
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The model that is analysed, its supports and materials, and its loads but for earthquakes."""
+
+    model: options.ModelArgument
+    supports: options.Supports = None
+    friction: options.Friction = None
+    density: options.Density = None
+    units: options.Units = None
+    gravity: options.Gravity = None
+    loads: loading.Loads = None
+
+    def prepared(self, waiting: Waiting, **more: Any) -> Prepared:
+        """See :func:`drystone.cli.session.prepare`; ``more`` are its other arguments."""
+        given = {each.name: getattr(self, each.name) for each in fields(self)}
+        return prepare(given.pop("model"), waiting, **given, **more)
+
+
+def expanded(command: Callable[..., int]) -> Callable[..., int]:
+    """The command with an option for each field of every group that it takes.
+
+    A group is a parameter whose type is a dataclass of options. Its options come where it stands;
+    what must be given comes first, that of groups before the command's own.
+    """
+    hints = get_type_hints(command, include_extras=True)
+    groups: dict[str, type[Any]] = {}
+    must: list[inspect.Parameter] = []
+    own: list[inspect.Parameter] = []
+    can: list[inspect.Parameter] = []
+    for name, parameter in inspect.signature(command).parameters.items():
+        if is_dataclass(hints[name]):
+            groups[name] = hints[name]
+            members = _options(hints[name])
+            must += [one for one in members if one.default is one.empty]
+            can += [one for one in members if one.default is not one.empty]
+        else:
+            (own if parameter.default is parameter.empty else can).append(
+                parameter.replace(annotation=hints[name])
+            )
+
+    def run(**given: Any) -> int:
+        made = {
+            name: kind(**{each.name: given.pop(each.name) for each in fields(kind)})
+            for name, kind in groups.items()
+        }
+        return command(**made, **given)
+
+    parameters = [one.replace(kind=one.KEYWORD_ONLY) for one in (*must, *own, *can)]
+    run.__name__, run.__doc__ = command.__name__, command.__doc__
+    run.__annotations__ = {one.name: one.annotation for one in parameters}
+    run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # PEP 362
+    return run
+
+
+def _options(group: type[Any]) -> list[inspect.Parameter]:
+    """A parameter for each field of a dataclass."""
+    types = get_type_hints(group, include_extras=True)
+    return [
+        one.replace(annotation=types[one.name])
+        for one in inspect.signature(group).parameters.values()
+    ]
+
+
+__all__ = ["Subject", "expanded"]
