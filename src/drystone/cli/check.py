@@ -38,6 +38,7 @@ def check(
     """
     files = verdict.Files.checked(html, png)
     tables = joint_files.checked(joints, strength)
+    options.apart([*files.written(), *tables.named()])
     options.positive(time_limit, "--time-limit")
     with Waiting() as waiting:
         prepared = subject.prepared(
@@ -49,10 +50,10 @@ def check(
             split=split,
         )
         result = verdict.solve(prepared, waiting, time_limit)
-        files.write(result, waiting)
-        written, said = tables.write(result, waiting)
+        rows, said = tables.of(result)
+        written = verdict.write([*files.of(result), *rows], waiting)
     data = verdict.content(result, prepared, waiting.time_s, subject.model, files)
-    data["files"] += written
+    data["files"] = written
     data["notes"] += said
     if as_json:
         output.emit(data)

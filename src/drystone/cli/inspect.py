@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.cli import options, output
+from drystone.cli import options, output, verdict
 from drystone.cli.session import found
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
-    from drystone.contacts import Contacts
-    from drystone.detection import ContactReport, GapSweep
+    from drystone.detection import Detection, GapSweep
 
 LISTED = 20
 """Blocks shown without --all."""
@@ -32,7 +31,12 @@ def inspect(
     ] = False,
     html: Annotated[
         str | None,
-        typer.Option("--html", help="Write a page with the contacts, near misses in orange."),
+        typer.Option(
+            "--html", help="Write a page with the contacts, near misses in orange, and the sweep."
+        ),
+    ] = None,
+    png: Annotated[
+        str | None, typer.Option("--png", help="Write them as a figure, .png or .svg.")
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="List every block.")] = False,
     as_json: options.Json = False,
@@ -41,8 +45,9 @@ def inspect(
 
     Exit code 0: every block can be used. 2: some cannot.
     """
-    page = None if html is None else options.output_path(html, "--html", (".html", ".htm"))
+    files = verdict.Files.checked(html, png)
     from drystone import io  # the program starts fast: work is imported when there is some
+    from drystone.detection import Detection
 
     with Waiting() as waiting:
         waiting.stage("read", f"reading {model}")
@@ -51,11 +56,11 @@ def inspect(
         if assembly is not None and supports is not None:
             assembly = io.supports.select(assembly, supports)
         report = swept = None
+        written: list[str] = []
         if assembly is not None:
             contacts, report = found(assembly, None, waiting, gap)
             swept = _swept(assembly, waiting) if sweep else None
-            if page is not None:
-                _draw(assembly, contacts, report, page, waiting)
+            written = _draw(assembly, Detection(contacts, report), swept, files, waiting)
     blocks = [block for block in built.blocks if block is not None]
     fixed = built.fixed if assembly is None else assembly.fixed.tolist()
     data: dict[str, Any] = {
@@ -82,7 +87,7 @@ def inspect(
         ],
         "contacts": None if report is None else report.to_dict(),
         "sweep": None if swept is None else swept.to_dict(),
-        "files": [] if page is None or report is None else [str(page)],
+        "files": written,
         "notes": list(built.notes),
         "time_s": dict(waiting.time_s),
     }
@@ -103,13 +108,22 @@ def _swept(assembly: Assembly, waiting: Waiting) -> GapSweep:
 
 
 def _draw(
-    assembly: Assembly, contacts: Contacts, report: ContactReport, page: Path, waiting: Waiting
-) -> None:
-    from drystone.detection import Detection
-    from drystone.view import inspection_scene, save_page
+    assembly: Assembly,
+    found: Detection,
+    swept: GapSweep | None,
+    files: verdict.Files,
+    waiting: Waiting,
+) -> list[str]:
+    """Write the page and the figure that were asked for."""
+    if not files.written():
+        return []
+    from drystone import view
 
-    waiting.stage("pictures", "drawing")
-    save_page(inspection_scene(assembly, Detection(contacts, report)), page)
+    page = partial(view.save_inspection, assembly, found, sweep=swept)
+    scene = view.inspection_scene(assembly, found)
+    shown = [layer.key for layer in scene.stages[0].layers]
+    figure = partial(view.save_figure, scene, layers=shown)
+    return verdict.write(files.jobs(page, figure), waiting)
 
 
 def _show(

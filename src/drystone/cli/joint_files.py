@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
 from drystone.cli.options import output_path, positive
-from drystone.cli.waiting import Waiting
-from drystone.errors import InputError
 
 if TYPE_CHECKING:
+    from drystone.io.files import Job
     from drystone.results import Result
 
 Joints: TypeAlias = Annotated[
@@ -36,8 +36,12 @@ class JointFiles:
     paths: tuple[Path, ...]
     strength: float | None
 
-    def write(self, result: Result, waiting: Waiting) -> tuple[list[str], list[str]]:
-        """Names of the files that were written, and remarks."""
+    def named(self) -> list[str]:
+        """The files that were asked for."""
+        return [str(path) for path in self.paths]
+
+    def of(self, result: Result) -> tuple[list[Job], list[str]]:
+        """What :func:`drystone.io.files.write_together` is to write, and remarks."""
         if result.force is None:
             said = ["no joint table: there are no forces"] if self.paths else []
             return [], said
@@ -45,15 +49,15 @@ class JointFiles:
             return [], []
         from drystone.io.joint_table import write_joints  # work is imported when there is some
         from drystone.joints import joint_table
-        from drystone.view.report import save_report
+        from drystone.view import save_report
 
-        waiting.stage("pictures", "writing joints")
         table = joint_table(result, strength=self.strength)
+        jobs: list[Job] = []
         for path in self.paths:
             if path.suffix.lower() == ".html":
-                save_report(result, path, strength=self.strength)
+                jobs.append((path, partial(save_report, result, strength=self.strength)))
             else:
-                write_joints(table, path)
+                jobs.append((path, partial(write_joints, table)))
         said = []
         if self.strength is not None:
             over = int(table.over_strength.sum())
@@ -61,13 +65,11 @@ class JointFiles:
                 f"the peak pressure exceeds {self.strength / 1e6:g} MPa at {over} of "
                 f"{len(table)} joints"
             )
-        return [str(path) for path in self.paths], said
+        return jobs, said
 
 
 def checked(paths: list[str] | None, strength: float | None) -> JointFiles:
     """Refuse wrong suffixes and missing folders before the work begins."""
     positive(strength, "--strength")
     chosen = [output_path(path, "--joints", (".csv", ".json", ".html")) for path in paths or ()]
-    if len(set(chosen)) < len(chosen):
-        raise InputError("a file is named twice", where="--joints", remedy="name each once")
     return JointFiles(tuple(chosen), None if strength is None else 1e6 * strength)

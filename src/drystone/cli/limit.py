@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.cli import limit_answer, loading, options
+from drystone.cli import limit_answer, loading, options, verdict
 from drystone.cli.groups import Subject, expanded
 from drystone.cli.limit_models import thickness, tolerance
 from drystone.cli.limit_options import Search
@@ -50,7 +50,7 @@ def tilt(
         raise InputError("is a plot of a sweep", where="--png", remedy="add --polar 16")
     if html is not None and polar is not None:
         raise InputError("shows one fall", where="--html", remedy="give an --axis, not --polar")
-    files = limit_answer.Files.checked(html, png)
+    files = verdict.Files.checked(html, png)
     search.options()
     with Waiting() as waiting:
         from drystone import limits
@@ -158,7 +158,7 @@ def _answer(
     notes: list[str] | None = None,
 ) -> int:
     """Prepare the model, find the limit, tell it. What ``find`` adds to the notes is told too."""
-    files = limit_answer.Files.checked(html, None)
+    files = verdict.Files.checked(html, None)
     search.options()  # refused before the model is read
     with Waiting() as waiting:
         prepared = subject.prepared(waiting, seismic=seismic)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drystone.cli import options, output
+from drystone.cli import output
 from drystone.cli.session import Prepared
+from drystone.cli.verdict import Files
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -21,22 +21,6 @@ TITLES = {
 }
 NAMED = 12
 """Blocks named on the terminal; --json has all."""
-
-
-@dataclass(frozen=True)
-class Files:
-    """The pictures that were asked for: the page of a fall, the plot of a sweep."""
-
-    html: Path | None
-    png: Path | None
-
-    @classmethod
-    def checked(cls, html: str | None, png: str | None) -> Files:
-        """Refuse wrong suffixes and missing folders before the work begins."""
-        return cls(
-            None if html is None else options.output_path(html, "--html", (".html", ".htm")),
-            None if png is None else options.output_path(png, "--png", (".png", ".svg")),
-        )
 
 
 def tell(

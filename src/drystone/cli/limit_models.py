@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.cli import limit_answer, limit_options, loading, options, output
+from drystone.cli import limit_answer, limit_options, loading, options, output, verdict
 from drystone.cli.groups import Subject, expanded
 from drystone.cli.limit_options import Search, working
 from drystone.cli.waiting import Waiting
@@ -55,7 +55,7 @@ def thickness(
     as_json: options.Json = False,
 ) -> int:
     """The least thickness at which a parametric model stands."""
-    files = limit_answer.Files.checked(html, None)
+    files = verdict.Files.checked(html, None)
     search.options()
     if family not in FAMILIES:
         raise InputError(f"there is no '{family}'", where="FAMILY", remedy=", ".join(FAMILIES))

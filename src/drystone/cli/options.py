@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -62,7 +63,7 @@ def output_path(text: str, option: str, suffixes: tuple[str, ...]) -> Path:
     Raises
     ------
     InputError
-        Another suffix, or a folder that does not exist.
+        Another suffix, a folder that does not exist, or a folder of that name.
     """
     path = Path(text)
     if path.suffix.lower() not in suffixes:
@@ -71,11 +72,25 @@ def output_path(text: str, option: str, suffixes: tuple[str, ...]) -> Path:
             where=option,
             remedy=f"write {path.stem or 'model'}{suffixes[0]}",
         )
+    if path.is_dir():
+        raise InputError(f"'{text}' is a folder", where=option, remedy="name a file in it")
     if not path.parent.is_dir():
         raise InputError(
             f"there is no folder '{path.parent}'", where=option, remedy="make it first"
         )
     return path
+
+
+def apart(names: Sequence[str]) -> None:
+    """Refuse to write two things to one file.
+
+    Raises
+    ------
+    InputError
+    """
+    for number, name in enumerate(names):
+        if Path(name).resolve() in [Path(other).resolve() for other in names[:number]]:
+            raise InputError("is named twice", where=f"'{name}'", remedy="name each file once")
 
 
 def positive(value: float | None, option: str) -> float | None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from drystone.cli.session import Prepared
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
+    from drystone.io.files import Job
     from drystone.results import Result
 
 LISTED = 12
@@ -43,21 +45,36 @@ class Files:
             None if png is None else options.output_path(png, "--png", (".png", ".svg")),
         )
 
-    def write(self, result: Result, waiting: Waiting) -> None:
-        """Write them."""
+    def jobs(self, page: Callable[[Path], None], figure: Callable[[Path], None]) -> list[Job]:
+        """What :func:`drystone.io.files.write_together` is to write, from what writes each."""
+        both = ((self.html, page), (self.png, figure))
+        return [(path, write) for path, write in both if path is not None]
+
+    def of(self, result: Result) -> list[Job]:
+        """The pictures of a result."""
         if self.html is None and self.png is None:
-            return
+            return []
         from drystone import view  # the program starts fast: pictures are imported when asked for
 
-        waiting.stage("pictures", "drawing")
-        if self.html is not None:
-            view.save_page(result, self.html)
-        if self.png is not None:
-            view.save_figure(result, self.png)
+        return self.jobs(partial(view.save_page, result), partial(view.save_figure, result))
+
+    def write(self, result: Result, waiting: Waiting) -> None:
+        """Write the pictures of a result, all or none."""
+        write(self.of(result), waiting)
 
     def written(self) -> list[str]:
         """Their names."""
         return [str(path) for path in (self.html, self.png) if path is not None]
+
+
+def write(jobs: list[Job], waiting: Waiting) -> list[str]:
+    """Write files, all or none; their names."""
+    if not jobs:
+        return []
+    from drystone.io.files import write_together
+
+    waiting.stage("pictures", "writing")
+    return write_together(jobs)
 
 
 def solve(prepared: Prepared, waiting: Waiting, time_limit: float | None) -> Result:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
 from drystone.errors import FormatError
 
 PathLike: TypeAlias = str | os.PathLike[str]
+Job: TypeAlias = tuple[PathLike, Callable[[Path], None]]
+"""A file to be written, and what writes it to the path it is given."""
 
 LARGEST_FILE = 2**29
 """[bytes], chosen: 512 MiB holds some millions of faces in any of the formats, and what a reader
@@ -117,6 +120,52 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
             temporary.replace(target)
     except (OSError, ValueError) as error:
         raise _unwritable(target, error) from error
+
+
+def write_together(jobs: Sequence[Job]) -> list[str]:
+    """Let every job write its file under a temporary name, then give all of them their names.
+
+    What goes wrong while they are written leaves the files of that name as they were, all of them.
+
+    Parameters
+    ----------
+    jobs
+        Each a path, and what writes one file to the path it is given: beside the other and with
+        the same suffix.
+
+    Returns
+    -------
+    list of str
+        The names.
+
+    Raises
+    ------
+    FormatError
+        A folder does not exist or cannot be written, or two jobs have one file.
+    """
+    done: list[tuple[Path, Path]] = []
+    with contextlib.ExitStack() as folders:
+        for path, write in jobs:
+            target = Path(path)
+            if target.is_dir() or target.resolve() in [other.resolve() for other, _ in done]:
+                taken = "is a folder" if target.is_dir() else "is named twice"
+                raise FormatError(taken, where=str(target), remedy="choose another name")
+            try:
+                made = tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent)
+                temporary = Path(folders.enter_context(made)) / target.name
+                write(temporary)
+                temporary.chmod(_mode(target))
+            except FormatError as error:
+                raise FormatError(error.what, where=str(target), remedy=error.remedy) from error
+            except (OSError, ValueError) as error:
+                raise _unwritable(target, error) from error
+            done.append((target, temporary))
+        for target, temporary in done:
+            try:
+                temporary.replace(target)
+            except OSError as error:
+                raise _unwritable(target, error) from error
+    return [str(target) for target, _ in done]
 
 
 def write_bytes(path: PathLike, data: bytes) -> None:

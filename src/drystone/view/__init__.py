@@ -1,7 +1,7 @@
 """Results to pictures: one self-contained page, static figures."""
 
 from drystone.view.figure import save_figure
-from drystone.view.inspection import inspection_scene
+from drystone.view.inspection import inspection_scene, save_inspection
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import State
 from drystone.view.polar import save_polar
@@ -18,6 +18,7 @@ __all__ = [
     "inspection_scene",
     "page_text",
     "save_figure",
+    "save_inspection",
     "save_page",
     "save_polar",
     "save_report",

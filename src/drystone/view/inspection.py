@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from os import PathLike
+
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.detection import ContactReport, Detection
+from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.io.files import write_bytes
+from drystone.view.page import page_text
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.staging import interface_layers
+from drystone.view.sweep import sweep_panel
 
 
 def inspection_scene(assembly: Assembly, found: Detection) -> Scene:
@@ -38,6 +43,39 @@ def inspection_scene(assembly: Assembly, found: Detection) -> Scene:
     message = "; ".join(found.report.summary())
     stage = Stage("contacts", "", message, state, layers=layers)
     return Scene(assembly, found.contacts, (stage,), f"drystone: {count}")
+
+
+def save_inspection(
+    assembly: Assembly,
+    found: Detection,
+    path: str | PathLike[str],
+    sweep: GapSweep | None = None,
+) -> None:
+    """Write the page of :func:`inspection_scene`, with the curve of a sweep beside it.
+
+    Parameters
+    ----------
+    assembly
+    found
+    path
+        Written to a temporary name beside it and renamed.
+    sweep
+        Number of pairs against the gap tolerance.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from drystone.detection import find_contacts, gap_sweep
+    >>> from drystone.models import tower
+    >>> page = pathlib.Path(tempfile.mkdtemp()) / "tower.html"
+    >>> swept = gap_sweep(tower(3), [1e-5, 1e-3])
+    >>> save_inspection(tower(3), find_contacts(tower(3)), page, swept)
+    >>> "plateau from 1e-05 to 0.001" in page.read_text(encoding="utf-8")
+    True
+    """
+    aside = "" if sweep is None else sweep_panel(sweep, found.report.options.gap)
+    text = page_text(inspection_scene(assembly, found), aside)
+    write_bytes(path, text.encode("utf-8"))
 
 
 def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
@@ -78,4 +116,4 @@ def _edge_layers(found: Detection) -> tuple[Layer, ...]:
     )
 
 
-__all__ = ["inspection_scene", "missed_layers"]
+__all__ = ["inspection_scene", "missed_layers", "save_inspection"]

@@ -47,8 +47,15 @@ def save_page(
     write_bytes(path, page_text(scene_of(subject, contacts)).encode("utf-8"))
 
 
-def page_text(scene: Scene) -> str:
-    """The page as text: HTML with its style, its script and its data inside."""
+def page_text(scene: Scene, aside: str = "") -> str:
+    """The page as text: HTML with its style, its script and its data inside.
+
+    Parameters
+    ----------
+    scene
+    aside
+        HTML for the panel beside the model, put there as it is.
+    """
     static = resources.files("drystone.view").joinpath("static")
 
     def read(name: str) -> str:
@@ -59,6 +66,7 @@ def page_text(scene: Scene) -> str:
         ("/*STYLE*/", read("page.css")),
         ("/*SCRIPT*/", "\n".join(read(name) for name in SCRIPTS)),
         ("TITLE", html.escape(scene.title)),
+        ("ASIDE", aside),
         ("DATA", to_text(encode(scene))),  # last: what it holds is never searched for marks
     ):
         before, after = page.split("{{" + mark + "}}")

@@ -12,6 +12,7 @@ from drystone import io
 from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
 from drystone.models import arch, box, incline, tower
+from drystone.view.palette import ROLE_COLOUR
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -225,15 +226,36 @@ def test_inspect_lists_blocks_defects_and_contacts(tmp_path: Path, capsys: Capsy
 
 def test_inspect_sweeps_the_gap_and_draws_what_was_missed(tmp_path: Path, capsys: Capsys) -> None:
     model = file(tmp_path, boxes(base=(0, 0, 0), on=(0, 0, 1), near=(0, 0, 2.02)))
-    page = tmp_path / "contacts.html"
-    _, told = answer(capsys, "inspect", model, "--sweep", "--html", str(page))
+    page, figure = tmp_path / "contacts.html", tmp_path / "contacts.svg"
+    pictures = ("--html", str(page), "--png", str(figure))
+    _, told = answer(capsys, "inspect", model, "--sweep", *pictures)
     assert told["sweep"]["pairs"][0] == 1
     assert told["sweep"]["pairs"][-1] == 2
-    assert told["files"] == [str(page)]
+    assert told["files"] == [str(page), str(figure)]
     assert told["contacts"]["missed"]
-    assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>")
+    assert "<svg" in text
+    assert "near misses" in text
+    drawn = figure.read_text(encoding="utf-8").lower()
+    assert all(ROLE_COLOUR["light"][role].lower() in drawn for role in ("missed", "interface"))
     assert main(["inspect", model, "--sweep"]) == 0
     assert "plateau from" in capsys.readouterr().out
+
+
+def test_the_page_is_not_written_without_the_figure(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("drystone.view.save_figure", full)
+    model, page = file(tmp_path, tower(2)), tmp_path / "page.html"
+    for command in ("check", "inspect"):
+        figure = str(tmp_path / "figure.png")
+        assert main([command, model, "--html", str(page), "--png", figure]) == 2
+        assert "figure.png: cannot be written: No space left" in capsys.readouterr().err
+        assert [path.name for path in tmp_path.iterdir()] == ["model.json"]
 
 
 def test_demo_checks_a_vault_and_draws_it(tmp_path: Path, capsys: Capsys) -> None:

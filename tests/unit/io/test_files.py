@@ -105,3 +105,33 @@ def test_a_format_can_be_asked_for_by_name(tmp_path: Path) -> None:
     assert (tmp_path / "tower.txt").read_text(encoding="utf-8").startswith("# drystone")
     with pytest.raises(FormatError, match="format 'dwg' is not known; use one of drystone"):
         io.write(tower(2), tmp_path / "tower.dwg", format="dwg")
+
+
+def test_files_written_together_are_all_there_or_none(tmp_path: Path) -> None:
+    one, other = tmp_path / "one.txt", tmp_path / "other.txt"
+    one.write_text("old", encoding="utf-8")
+
+    def fine(path: Path) -> None:
+        assert (path.suffix, path.parent.parent) == (".txt", tmp_path)
+        path.write_text("new", encoding="utf-8")
+
+    def full(path: Path) -> None:
+        path.write_text("half", encoding="utf-8")
+        raise OSError("no space left")
+
+    with pytest.raises(FormatError, match=r"other\.txt: cannot be written: no space left"):
+        files.write_together([(one, fine), (other, full)])
+    assert one.read_text(encoding="utf-8") == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["one.txt"]
+    assert files.write_together([(one, fine), (other, fine)]) == [str(one), str(other)]
+    assert one.read_text(encoding="utf-8") == other.read_text(encoding="utf-8") == "new"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one.txt", "other.txt"]
+
+
+@pytest.mark.parametrize("last", ["folder", "none/x.txt", "./one.txt"])
+def test_together_nothing_is_written_where_one_name_is_bad(tmp_path: Path, last: str) -> None:
+    (tmp_path / "folder").mkdir()
+    one = tmp_path / "one.txt"
+    with pytest.raises(FormatError):
+        files.write_together([(one, Path.touch), (tmp_path / last, Path.touch)])
+    assert [path.name for path in tmp_path.iterdir()] == ["folder"]
