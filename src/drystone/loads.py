@@ -11,10 +11,11 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats, Ints, frozen_floats
-from drystone.geometry.distance import outside_distance
 from drystone.geometry.frames import rotation_about, unit
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.polyhedron import Faces, fan_triangles, stack_faces
+from drystone.geometry.solid import outside_distance
+from drystone.geometry.triangulate import triangulate
 
 STANDARD_GRAVITY = 9.81
 """[m/s2]"""
@@ -275,7 +276,10 @@ def _on_one(assembly: Assembly, block: int, force: Floats, point: Floats) -> Flo
 
 def _off_block(assembly: Assembly, block: int, point: Floats) -> tuple[str, ...]:
     shape = assembly.blocks[block]
-    distance = outside_distance(stack_faces([shape.vertices], [shape.faces]), point)
+    faces = stack_faces([shape.vertices], [shape.faces])
+    corner = faces.point[faces.loop]
+    triangles = corner[triangulate(corner, faces.start)[0]]
+    distance = float(outside_distance(point[None], triangles)[0])
     if distance <= OFF_BLOCK * shape.size:
         return ()
     where = ", ".join(f"{x:g}" for x in point)

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase
-from drystone.geometry.distance import outside_distance
-from drystone.geometry.polyhedron import stack_faces
-from drystone.models import box, stool, tower
+from drystone.models import prism, stool, tower
 
 TOWER = tower(2)  # block-1 fills the unit square from z = 1 to 2
 TOP = 1
@@ -102,26 +100,12 @@ def test_combinations_add_with_their_factors_and_leave_the_parts_alone() -> None
         LoadCase.combine([])
 
 
-@pytest.mark.parametrize(
-    ("point", "expected"),
-    [
-        ((0.5, 0.5, 0.5), 0.0),
-        ((1.0, 1.0, 1.0), 0.0),
-        ((0.5, 0.5, 1.5), 0.5),
-        ((2.0, 0.5, 2.0), np.sqrt(2.0)),
-        ((-1.0, -1.0, -1.0), np.sqrt(3.0)),
-    ],
-)
-def test_distance_of_a_point_from_a_cube(point: tuple[float, ...], expected: float) -> None:
-    cube = box((1.0, 1.0, 1.0))
-    faces = stack_faces([cube.vertices], [cube.faces])
-    assert outside_distance(faces, np.array(point)) == pytest.approx(expected, abs=1e-12)
-
-
-def test_the_hollow_of_a_concave_block_is_outside_it() -> None:
-    shape = stool().blocks[1]
-    faces = stack_faces([shape.vertices], [shape.faces])
-    assert outside_distance(faces, np.array([0.2, 0.2, 0.1])) == pytest.approx(0.12 * np.sqrt(2))
+def test_a_load_in_the_notch_of_a_face_is_off_the_block() -> None:
+    """It lies in the plane of the face, and between corners of it."""
+    angle = prism([(3, 1), (1, 1), (1, 3), (0, 3), (0, 0), (3, 0)], (0.0, 1.0), name="L")
+    assembly = Assembly((angle,), np.array([False]))
+    load = LoadCase.point_load(assembly, "L", (0.0, 0.0, -1.0), (1.8, 1.0, 1.8))
+    assert load.notes == ("the point 1.8, 1, 1.8 is 0.8 m off block 'L'",)
 
 
 def test_a_load_leaves_the_assembly_alone() -> None:

@@ -7,8 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.geometry.arrays import Floats
-from drystone.geometry.polyhedron import Loop, face_components, mass_properties, stack_faces
-from drystone.geometry.soup import winding_number
+from drystone.geometry.polyhedron import (
+    Loop,
+    face_components,
+    fan_triangles,
+    mass_properties,
+    stack_faces,
+)
+from drystone.geometry.solid import winding_number
 
 
 def separate_parts(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[list[Loop]], int]:
@@ -59,8 +65,7 @@ def _shells_around(shell: int, vertices: Floats, loops: Sequence[Sequence[Loop]]
         inside = (points.min(axis=0) <= low).all() and (points.max(axis=0) >= high).all()
         if other == shell or not inside:
             continue
-        surface = stack_faces([vertices], [loops[other]])
-        winding = [abs(winding_number(point, surface)) for point in corners[shell]]
-        if float(np.median(winding)) > 0.75:
+        surface = fan_triangles(stack_faces([vertices], [loops[other]]))[0]
+        if float(np.median(np.abs(winding_number(corners[shell], surface)))) > 0.75:
             found.append(other)
     return found

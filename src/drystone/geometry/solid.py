@@ -38,6 +38,34 @@ def solid_angles(points: Floats, triangles: Floats) -> Floats:
     return angle
 
 
+def winding_number(points: Floats, triangles: Floats) -> Floats:
+    """How often closed surfaces go around points (p, 3): 1 inside, 0 outside, -1 if inside out.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    triangles : (t, 3, 3) [m]
+    """
+    turns = np.zeros(len(points))
+    step = max(BATCH // max(len(triangles), 1), 1)
+    for i in range(0, len(points), step):
+        turns[i : i + step] = solid_angles(points[i : i + step, None], triangles).sum(axis=1)
+    return turns / (4.0 * np.pi)
+
+
+def outside_distance(points: Floats, triangles: Floats) -> Floats:
+    """Distance (p,) [m] of points (p, 3) from a closed solid; zero inside it and on its surface.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    triangles : (t, 3, 3) [m]
+        None of them outside its face, as those of a fan can be; turned outwards.
+    """
+    away: Floats = distance(points, triangles)
+    return np.where(winding_number(points, triangles) > 0.5, 0.0, away)
+
+
 def distance(points: Floats, triangles: Floats) -> Floats:
     """Distance (p,) [m] of points (p, 3) from the nearest of the triangles (t, 3, 3)."""
     nearest = np.full(len(points), np.inf)
@@ -106,4 +134,11 @@ def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Bools, Flo
     return hit, share
 
 
-__all__ = ["crossings", "distance", "solid_angles", "squared_distance"]
+__all__ = [
+    "crossings",
+    "distance",
+    "outside_distance",
+    "solid_angles",
+    "squared_distance",
+    "winding_number",
+]

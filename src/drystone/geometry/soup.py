@@ -17,6 +17,7 @@ from drystone.geometry.polyhedron import (
     fan_triangles,
     mass_properties,
 )
+from drystone.geometry.solid import winding_number
 
 SAME_ANGLE = 1e-6
 """[rad] Faces about an edge that lie this close are on each other, chosen: far above the rounding
@@ -220,8 +221,9 @@ def _with_cavities(
         around = ((low <= low[cavity]) & (high >= high[cavity])).all(axis=1)
         around &= (volume > -volume[cavity]) & (heap[lead] == heap[lead[cavity]])
         for solid in np.flatnonzero(around)[np.argsort(volume[around])].tolist():
-            shell = _of_shells(vertices, faces, [shells[solid]])
-            if abs(winding_number(0.5 * (low[cavity] + high[cavity]), shell)) > 0.5:
+            around_it = fan_triangles(_of_shells(vertices, faces, [shells[solid]]))[0]
+            middle = 0.5 * (low[cavity] + high[cavity])
+            if abs(winding_number(middle[None], around_it)[0]) > 0.5:
                 home[cavity] = solid
                 break
     solids: dict[int, list[int]] = defaultdict(list)
@@ -240,24 +242,3 @@ def _of_shells(vertices: Floats, faces: Sequence[Loop], shells: Sequence[Sequenc
         np.concatenate([[0], np.cumsum(lengths)]).astype(np.intp),
         np.repeat(np.arange(len(shells)), [len(shell) for shell in shells]),
     )
-
-
-def winding_number(point: Floats, faces: Faces) -> float:
-    """How often closed surfaces go around a point: 1 inside, 0 outside, -1 inside an inverted one.
-
-    Parameters
-    ----------
-    point : (3,) [m]
-    faces
-
-    Notes
-    -----
-    Sum of the solid angles of the triangles. Source: van Oosterom, Strackee 1983.
-    """
-    triangles, _ = fan_triangles(faces)
-    a, b, c = (triangles[:, i] - point for i in range(3))
-    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    above = (a * np.cross(b, c)).sum(axis=1)
-    below = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la
-    below += (c * a).sum(axis=1) * lb
-    return float(np.arctan2(above, below).sum() / (2.0 * np.pi))

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from drystone.assembly import Block
 from drystone.geometry import solid
 from drystone.geometry.polyhedron import stack_faces
 from drystone.geometry.triangulate import triangulate
-from drystone.models import box, prism
+from drystone.models import box, prism, stool
 
 
 def triangles_of(block: Block) -> np.ndarray:
     faces = stack_faces([block.vertices], [block.faces])
     corner = faces.point[faces.loop]
     return corner[triangulate(corner, faces.start)[0]]
-
-
-def inside(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    turns = solid.solid_angles(points[:, None], triangles).sum(axis=1) / (4.0 * np.pi)
-    return turns > 0.5
 
 
 CORNER = prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], (0.0, 1.0))
@@ -30,7 +26,36 @@ def test_inside_of_a_concave_solid() -> None:
     points = random.uniform(-0.5, 2.5, (500, 3))
     expected = ((points > 0.0) & (points < [2.0, 1.0, 2.0])).all(axis=1)
     expected &= ~((points[:, 0] > 1.0) & (points[:, 2] > 1.0))
-    assert np.array_equal(inside(points, triangles_of(CORNER)), expected)
+    assert np.array_equal(solid.winding_number(points, triangles_of(CORNER)) > 0.5, expected)
+
+
+def test_the_winding_number_counts_the_way_round() -> None:
+    block = box((1, 2, 3))
+    triangles = triangles_of(block)
+    points = np.stack([block.centroid, block.bounds[1] + 1.0])
+    turns = [solid.winding_number(points, each) for each in (triangles, triangles[:, ::-1])]
+    np.testing.assert_allclose(turns, [[1.0, 0.0], [-1.0, 0.0]], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("point", "expected"),
+    [
+        ((0.5, 0.5, 0.5), 0.0),
+        ((1.0, 1.0, 1.0), 0.0),
+        ((0.5, 0.5, 1.5), 0.5),
+        ((2.0, 0.5, 2.0), np.sqrt(2.0)),
+        ((-1.0, -1.0, -1.0), np.sqrt(3.0)),
+    ],
+)
+def test_inside_a_solid_there_is_no_distance(point: tuple[float, ...], expected: float) -> None:
+    found = solid.outside_distance(np.array([point]), triangles_of(box((1.0, 1.0, 1.0))))
+    np.testing.assert_allclose(found, [expected], atol=1e-12)
+
+
+def test_the_hollow_of_a_concave_block_is_outside_it() -> None:
+    triangles = triangles_of(stool().blocks[1])
+    found = solid.outside_distance(np.array([[0.2, 0.2, 0.1]]), triangles)
+    np.testing.assert_allclose(found, [0.12 * np.sqrt(2)])
 
 
 def test_distance_from_a_box() -> None:

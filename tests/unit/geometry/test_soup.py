@@ -4,8 +4,8 @@ import pytest
 from drystone.assembly import Assembly, Block
 from drystone.geometry.arrays import Floats
 from drystone.geometry.coincidence import weld
-from drystone.geometry.polyhedron import Loop, stack_faces
-from drystone.geometry.soup import split_solids, winding_number, without_slivers
+from drystone.geometry.polyhedron import Loop
+from drystone.geometry.soup import split_solids, without_slivers
 from drystone.geometry.triangulate import triangulate
 from drystone.models import arch, barrel_vault, box, concave, dome, tower, wall
 
@@ -112,13 +112,3 @@ def packed(assembly: Assembly) -> tuple[Floats, list[Loop], list[int]]:
 
 def test_nothing_makes_no_solid() -> None:
     assert split_solids(np.zeros((0, 3)), []) == []
-
-
-def test_the_winding_number_tells_inside_from_outside() -> None:
-    block = box((1, 2, 3))
-    faces = stack_faces([block.vertices], [block.faces])
-    inverted = stack_faces([block.vertices], [[f[::-1] for f in block.faces]])
-    inside, outside = block.centroid, block.bounds[1] + 1.0
-    assert winding_number(outside, faces) == pytest.approx(0.0, abs=1e-12)
-    assert winding_number(inside, faces) == pytest.approx(1.0)
-    assert winding_number(inside, inverted) == pytest.approx(-1.0)
