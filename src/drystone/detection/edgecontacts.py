@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from drystone.assembly import Assembly, Block
+from drystone.assembly import Assembly
 from drystone.detection.candidates import Pairs, slack
 from drystone.detection.interfaces import Interfaces
 from drystone.detection.options import DetectionOptions
@@ -17,6 +17,7 @@ from drystone.detection.patches import Patches
 from drystone.geometry import boxes, planar
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.polyhedron import edges_of
 
 INSIDE = 1e-6
 """A contact lies inside a face when it is farther than this share of the block size from its
@@ -131,7 +132,7 @@ class _Search:
     def _wire(self, block: int) -> _Wire:
         if block not in self._wires:
             body = self._assembly.blocks[block]
-            self._wires[block] = _Wire(body.vertices - self._patches.origin, _edges(body))
+            self._wires[block] = _Wire(body.vertices - self._patches.origin, edges_of(body.faces))
         return self._wires[block]
 
     def _near_patches(self, other: int, wire: _Wire, margin: float) -> Ints:
@@ -242,16 +243,6 @@ class _Search:
                     touches.append(_Touch(0.5 * (p + q)[None], direction, -1, -1, gap))
                     break
         return touches
-
-
-def _edges(block: Block) -> Ints:
-    """Ends (e, 2) of every edge, each once."""
-    pairs = {
-        (min(i, j), max(i, j))
-        for face in block.faces
-        for i, j in zip(face, (*face[1:], face[0]), strict=True)
-    }
-    return np.array(sorted(pairs), dtype=np.intp)
 
 
 def _around(wire: _Wire, edge: int) -> Ints:

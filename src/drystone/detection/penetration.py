@@ -12,6 +12,7 @@ from drystone.detection.patches import Patches
 from drystone.geometry import boxes
 from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.depth import depths
+from drystone.geometry.polyhedron import edges_of
 
 CROSS = 1e-6
 """Cross products of unit directions shorter than this name no direction of their own."""
@@ -118,23 +119,12 @@ def _least_overlaps(
 
 def _directions(block: Block) -> Floats:
     """Unit directions of the edges of one block, parallel ones once, up to rounding."""
-    start, end = _edges(block)
-    edge = end - start
+    ends = block.vertices[edges_of(block.faces)]
+    edge = ends[:, 1] - ends[:, 0]
     edge /= np.sqrt((edge * edge).sum(axis=1))[:, None]
     main = edge[np.arange(len(edge)), np.argmax(np.abs(edge) > 0.5, axis=1)]
     edge *= np.where(main < 0.0, -1.0, 1.0)[:, None]
     return edge[np.unique(np.round(edge, 7), axis=0, return_index=True)[1]]
-
-
-def _edges(block: Block) -> tuple[Floats, Floats]:
-    """First and second end (e, 3) [m] of every edge of a block."""
-    pairs = {
-        (min(i, j), max(i, j))
-        for face in block.faces
-        for i, j in zip(face, (*face[1:], face[0]), strict=True)
-    }
-    ends = block.vertices[np.array(sorted(pairs))]
-    return ends[:, 0], ends[:, 1]
 
 
 def _face_overlap(assembly: Assembly, patches: Patches, a: Ints, b: Ints) -> Floats:

@@ -178,6 +178,16 @@ def _six_volumes(a: Floats, b: Floats, c: Floats) -> Floats:
     return a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0)
 
 
+def edges_of(faces: Sequence[Loop]) -> Ints:
+    """Edges (e, 2) of some faces: each once, the lower vertex first, in ascending order."""
+    pairs = {
+        (min(i, j), max(i, j))
+        for face in faces
+        for i, j in zip(face, (*face[1:], face[0]), strict=True)
+    }
+    return np.array(sorted(pairs), dtype=np.intp)
+
+
 def edge_defects(faces: Sequence[Loop]) -> tuple[list[Edge], list[Edge], bool]:
     """Edges that keep a face list from being a closed 2-manifold.
 
