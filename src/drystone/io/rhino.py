@@ -35,10 +35,11 @@ YES, NO = ("true", "yes", "1"), ("false", "no", "0")
 TEXT = "drystone"
 """User text under which we keep what a mesh of Rhino cannot."""
 PROGRAM = Path(__file__).with_name("rhino_extract.py")
-CPU_S, CPU_S_PER_MIB = 4, 2
-"""[s], chosen: a file of some hundred KiB takes 0.2 s."""
-PATIENCE = 30
-"""Wall time over processor time, for machines with other work."""
+CPU_S, CPU_S_PER_MIB = 3, 2
+"""[s] of processor time, chosen: a file of some hundred KiB takes 0.2 s."""
+WALL_S, WALL_S_PER_MIB = 4.0, 60.0
+"""[s] on the clock: a small file is answered within 5 s whatever is in it; a large one has time on
+machines with other work too."""
 EXACT, SINGLE = 1e-9, 1e-6
 
 
@@ -66,29 +67,32 @@ def _require(purpose: str) -> None:
 
 def _extracted(data: bytes, path: Path) -> Field:
     """What the file holds, read by a process of its own that may hang or die."""
-    seconds = CPU_S + CPU_S_PER_MIB * (len(data) // 2**20)
+    size = len(data) // 2**20
+    patience = WALL_S + WALL_S_PER_MIB * size
     try:
         done = subprocess.run(
-            [sys.executable, "-P", str(PROGRAM), str(seconds)],
+            [sys.executable, "-P", str(PROGRAM), str(CPU_S + CPU_S_PER_MIB * size)],
             input=data,
             capture_output=True,
-            timeout=PATIENCE * seconds,
+            timeout=patience,
             check=False,
         )
     except subprocess.TimeoutExpired as error:
-        raise _unreadable(path) from error
+        raise FormatError(
+            f"was not read within {patience:g} s: it is damaged, or the machine is very busy",
+            where=str(path),
+            remedy="try again; if that does not help, save it again in Rhino",
+        ) from error
     if done.returncode != 0:
-        raise _unreadable(path)
+        raise FormatError(
+            "is damaged: reading it does not come to an end",
+            where=str(path),
+            remedy="save it again",
+        )
     top = parse(done.stdout, path)
     if top.has("error"):
         raise FormatError(top["error"].text(), where=str(path), remedy="save it again in Rhino")
     return top
-
-
-def _unreadable(path: Path) -> FormatError:
-    return FormatError(
-        "is damaged: reading it does not come to an end", where=str(path), remedy="save it again"
-    )
 
 
 def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str]]:

@@ -1,5 +1,6 @@
 """3dm files, made here with rhino3dm as Rhino would; skipped where that is not installed."""
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -201,11 +202,26 @@ def test_a_reader_that_does_not_end_is_ended(
     program = tmp_path / "rhino_extract.py"
     program.write_text("import time; time.sleep(60)", encoding="utf-8")
     monkeypatch.setattr(rhino, "PROGRAM", program)
-    monkeypatch.setattr(rhino, "CPU_S", 1)
-    monkeypatch.setattr(rhino, "PATIENCE", 0.2)
+    monkeypatch.setattr(rhino, "WALL_S", 0.2)
     path = saved(tmp_path, new_file())
-    with pytest.raises(FormatError, match="is damaged"):
+    with pytest.raises(FormatError, match=r"was not read within 0\.2 s"):
         io.read(path)
+
+
+@needs_rhino
+def test_small_files_are_answered_within_five_seconds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[float] = []
+
+    def run(arguments: list[str], timeout: float, **_: object) -> None:
+        told.append(timeout)
+        raise subprocess.TimeoutExpired(arguments, timeout)
+
+    monkeypatch.setattr(subprocess, "run", run)
+    with pytest.raises(FormatError, match="the machine is very busy"):
+        io.read(saved(tmp_path, new_file()))
+    assert told == [4.0]
 
 
 def test_without_rhino3dm_the_extra_is_named(
