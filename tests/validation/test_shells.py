@@ -6,6 +6,8 @@ import pytest
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.geometry import polygon
 from drystone.geometry.polyhedron import edge_defects
+from drystone.geometry.solid import solid_angles
+from drystone.geometry.triangulate import triangulate
 from drystone.loads import LoadCase
 from drystone.results import Verdict
 from drystone.shells import (
@@ -152,3 +154,35 @@ def test_a_plain_block_leans_until_its_weight_leaves_the_bed():
 def test_the_larger_the_wedge_the_farther_a_block_leans(wedge, angle):
     assert leans(wedge, angle)
     assert not leans(wedge - 0.1, angle)
+
+
+def test_no_point_lies_in_two_blocks(kind):
+    """Points drawn in every block and just inside its corners, judged by their solid angles.
+
+    Independent of how the depth of one block in another is found.
+    """
+    blocks = SHELLS[kind].assembly.blocks
+    random = np.random.default_rng(7)
+    for name in {f.block_a for f in SHELLS[kind].shared_faces}:
+        one = blocks[name]
+        triangles = _triangles(one)
+        low, high = one.vertices.min(axis=0), one.vertices.max(axis=0)
+        points = random.uniform(low, high, (60, 3))
+        corners = one.vertices[random.integers(0, len(one.vertices), 20)]
+        points = np.concatenate([points, corners + 0.02 * (one.centroid - corners)])
+        points = points[_inside(points, triangles)]
+        for other in range(len(blocks)):
+            near = (blocks[other].vertices.min(axis=0) < high).all()
+            if other != name and near and (blocks[other].vertices.max(axis=0) > low).all():
+                shared = points[_inside(points, _triangles(blocks[other]))]
+                assert len(shared) == 0, (one.name, blocks[other].name)
+
+
+def _triangles(block):
+    corner = block.vertices[[i for face in block.faces for i in face]]
+    start = np.concatenate([[0], np.cumsum([len(face) for face in block.faces])])
+    return corner[triangulate(corner, start)[0]]
+
+
+def _inside(points, triangles):
+    return solid_angles(points[:, None], triangles).sum(axis=1) > 2.0 * np.pi

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,22 +9,13 @@ import typer
 
 from drystone.cli import options, output, verdict
 from drystone.cli.session import Prepared, found, warnings_of, weight
+from drystone.cli.surfaces import Wanted
+from drystone.cli.surfaces import surface as surface_of
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
-    from drystone.shells import Edge, Shape, Shell
-
-
-class Kind(enum.Enum):
-    """Surfaces that the command knows besides mesh files."""
-
-    BARREL = "barrel"
-    CROSS = "cross"
-    PAVILION = "pavilion"
-    DOME = "dome"
-    FREE_EDGE = "free-edge"
-    THREE_VAULTS = "three-vaults"
+    from drystone.shells import Shell
 
 
 SUFFIXES = (".json", ".obj")
@@ -40,20 +30,25 @@ def shell(
             "or an open mesh file.",
         ),
     ],
-    span: Annotated[float, typer.Option(help="Span or diameter in m.")] = 6.0,
+    span: Annotated[float | None, typer.Option(help="Span or diameter in m (6).")] = None,
     length: Annotated[
         float | None, typer.Option(help="Length of a barrel, depth of a free-edge plan, in m.")
     ] = None,
     rise: Annotated[
         float | None, typer.Option(help="Rise of a barrel, height of a form found, in m.")
     ] = None,
-    eye: Annotated[float, typer.Option(help="Diameter of the opening at the crown, in m.")] = 1.0,
+    eye: Annotated[
+        float | None, typer.Option(help="Diameter of the opening at the crown, in m (1).")
+    ] = None,
     keystone: Annotated[
         bool, typer.Option("--keystone", help="Close the opening with one block.")
     ] = False,
     supports: Annotated[
         str | None,
-        typer.Option(help="Sides that a mesh stands on: bottom, top, left, right; by commas."),
+        typer.Option(
+            help="Sides that a mesh stands on: bottom, top, left, right; by commas "
+            "(the bottom and those as low)."
+        ),
     ] = None,
     courses: Annotated[int | None, typer.Option(help="Number of courses (12).")] = None,
     course_height: Annotated[float | None, typer.Option(help="Or their height in m.")] = None,
@@ -71,7 +66,8 @@ def shell(
         float | None, typer.Option(help="Thickness in m (the size of the surface by 30).")
     ] = None,
     register: Annotated[
-        float, typer.Option(help="Degrees by which bed joints are turned to hook blocks.")
+        float,
+        typer.Option(help="Degrees by which bed joints are turned to hook blocks: -35 to 35."),
     ] = 0.0,
     straight: Annotated[
         bool, typer.Option("--straight", help="Make the inner face of every block planar.")
@@ -103,14 +99,6 @@ def shell(
     unrolled_path = _path(unrolled, "--unrolled", (".svg", ".dxf"))
     from drystone.shells import Body, Intrados, Layout, build_shell
 
-    layout = Layout(
-        courses=12 if courses is None and course_height is None else courses,
-        height=course_height,
-        partial=_partial(partial),
-        blocks=blocks,
-        width=span / 8.0 if blocks is None and width is None else width,
-        wedge=wedge,
-    )
     body = Body(
         thickness=thickness,
         register_deg=register,
@@ -118,18 +106,24 @@ def shell(
     )
     with Waiting() as waiting:
         waiting.stage("read", "building the shell")
-        shape, notes = _shape(surface, span, length, rise, eye, keystone, supports, thickness)
-        made = build_shell(shape, layout, body, progress=waiting)
+        base = surface_of(Wanted(surface, span, length, rise, eye, keystone, supports, thickness))
+        layout = Layout(
+            courses=12 if courses is None and course_height is None else courses,
+            height=course_height,
+            partial=_partial(partial),
+            blocks=blocks,
+            width=base.width if blocks is None and width is None else width,
+            wedge=wedge,
+        )
+        made = build_shell(base.shape, layout, body, progress=waiting)
         contacts, report = found(made.assembly, friction, waiting)
-        notes += warnings_of(report)
-        if not made.planar.reached:
-            notes.append(f"joints are up to {made.planar.warp_after:.1e} of a block from planar")
+        notes = [*base.notes, *made.notes, *warnings_of(report)]
         load = weight(made.assembly, None)
         prepared = Prepared(made.assembly, contacts, load, report, tuple(notes))
         result = verdict.solve(prepared, waiting, time_limit)
         written = _write(made, model_path, schedule_path, unrolled_path, block_files)
         pictures.write(result, waiting)
-    data = verdict.content(result, prepared, waiting.time_s, shape.name, pictures)
+    data = verdict.content(result, prepared, waiting.time_s, base.shape.name, pictures)
     data["files"] = [*written, *data["files"]]
     data["shell"] = summary(made)
     if as_json:
@@ -151,7 +145,9 @@ def summary(made: Shell) -> dict[str, Any]:
         "warp_after": made.planar.warp_after,
         "planar": made.planar.reached,
         "drift": made.planar.drift,
+        "off_surface": made.off_surface,
         "moved_off_surface": made.fitted,
+        "supports": [f"patch {edge.patch}, {edge.side.value}" for edge in made.shape.supports],
     }
 
 
@@ -163,7 +159,8 @@ def _show(told: dict[str, Any]) -> None:
     )
     console.print(
         f"largest warp of a joint {told['warp_before']:.2%} of a block before, "
-        f"{told['warp_after']:.1e} after planarising; largest drift {told['drift']:.1%}"
+        f"{told['warp_after']:.1e} after planarising; largest drift {told['drift']:.1%}, "
+        f"{told['off_surface']:.1%} off the surface"
     )
 
 
@@ -180,71 +177,6 @@ def _partial(text: str) -> int | None:
         raise InputError(
             f"is '{text}'", where="--partial", remedy="give a number or auto"
         ) from error
-
-
-def _shape(
-    surface: str,
-    span: float,
-    length: float | None,
-    rise: float | None,
-    eye: float,
-    keystone: bool,
-    supports: str | None,
-    thickness: float | None,
-) -> tuple[Shape, list[str]]:
-    """The surface, and remarks about how it was made."""
-    from drystone import shells
-
-    options.positive(span, "--span")
-    options.positive(length, "--length")
-    options.positive(rise, "--rise")
-    options.positive(eye, "--eye")
-    if surface not in {kind.value for kind in Kind}:
-        return _from_mesh(surface, supports)
-    kind = Kind(surface)
-    if supports is not None:
-        raise InputError(
-            "is for mesh files", where="--supports", remedy=f"leave it out for '{surface}'"
-        )
-    if kind is Kind.BARREL:
-        return shells.barrel_vault(span, span if length is None else length, rise), []
-    if kind is Kind.CROSS:
-        return shells.cross_vault(span), []
-    if kind is Kind.PAVILION:
-        return shells.pavilion_vault(span, eye, keystone=keystone), []
-    if kind is Kind.DOME:
-        return shells.dome(0.5 * span, 0.5 * eye, keystone=keystone), []
-    if kind is Kind.FREE_EDGE:
-        plan = shells.rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
-    else:
-        plan = shells.three_legged_plan(span, span * 2.5 / 6.0, span * 0.4)
-    form = shells.find_form(plan, height=0.3 * span if rise is None else rise, thickness=thickness)
-    return form.shape, [f"form found in {form.rounds} rounds, {form.height:.3f} m high"]
-
-
-def _from_mesh(path: str, supports: str | None) -> tuple[Shape, list[str]]:
-    from drystone import shells
-
-    if not Path(path).suffix:
-        raise InputError(
-            f"surface '{path}' is not known",
-            remedy=f"use {', '.join(kind.value for kind in Kind)} or a mesh file",
-        )
-    fit = shells.patch_from_mesh(*shells.read_surface(path), name=Path(path).name)
-    sides = ("bottom", "top") if supports is None else tuple(supports.split(","))
-    shape = shells.Shape((fit.patch,), (), tuple(_edge(s) for s in sides), name=fit.patch.name)
-    return shape, [f"the mesh is up to {1e3 * fit.deviation_max:.3g} mm from the patch fitted"]
-
-
-def _edge(text: str) -> Edge:
-    from drystone.shells import Edge, Side
-
-    known = [side.value for side in Side]
-    if text.strip() not in known:
-        raise InputError(
-            f"'{text}' is not a side", where="--supports", remedy=f"name {', '.join(known)}"
-        )
-    return Edge(0, Side(text.strip()))
 
 
 def _write(

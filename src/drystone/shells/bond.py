@@ -10,6 +10,7 @@ import numpy as np
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats
 from drystone.shells.courses import Courses
+from drystone.shells.lengths import refuse_unless_positive
 
 SAMPLES = 257
 """Samples along a course when its length is measured."""
@@ -18,6 +19,9 @@ LEAST_LAP = 0.2
 """Smallest distance between head joints of neighbouring courses, by the width of a block, chosen:
 the usual least lap of masonry is a quarter of the block's length; a little less where courses of
 different number meet."""
+
+MOST_BLOCKS = 10_000
+"""In a course, chosen: far above any vault, and still answered within minutes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +70,8 @@ def lay_bond(
     where = f"patch '{courses.patch.name}'"
     if (blocks is None) == (width is None):
         raise InputError("give one of blocks and width", where=where)
-    if width is not None and not (np.isfinite(width) and width > 0.0):
-        raise InputError(f"the block width is {width}", where=where, remedy="give metres above 0")
+    if width is not None:
+        refuse_unless_positive(where, block_width=width)
     closed = courses.patch.closed
     least = 3 if closed else 1
     given = None if blocks is None else _numbers(blocks, courses.count, where)
@@ -79,11 +83,13 @@ def lay_bond(
         v, share, length = _along(courses, course)
         number = max(least, round(length / width)) if given is None and width else 0
         number = int(given[course]) if given is not None else number
-        if number < least:
+        if not least <= number <= MOST_BLOCKS:
+            few = number < least
             raise InputError(
-                f"{number} blocks in a course are too few",
+                f"{number:,} block{' ' if number == 1 else 's '}in a course "
+                f"{'is' if number == 1 else 'are'} too {'few' if few else 'many'}",
                 where=f"{where}, course {course}",
-                remedy=f"give {least} or more",
+                remedy=f"give {least} or more" if few else f"give {MOST_BLOCKS:,} or fewer",
             )
         tips = (bool(courses.start[course] > 0.0), bool(courses.end[course] < 1.0))
         candidates = [_even(number, half, closed, tips) for half in (False, True)]

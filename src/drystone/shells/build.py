@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -17,23 +17,18 @@ from drystone.shells.bond import lay_bond
 from drystone.shells.courses import lay_courses
 from drystone.shells.extent import check_radius, mean_width
 from drystone.shells.fit import fit_cells
-from drystone.shells.materialise import (
-    Pins,
-    add_register,
-    cell_faces,
-    joint_polygons,
-    keep_thickness,
-    make_blocks,
-    raise_pins,
-    vertex_thickness,
-)
-from drystone.shells.options import Body, Ground, Intrados, Layout
+from drystone.shells.joints import PlanarPins, drift_notes, planar_pins
+from drystone.shells.lengths import refuse_unless_positive
+from drystone.shells.materialise import Pins, cell_faces, make_blocks, vertex_thickness
+from drystone.shells.options import Body, Ground, Layout
+from drystone.shells.overlap import refuse_overlaps
 from drystone.shells.patch import Side
 from drystone.shells.pattern import lay_pattern
-from drystone.shells.planarise import PlanarReport, planarise
+from drystone.shells.planarise import PlanarReport
 from drystone.shells.shape import Shape
 from drystone.shells.supports import add_ground, springers
-from drystone.shells.tessellation import Tessellation, weld
+from drystone.shells.tessellation import Tessellation
+from drystone.shells.weld import weld
 
 
 @dataclass(frozen=True)
@@ -66,11 +61,15 @@ class Shell:
         The cells and the points that they were made from.
     planar
         What planarising did, by the mean width of a block.
+    off_surface
+        Largest part of the drift that leads off the surface, by that width; the rest is along it.
     fitted
         Largest move of a corner off the surface before that, by the mean width of a block: flat
         cells with their corners on a curved surface would have too little area.
     ground : (n,) which blocks are ground
     thickness : (v,) [m] at each vertex of the mesh without the ground
+    notes
+        What a builder should know: joints that are not planar, a large drift.
     """
 
     shape: Shape
@@ -78,9 +77,11 @@ class Shell:
     mesh: Tessellation
     pins: Pins
     planar: PlanarReport
+    off_surface: float
     fitted: float
     ground: Bools
     thickness: Floats
+    notes: tuple[str, ...] = ()
 
     @property
     def voussoirs(self) -> Ints:
@@ -135,8 +136,8 @@ def build_shell(
     Raises
     ------
     InputError
-        No support, a thickness above the radius of curvature, too few blocks, or blocks turned
-        inside out.
+        No support, a thickness above the radius of curvature, too few blocks, blocks turned inside
+        out, or blocks that stand in each other: the surface crosses itself.
 
     Examples
     --------
@@ -171,67 +172,25 @@ def build_shell(
     thickness = vertex_thickness(mesh, given)
     check_radius(shape, float(thickness.max()))
     width = mean_width(mesh)
-    pins, report = _planar_pins(mesh, thickness, width, body, progress)
-    return _finish(shape, mesh, pins, report, moved / width, thickness, body)
-
-
-def _planar_pins(
-    mesh: Tessellation,
-    thickness: Floats,
-    width: float,
-    body: Body,
-    progress: Progress | None,
-) -> tuple[Pins, PlanarReport]:
-    """Pins with planar joints between them, at the thickness asked for.
-
-    Planarised, lengthened, given their register, and planarised again: the second time finds
-    nothing to do unless there are registers or planar intrados, and then little, since a step
-    raised within planar joints hardly warps them.
-    """
-    raised = raise_pins(mesh, thickness)
-
-    def planar(pins: Pins) -> tuple[Pins, PlanarReport]:
-        polygons = joint_polygons(mesh, pins)
-        if body.intrados is Intrados.STRAIGHT:
-            polygons += [cell_faces(mesh, pins, cell)[0] for cell in mesh.cells]
-        point, report = planarise(
-            pins.point, polygons, scale=width, options=body.planar, progress=progress
-        )
-        return Pins(point, pins.start), report
-
-    tilted, first = planar(raised)
-    grown = keep_thickness(mesh, tilted, thickness)
-    if body.register_deg:
-        grown = add_register(mesh, grown, body.register_deg)
-    pins, second = planar(grown)
-    ends = np.stack([pins.start[:-1], pins.start[1:] - 1], axis=1)
-    drift = np.linalg.norm(pins.point[ends] - raised.point.reshape(-1, 2, 3), axis=2)
-    report = replace(
-        second,
-        warp_before=max(first.warp_before, second.warp_before),
-        drift=float(drift.max()) / width,
-        projections=first.projections + second.projections,
-        newton=first.newton + second.newton,
-    )
-    return pins, report
+    planar = planar_pins(mesh, thickness, width, body, progress)
+    return _finish(shape, mesh, planar, moved / width, thickness, body)
 
 
 def _finish(
     shape: Shape,
     mesh: Tessellation,
-    pins: Pins,
-    report: PlanarReport,
+    planar: PlanarPins,
     fitted: float,
     thickness: Floats,
     body: Body,
 ) -> Shell:
+    width, notes, pins = mean_width(mesh), drift_notes(mesh, planar), planar.pins
     springer = springers(mesh)
     ground = np.zeros(len(mesh.cells), dtype=bool)
     roles = _roles(shape, mesh, springer)
     if body.ground is Ground.BLOCKS:
         depth = body.ground_depth if body.ground_depth is not None else float(thickness.mean())
-        if not (np.isfinite(depth) and depth > 0.0):
-            raise InputError(f"the ground depth is {depth}", remedy="give metres above zero")
+        refuse_unless_positive(ground_depth=depth)
         grounded = add_ground(mesh, pins, depth)
         mesh, pins, ground = grounded.mesh, grounded.pins, grounded.ground
         fixed = ground
@@ -249,8 +208,19 @@ def _finish(
         )
     ]
     blocks = make_blocks(mesh, pins, metadata, density=body.density)
+    assembly = Assembly(tuple(blocks), fixed)
+    refuse_overlaps(assembly, mesh, width)
     return Shell(
-        shape, Assembly(tuple(blocks), fixed), mesh, pins, report, fitted, ground, thickness
+        shape=shape,
+        assembly=assembly,
+        mesh=mesh,
+        pins=pins,
+        planar=planar.report,
+        off_surface=planar.off_surface,
+        fitted=fitted,
+        ground=ground,
+        thickness=thickness,
+        notes=notes,
     )
 
 

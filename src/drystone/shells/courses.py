@@ -11,7 +11,11 @@ from scipy.interpolate import RegularGridInterpolator
 
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats
+from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.patch import Patch
+
+MOST_COURSES = 5_000
+"""Of a patch, chosen: far above any vault."""
 
 TABLE_U = 257
 TABLE_V = 129
@@ -132,22 +136,31 @@ def lay_courses(
         relative = np.asarray(heights, dtype=np.float64)
         count = len(relative)
     elif height is not None:
-        if not (np.isfinite(height) and height > 0.0):
-            raise InputError(f"the course height is {height}", where=where)
-        count = max(1, round(float(length.min()) / height))
+        refuse_unless_positive(where, course_height=height)
+        count = max(1, round(min(float(length.min()) / height, MOST_COURSES + 1.0)))
         relative = np.ones(count)
     else:
-        relative = np.ones(int(count)) if count is not None and count >= 1 else np.zeros(0)
+        relative = (
+            np.ones(min(int(count), MOST_COURSES + 1))
+            if count is not None and count >= 1
+            else np.zeros(0)
+        )
     if len(relative) < 1 or not (np.isfinite(relative) & (relative > 0.0)).all():
         raise InputError(
             "there must be one or more courses, each with a height above zero", where=where
         )
     full = len(relative)
+    if full > MOST_COURSES:
+        raise InputError(
+            f"there are more than {MOST_COURSES:,} courses", where=where, remedy="make them higher"
+        )
     nominal = float(length.min()) / full
     wanted = np.maximum(length / nominal, full)
     extra = round(float(wanted.max())) - full if partial is None else int(partial)
     if extra < 0:
-        raise InputError(f"the number of partial courses is {partial}", where=where)
+        raise InputError(
+            f"the number of partial courses is {partial}", where=where, remedy="give 0 or more"
+        )
     if extra and patch.closed:
         raise InputError("a closed patch has no longer side", where=where, remedy="partial=0")
     start, end = np.zeros(full + extra), np.ones(full + extra)

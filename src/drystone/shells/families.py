@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats
+from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.patch import Patch, PatchFunction, Side
 from drystone.shells.shape import Edge, Seam, Shape
 
@@ -28,7 +29,7 @@ def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = No
         A length that is not positive, or a rise above half the span.
     """
     rise = 0.5 * span if rise is None else rise
-    _positive(span=span, length=length, rise=rise)
+    refuse_unless_positive(span=span, length=length, rise=rise)
     if rise > 0.5 * span * (1.0 + 1e-12):
         raise InputError(
             f"the rise {rise} m is more than half the span", remedy=f"give {0.5 * span} m or less"
@@ -70,7 +71,7 @@ def dome(
     InputError
         An eye that is not smaller than the springing.
     """
-    _positive(radius=radius, oculus=oculus)
+    refuse_unless_positive(radius=radius, oculus=oculus)
     if not (0.0 <= springing_deg < 90.0) or oculus >= radius * math.cos(
         math.radians(springing_deg)
     ):
@@ -107,7 +108,7 @@ def cross_vault(span: float = 6.0, springing_deg: float = 25.0) -> Shape:
     springing_deg : [degrees]
         Angle at which the webs spring: below it the corner is solid.
     """
-    _positive(span=span)
+    refuse_unless_positive(span=span)
     _within(springing_deg, 5.0, 60.0, "springing_deg")
     radius, start = 0.5 * span, math.radians(springing_deg)
 
@@ -136,7 +137,7 @@ def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True
     keystone
         Whether one block closes the eye.
     """
-    _positive(span=span, eye=eye)
+    refuse_unless_positive(span=span, eye=eye)
     if eye >= span:
         raise InputError(f"the eye, {eye} m, is as wide as the span, {span} m")
     radius = 0.5 * span
@@ -163,12 +164,6 @@ def _turned(function: PatchFunction, quarters: int) -> PatchFunction:
     c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[quarters]
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     return lambda u, v: function(u, v) @ rotation.T
-
-
-def _positive(**values: float) -> None:
-    for name, value in values.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} is {value}", remedy="give metres above zero")
 
 
 def _within(value: float, low: float, high: float, name: str) -> None:

@@ -21,6 +21,7 @@ from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.loads import STANDARD_GRAVITY
+from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.patch import Side
 from drystone.shells.shape import Shape
 from drystone.shells.sources import patch_from_grid
@@ -154,9 +155,7 @@ def find_form(
     """
     options = options if options is not None else FormOptions()
     thickness = thickness if thickness is not None else plan.default_thickness
-    for name, value in (("height", height), ("thickness", thickness)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} is {value}", remedy="give metres above zero")
+    refuse_unless_positive(height=height, thickness=thickness)
     if not plan.supports:
         raise InputError("the plan has no support", remedy="name the sides that it stands on")
     if options.rows < 4 or options.columns < 4:

@@ -14,7 +14,7 @@ from drystone.errors import InputError
 from drystone.geometry import polygon
 from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.frames import frames_from_normals
-from drystone.shells.tessellation import DirectedEdge, Tessellation
+from drystone.shells.tessellation import DirectedEdge, Tessellation, directed
 
 Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
 """[m]: one for all, one per course, or a function of points (k, 3) on the middle surface."""
@@ -88,10 +88,26 @@ def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
 def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
     """(v,) mean over the cells at each vertex of a value per cell (c,)."""
     loop, start = flat_loops(mesh.cells)
-    value = np.repeat(per_cell, np.diff(start))
-    count = np.bincount(loop, minlength=len(mesh.point))
-    mean: Floats = np.bincount(loop, value, minlength=len(mesh.point)) / np.maximum(count, 1)
+    return _corner_means(loop, np.repeat(per_cell, np.diff(start)), len(mesh.point))
+
+
+def _corner_means(loop: Ints, value: Floats, count: int) -> Floats:
+    """(count,) mean at each vertex of a value per corner (l,) of the loops."""
+    corners = np.maximum(np.bincount(loop, minlength=count), 1)
+    mean: Floats = np.bincount(loop, value, minlength=count) / corners
     return mean
+
+
+def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
+    """(v,) mean part of each vertex's vector (v, 3) square to the flat cells around it.
+
+    The cells have their vertices at ``point`` (v, 3).
+    """
+    loop, start = flat_loops(mesh.cells)
+    area = polygon.area_vectors(point[loop], start)
+    facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
+    across = np.einsum("li,li->l", vector[loop], np.repeat(facet, np.diff(start), axis=0))
+    return _corner_means(loop, across, len(point))
 
 
 def facet_cosine(mesh: Tessellation) -> Floats:
@@ -100,13 +116,7 @@ def facet_cosine(mesh: Tessellation) -> Floats:
     A block is as thick as asked, measured across its faces, when the pins at its corners are longer
     by this factor; otherwise coarse shells come out too thin.
     """
-    loop, start = flat_loops(mesh.cells)
-    area = polygon.area_vectors(mesh.point[loop], start)
-    facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
-    cosine = np.einsum("li,li->l", mesh.normal[loop], np.repeat(facet, np.diff(start), axis=0))
-    count = np.bincount(loop, minlength=len(mesh.point))
-    mean: Floats = np.bincount(loop, cosine, minlength=len(mesh.point)) / np.maximum(count, 1)
-    return mean
+    return _facet_means(mesh, mesh.point, mesh.normal)
 
 
 def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
@@ -120,11 +130,9 @@ def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
     cosine = facet_cosine(mesh)
     steep = cosine < LEAST_COSINE
     if steep.any():
-        vertex = int(np.flatnonzero(steep)[0])
-        name = next(n for n, c in zip(mesh.names, mesh.cells, strict=True) if vertex in c)
         raise InputError(
             "is too large: the surface turns by more than 60 degrees beside it",
-            where=f"block '{name}'",
+            where=f"block '{mesh.name_at(int(np.argmax(steep)))}'",
             remedy="give more courses and blocks",
         )
     half = 0.5 * thickness / cosine
@@ -172,13 +180,8 @@ def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
     first, last = pins.start[:-1], pins.start[1:] - 1
     low, high = pins.point[first], pins.point[last]
     middle = 0.5 * (low + high)
-    loop, start = flat_loops(mesh.cells)
-    area = polygon.area_vectors(middle[loop], start)
-    facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
-    across = np.einsum("li,li->l", (high - low)[loop], np.repeat(facet, np.diff(start), axis=0))
-    count = np.bincount(loop, minlength=len(middle))
-    mean = np.bincount(loop, across, minlength=len(middle)) / np.maximum(count, 1)
-    factor = np.clip(thickness / np.maximum(mean, 1e-300), 0.5, 2.0)
+    across = _facet_means(mesh, middle, high - low)
+    factor = np.clip(thickness / np.maximum(across, 1e-300), 0.5, 2.0)
     pin = np.repeat(np.arange(len(middle)), np.diff(pins.start))
     grown = middle[pin] + factor[pin, None] * (pins.point - middle[pin])
     return Pins(grown, pins.start)
@@ -198,7 +201,7 @@ def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
     seen: set[frozenset[int]] = set()
     polygons = []
     for cell in mesh.cells:
-        for edge in zip(cell, (*cell[1:], cell[0]), strict=True):
+        for edge in directed(cell):
             key = frozenset(edge)
             if key not in seen:
                 seen.add(key)
@@ -212,7 +215,7 @@ def cell_faces(
     """Intrados, extrados and side faces of one cell, all outwards."""
     low = tuple(int(pins.start[v]) for v in reversed(cell))
     high = tuple(int(pins.start[v + 1]) - 1 for v in cell)
-    edges = zip(cell, (*cell[1:], cell[0]), strict=True)
+    edges = directed(cell)
     return low, high, [face for edge in edges for face in side_polygons(mesh, pins, edge)]
 
 

@@ -18,6 +18,7 @@ from drystone.io import format_of
 from drystone.io.files import PathLike, read_bytes
 from drystone.shells.patch import Patch
 from drystone.shells.sources import patch_from_function
+from drystone.shells.tessellation import directed
 
 DEGREE = 3
 SMOOTHING = 1e-6
@@ -154,7 +155,7 @@ def _welded(
 def _border(loops: list[list[int]], name: str) -> list[int]:
     """The border's vertices in order, the mesh on their left."""
     after: dict[int, int] = {}
-    edges = {(a, b) for loop in loops for a, b in zip(loop, [*loop[1:], loop[0]], strict=True)}
+    edges = {(a, b) for loop in loops for a, b in directed(loop)}
     for a, b in edges:
         if (b, a) not in edges:
             if a in after:
@@ -221,9 +222,7 @@ def _layout(
         step = np.linalg.norm(np.diff(points[side], axis=0), axis=1)
         share = np.concatenate([[0.0], np.cumsum(step)]) / step.sum()
         uv[side] = square[k] + share[:, None] * (square[(k + 1) % 4] - square[k])
-    pairs = np.array(
-        [pair for loop in loops for pair in zip(loop, [*loop[1:], loop[0]], strict=True)]
-    )
+    pairs = np.array([pair for loop in loops for pair in directed(loop)])
     ends = np.unique(np.sort(pairs, axis=1), axis=0)
     weight = 1.0 / np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
     shape = (len(points), len(points))

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from drystone.assembly import DEFAULT_DENSITY
+from drystone.errors import InputError
 from drystone.shells.materialise import Thickness
 from drystone.shells.pattern import Wedge
 from drystone.shells.planarise import PlanarOptions
@@ -57,6 +58,11 @@ class Layout:
     wedge: Wedge = 0.0
 
 
+LARGEST_REGISTER = 35.0
+"""[degrees] Chosen: steeper than the friction angle of dry stone, 31 to 35 degrees, both halves of
+a bed slide on each other under the thrust, and the step is no hook but a wedge."""
+
+
 @dataclass(frozen=True)
 class Body:
     """What the cells become.
@@ -67,13 +73,18 @@ class Body:
         One, one per course, or a function of points; left out, that of the shape.
     density : [kg/m3]
     register_deg : [degrees]
-        Hooks every block over the course below; see
+        Hooks every block over the course below, -35 to 35; see
         :func:`drystone.shells.materialise.add_register`.
     intrados
     ground
     ground_depth : [m]
         Depth of the ground blocks; left out, the mean thickness.
     planar
+
+    Raises
+    ------
+    InputError
+        A register out of range.
     """
 
     thickness: Thickness | None = None
@@ -83,3 +94,10 @@ class Body:
     ground: Ground = Ground.BLOCKS
     ground_depth: float | None = None
     planar: PlanarOptions = field(default_factory=PlanarOptions)
+
+    def __post_init__(self) -> None:
+        if not abs(self.register_deg) <= LARGEST_REGISTER:
+            raise InputError(
+                f"the register is {self.register_deg} degrees",
+                remedy=f"give -{LARGEST_REGISTER:g} to {LARGEST_REGISTER:g}",
+            )

@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats
+from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.patch import Patch, Side
 from drystone.shells.shape import Edge, Seam, Shape
 
@@ -19,9 +20,7 @@ def rectangular_plan(
 
     Supported on all sides but the open ones.
     """
-    for name, value in (("width", width), ("depth", depth)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} is {value}", remedy="give metres above zero")
+    refuse_unless_positive(width=width, depth=depth)
 
     def point(u: Floats, v: Floats) -> Floats:
         return np.stack([width * v, depth * u, np.zeros_like(u)], axis=-1)
@@ -42,8 +41,12 @@ def three_legged_plan(reach: float = 6.0, waist: float = 2.5, foot: float = 2.4)
     foot : [m]
         Width of a leg at its foot.
     """
-    if not (reach > 0.0 and waist > 0.0 and foot > 0.0 and waist < reach):
-        raise InputError("reach, waist and foot must be positive, the waist less than the reach")
+    refuse_unless_positive(reach=reach, waist=waist, foot=foot)
+    if waist >= reach:
+        raise InputError(
+            f"the waist, {waist:g} m, is not less than the reach, {reach:g} m",
+            where="three-legged plan",
+        )
 
     def leg(angle: float) -> Patch:
         def at(degrees: float, radius: float) -> Floats:

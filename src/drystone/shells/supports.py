@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.geometry.arrays import Bools, Floats
 from drystone.shells.materialise import Pins
-from drystone.shells.tessellation import DirectedEdge, Tessellation
+from drystone.shells.tessellation import DirectedEdge, Tessellation, directed
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +29,7 @@ class Grounded:
 def springers(mesh: Tessellation) -> Bools:
     """(c,) which cells stand on a support."""
     supported = set(mesh.supported)
-    return np.array(
-        [
-            any(edge in supported for edge in zip(cell, (*cell[1:], cell[0]), strict=True))
-            for cell in mesh.cells
-        ]
-    )
+    return np.array([any(edge in supported for edge in directed(cell)) for cell in mesh.cells])
 
 
 def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> Grounded:
@@ -95,7 +90,7 @@ def _outwards(mesh: Tessellation) -> dict[int, Floats]:
 
 def _chains(cell: tuple[int, ...], supported: set[DirectedEdge]) -> list[list[int]]:
     """Runs of supported edges of one cell, as vertices in its order."""
-    edges = list(zip(cell, (*cell[1:], cell[0]), strict=True))
+    edges = directed(cell)
     on = [edge in supported for edge in edges]
     if not any(on):
         return []

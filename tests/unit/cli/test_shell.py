@@ -60,7 +60,9 @@ def test_a_form_is_found_for_a_plan(capsys: Capsys) -> None:
     assert told["notes"][0].startswith("form found in")
 
 
-def test_a_mesh_file_is_a_surface(tmp_path: Path, capsys: Capsys) -> None:
+@pytest.fixture
+def barrel_file(tmp_path: Path) -> str:
+    """The mesh of a semicircular barrel of 2 m radius, 4 m long."""
     angle, y = np.meshgrid(np.linspace(0, np.pi, 13), np.linspace(0, 4, 9), indexing="ij")
     points = np.stack([-2 * np.cos(angle), y, 2 * np.sin(angle)], axis=-1).reshape(-1, 3)
     n = np.arange(13 * 9).reshape(13, 9) + 1
@@ -69,13 +71,39 @@ def test_a_mesh_file_is_a_surface(tmp_path: Path, capsys: Capsys) -> None:
     lines += ["f " + " ".join(map(str, quad)) for quad in quads.tolist()]
     path = tmp_path / "barrel.obj"
     path.write_text("\n".join(lines))
+    return str(path)
+
+
+def test_a_mesh_file_is_a_surface(barrel_file: str, capsys: Capsys) -> None:
     _, told = answer(
         capsys,
-        *("shell", str(path), "--courses", "9", "--blocks", "3", "--supports", "left,right"),
+        *("shell", barrel_file, "--courses", "9", "--blocks", "3", "--supports", "left,right"),
         *("--thickness", "0.4"),
     )
     assert "mm from the patch" in told["notes"][0]
     assert told["shell"]["voussoirs"] == 31
+    assert told["shell"]["supports"] == ["patch 0, left", "patch 0, right"]
+    assert not any("assumed" in note for note in told["notes"])
+
+
+def test_assumed_supports_of_a_mesh_are_told(barrel_file: str, capsys: Capsys) -> None:
+    """The barrel stands on its two long sides, one of which is the bottom."""
+    arguments = ["shell", barrel_file, "--courses", "9", "--blocks", "3", "--thickness", "0.4"]
+    code, told = answer(capsys, *arguments)
+    assert code == 0
+    assert told["shell"]["supports"] == ["patch 0, bottom", "patch 0, top"]
+    note = "stands on its bottom, top, assumed: --supports names other sides"
+    assert told["notes"][1] == note
+    assert main(arguments) == 0
+    assert note in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_large_drift_is_a_note(capsys: Capsys) -> None:
+    _, told = answer(
+        capsys, "shell", "free-edge", "--courses", "12", "--width", "0.4", "--time-limit", "5"
+    )
+    assert told["shell"]["drift"] > 0.25
+    assert any("the surface twists at block" in note for note in told["notes"])
 
 
 @pytest.mark.parametrize(
@@ -96,7 +124,18 @@ def test_a_mesh_file_is_a_surface(tmp_path: Path, capsys: Capsys) -> None:
         ("barrel --courses 4 --course-height 1", ["--courses and --course-height"]),
         ("barrel --blocks 4 --width 1", ["--blocks and --width"]),
         ("barrel --out shell.doc", ["--out", "shell.json"]),
-        ("barrel --register 80", ["crosses itself"]),
+        ("barrel --register 45", ["the register is 45.0 degrees", "give -35 to 35"]),
+        ("barrel --register nan", ["the register is nan"]),
+        ("dome --wedge nan", ["the wedge is nan", "-0.45 to 0.45"]),
+        ("dome --blocks 1", ["1 block in a course is too few"]),
+        ("dome --width 1e-9", ["blocks in a course are too many"]),
+        ("dome --course-height 1e-9", ["more than 5,000 courses"]),
+        ("dome --course-height nan", ["the course height is nan", "metres above zero"]),
+        ("dome --rise 2", ["--rise", "is for barrel, free-edge, three-vaults"]),
+        ("three-vaults --length 3", ["--length", "leave it out for 'three-vaults'"]),
+        ("barrel --keystone", ["--keystone", "is for pavilion, dome"]),
+        ("barrel --eye 1", ["--eye", "is for pavilion, dome"]),
+        ("missing.obj --span 3", ["--span", "leave it out for a mesh file"]),
     ],
 )
 def test_bad_input_is_one_line(

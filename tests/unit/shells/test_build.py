@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from drystone.detection import find_contacts
 from drystone.errors import InputError
 from drystone.shells import (
     Body,
@@ -21,8 +24,9 @@ from drystone.shells import (
     rectangular_plan,
     shape_volume,
 )
-from drystone.shells.materialise import cell_faces
-from drystone.shells.planarise import warps
+from drystone.shells.extent import mean_width
+from drystone.shells.materialise import cell_faces, joint_polygons, raise_pins
+from drystone.shells.planarise import planarise, warps
 
 LAYOUT = Layout(courses=9, blocks=4, wedge=0.2)
 VAULT = build_shell(barrel_vault(6.0, 6.0, 1.732), LAYOUT, Body(thickness=0.3))
@@ -248,8 +252,115 @@ def test_an_impossible_thickness_is_refused(thickness, message):
 def test_a_register_too_deep_for_a_course_names_the_block():
     with pytest.raises(InputError, match="block 'c00-b00': has a face that crosses itself"):
         build_shell(
-            barrel_vault(), Layout(courses=20, blocks=8), Body(thickness=0.8, register_deg=60.0)
+            barrel_vault(), Layout(courses=30, blocks=8), Body(thickness=1.2, register_deg=35.0)
         )
+
+
+@pytest.mark.parametrize("register", [35.1, -45.0, float("nan")])
+def test_a_register_out_of_range_is_refused(register):
+    with pytest.raises(InputError, match=f"the register is {register} degrees; give -35 to 35"):
+        Body(register_deg=register)
+
+
+def bent(courses):
+    """A strip whose section is a curve in a plane, along y over 2 m."""
+
+    def build(section, span=(0.0, 2.0 * np.pi)):
+        def point(u, v):
+            x, z = section(span[0] + (span[1] - span[0]) * u)
+            return np.stack([x, 2.0 * v, z], axis=-1)
+
+        shape = Shape((patch_from_function(point, name="strip"),), (), (Edge(0, Side.BOTTOM),))
+        return build_shell(shape, Layout(courses=courses, blocks=3), Body(thickness=0.1))
+
+    return build
+
+
+def test_a_surface_that_crosses_itself_is_refused():
+    """The section is an eight on its side; it crosses itself in the middle."""
+    with pytest.raises(
+        InputError,
+        match=r"blocks 'c\d+-b\d+' and 'c\d+-b\d+': stand in each other, .* and \d+ more pairs; "
+        "the surface must not cross itself",
+    ):
+        bent(40)(lambda t: (4.0 * np.sin(t), 2.0 * np.sin(2.0 * t)), (0.3, 2.0 * np.pi + 0.1))
+
+
+@pytest.mark.parametrize("gap", [0.08, 0.12])
+def test_a_surface_may_come_as_near_to_itself_as_it_is_thick(gap):
+    """A spiral of a turn and a half, 0.1 m thick, its turns apart by the gap [m]."""
+
+    def spiral(t):
+        radius = 2.0 + gap * t / (2.0 * np.pi)
+        return radius * np.cos(t), radius * np.sin(t)
+
+    if gap < 0.1:
+        with pytest.raises(InputError, match="nor come closer to itself than the shell is thick"):
+            bent(60)(spiral, (0.0, 3.0 * np.pi))
+    else:
+        shell = bent(60)(spiral, (0.0, 3.0 * np.pi))
+        assert find_contacts(shell.assembly).report.penetrations == ()
+
+
+def test_a_patch_may_not_cross_another():
+    arch = barrel_vault(6.0, 2.0).patches[0]
+    other = patch_from_function(
+        lambda u, v: arch.point(u, v)[:, [1, 0, 2]] + [-1.0, 1.0, 0.3], name="across"
+    )
+    shape = Shape((arch, other), (), tuple(Edge(k, Side.BOTTOM) for k in (0, 1)))
+    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
+        build_shell(shape, Layout(courses=9, blocks=3), Body(thickness=0.2))
+
+
+def test_ground_blocks_may_not_stand_in_each_other():
+    """Under an upright wall and one that leans away from it."""
+    walls = [
+        patch_from_function(
+            lambda u, v, foot=foot, lean=lean: np.stack([foot + lean * u, 2.0 * v, u], axis=-1),
+            name=f"wall at {foot}",
+        )
+        for foot, lean in ((0.0, 0.0), (0.3, 1.0))
+    ]
+    shape = Shape(tuple(walls), (), (Edge(0, Side.BOTTOM), Edge(1, Side.BOTTOM)))
+    layout = Layout(courses=3, blocks=3)
+    with pytest.raises(InputError, match=r"'ground-p0.*' and 'ground-p1.*give a smaller ground"):
+        build_shell(shape, layout, Body(thickness=0.1, ground_depth=0.5))
+    assert build_shell(shape, layout, Body(thickness=0.1, ground_depth=0.1)).ground.sum() == 6
+
+
+def test_a_large_drift_is_noted_with_its_block():
+    """At a corner whose both sides stand on the ground the surface twists."""
+    shell = build_shell(FORM.shape, Layout(courses=16, width=0.3, wedge=0.2))
+    assert shell.planar.drift > 0.25
+    assert shell.off_surface < shell.planar.drift
+    assert len(shell.notes) == 1
+    assert "the surface twists at block 'c00-b" in shell.notes[0]
+    assert f"{shell.planar.drift:.2f} of a block's width" in shell.notes[0]
+    assert VAULT.notes == ()
+
+
+def test_a_large_drift_is_spread():
+    """Held corners share it: a third less than the least squares of all moves leaves."""
+    shell = build_shell(FORM.shape, Layout(courses=16, width=0.3, wedge=0.2))
+    raised = raise_pins(mesh_of(shell), shell.thickness)
+    _, alone = planarise(
+        raised.point, joint_polygons(mesh_of(shell), raised), scale=mean_width(mesh_of(shell))
+    )
+    assert shell.planar.drift < 0.8 * alone.drift
+
+
+def mesh_of(shell):
+    """The mesh without its ground."""
+    cells, vertices = int((~shell.ground).sum()), len(shell.thickness)
+    return replace(
+        shell.mesh,
+        cells=shell.mesh.cells[:cells],
+        names=shell.mesh.names[:cells],
+        **{
+            name: getattr(shell.mesh, name)[:vertices]
+            for name in ("point", "normal", "up", "inner")
+        },
+    )
 
 
 def test_layouts_must_be_one_per_patch():
