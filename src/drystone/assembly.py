@@ -13,7 +13,7 @@ import numpy as np
 
 from drystone.errors import InputError
 from drystone.geometry import polyhedron
-from drystone.geometry.arrays import Bools, Floats, Ints, frozen, frozen_floats
+from drystone.geometry.arrays import Bools, Floats, Ints, frozen, frozen_floats, frozen_points
 from drystone.geometry.polyhedron import body_mass_properties
 from drystone.geometry.surface import closed_surface
 
@@ -24,6 +24,9 @@ on a common density."""
 FLAT = 1e-12
 """A block whose volume is less than this share of its bounding box diagonal cubed is refused:
 rounding of its coordinates decides the sign."""
+
+SMALLEST = 1e-30
+"""[m], chosen: as far below any block as :data:`drystone.geometry.arrays.FARTHEST` is above."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +76,17 @@ class Block:
             raise InputError("a block needs a name", remedy="give a non-empty string")
         density = _density(self.density, where)
         try:
-            vertices = frozen_floats(self.vertices, (None, 3), "vertices")
+            vertices = frozen_points(self.vertices, (None, 3), "vertices")
             surface = closed_surface(self.faces, len(vertices))
         except InputError as error:
             raise InputError(error.what, where=where, remedy=error.remedy) from error
         vertices = frozen(surface.select(vertices))
         bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
+        extent = math.dist(*bounds.tolist())
+        if 0.0 < extent < SMALLEST:
+            raise InputError(f"it is {extent:.3g} m across", where=where, remedy="give metres")
         volume, centroid = body_mass_properties(vertices, surface.fan)
-        if abs(volume) <= FLAT * math.dist(*bounds.tolist()) ** 3:
+        if abs(volume) <= FLAT * extent**3:
             raise InputError(
                 f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
             )
@@ -133,8 +139,9 @@ class Block:
         translation : (3,) [m]
         """
         matrix = np.eye(3) if rotation is None else frozen_floats(rotation, (3, 3), "rotation")
-        moved = self.vertices @ matrix.T + frozen_floats(translation, (3,), "translation")
-        mirrored = np.linalg.det(matrix) < 0.0
+        with np.errstate(over="ignore", invalid="ignore"):  # what is too far is refused below
+            moved = self.vertices @ matrix.T + frozen_floats(translation, (3,), "translation")
+            mirrored = np.linalg.det(matrix) < 0.0
         faces = tuple(f[::-1] for f in self.faces) if mirrored else self.faces
         return Block(moved, faces, self.name, self.density, self.metadata, self.repairs)
 

@@ -11,7 +11,15 @@ import numpy as np
 
 from drystone.errors import InputError, MissingDependency
 from drystone.geometry import polygon
-from drystone.geometry.arrays import Bools, Floats, Ints, frozen, frozen_floats, frozen_ints
+from drystone.geometry.arrays import (
+    Bools,
+    Floats,
+    Ints,
+    frozen,
+    frozen_floats,
+    frozen_ints,
+    frozen_points,
+)
 
 if TYPE_CHECKING:
     import networkx
@@ -57,7 +65,7 @@ class Contacts:
             "frame": frozen_floats(np.reshape(self.frame, (-1, 3, 3)), (m, 3, 3), "frame"),
             "area": frozen_floats(self.area, (m,), "area"),
             "friction": check_friction(self.friction, m),
-            "point": frozen_floats(np.reshape(self.point, (-1, 3)), (None, 3), "point"),
+            "point": frozen_points(np.reshape(self.point, (-1, 3)), (None, 3), "point"),
             "interface": frozen_ints(self.interface, (None,), "interface"),
         }
         interface = checked["interface"]

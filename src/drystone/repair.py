@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
 from drystone.errors import InputError
 from drystone.geometry import coincidence
-from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.geometry.arrays import Floats, frozen_points
 from drystone.geometry.parts import separate_parts
 from drystone.geometry.polyhedron import Loop
 
@@ -62,7 +62,7 @@ def mended_block(
     """
     if not 0.0 <= merge <= 0.01:
         raise InputError(f"merge is {merge}", remedy="give a share of the block size up to 0.01")
-    points = frozen_floats(vertices, (None, 3), "vertices")
+    points = frozen_points(vertices, (None, 3), "vertices")
     given = [tuple(int(i) for i in face) for face in faces]
     for number, face in enumerate(given):
         if face and not 0 <= min(face) <= max(face) < len(points):

@@ -10,7 +10,7 @@ from drystone.assembly import Assembly
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.freeform import contacts_of
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.geometry.arrays import Floats, frozen_points
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
 from drystone.geometry.solid import distance
@@ -60,7 +60,7 @@ def contacts_from_mesh(
     if a == b:
         raise InputError("a joint needs two blocks", where=f"block '{assembly.names[a]}'")
     where = f"joint of '{assembly.names[a]}' and '{assembly.names[b]}'"
-    point = frozen_floats(vertices, (None, 3), "vertices")
+    point = frozen_points(vertices, (None, 3), "vertices")
     loops = [np.array(face, dtype=np.intp) for face in faces]
     for number, loop in enumerate(loops):
         if loop.ndim != 1 or len(loop) < 3 or loop.min() < 0 or loop.max() >= len(point):

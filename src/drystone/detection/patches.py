@@ -26,6 +26,9 @@ eleven strips or more."""
 REENTRANT = np.deg2rad(0.5)
 """[rad] A block is convex when no edge turns inwards by more; chosen, above the noise of warped
 faces."""
+COARSE = 1e-3
+"""Rounding of coordinates, by block size, above which a shape is lost; chosen, a fifth of the gap
+within which faces touch."""
 FOLDED = 1e-12
 """Area vector of a face, by the surface of its block, that is none."""
 
@@ -96,6 +99,7 @@ def patches_of(assembly: Assembly) -> Patches:
     are taken relative to the middle of the assembly, so that its place costs no digits.
     """
     faces, origin = _centred(assembly)
+    _refuse_rounded(assembly, origin)
     vectors = area_vectors(faces.point[faces.loop], faces.start)
     area = np.linalg.norm(vectors, axis=1)
     surface: Floats = np.bincount(faces.owner, area, minlength=len(assembly)).astype(np.float64)
@@ -153,6 +157,20 @@ def _centred(assembly: Assembly) -> tuple[Faces, Floats]:
     faces = assembly.faces
     origin = 0.5 * (faces.point.min(axis=0) + faces.point.max(axis=0))
     return Faces(faces.point - origin, faces.loop, faces.start, faces.owner), origin
+
+
+def _refuse_rounded(assembly: Assembly, origin: Floats) -> None:
+    """Raise for a block so far out, for its size, that its shape is lost in rounding."""
+    reach = np.maximum(np.abs(assembly.bounds).max(axis=(1, 2)), np.abs(origin).max())
+    lost = np.flatnonzero(np.spacing(reach) > COARSE * assembly.size)
+    if len(lost):
+        block = int(lost[0])
+        raise InputError(
+            f"it is {assembly.size[block]:.3g} m across, with coordinates or neighbours up to"
+            f" {reach[block]:.3g} m: no digits are left to tell its shape",
+            where=f"block '{assembly.names[block]}'",
+            remedy="move the model nearer to the origin, or check its units",
+        )
 
 
 def _refuse_folded(assembly: Assembly, faces: Faces, area: Floats, surface: Floats) -> None:

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from drystone.errors import InputError
 
+FARTHEST = 1e30
+"""[m], chosen: beyond any model, while the sixth power of it is still a number."""
+
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.intp]
 Bools: TypeAlias = NDArray[np.bool_]
@@ -52,6 +55,25 @@ def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats
             f"{what}{list(position)} is {array[position]}", remedy="give finite numbers only"
         )
     array.setflags(write=False)
+    return array
+
+
+def frozen_points(values: Any, shape: Sequence[int | None], what: str) -> Floats:
+    """Coordinates [m]; see :func:`frozen_floats`.
+
+    Raises
+    ------
+    InputError
+        Also for numbers beyond :data:`FARTHEST`, of which products overflow.
+    """
+    array = frozen_floats(values, shape, what)
+    far = np.abs(array) > FARTHEST
+    if far.any():
+        position = tuple(int(i) for i in np.argwhere(far)[0])
+        raise InputError(
+            f"{what}{list(position)} is {array[position]:g}",
+            remedy=f"give metres, up to {FARTHEST:g}",
+        )
     return array
 
 

@@ -9,10 +9,9 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry import polygon
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.geometry.arrays import FARTHEST, Bools, Floats, Ints
 from drystone.geometry.frames import frames_from_normals
 from drystone.io.draft import Extras
-from drystone.io.heap import FARTHEST
 from drystone.io.jsontext import Field
 
 

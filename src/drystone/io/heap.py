@@ -12,13 +12,11 @@ import numpy as np
 
 from drystone.errors import FormatError
 from drystone.geometry import coincidence, soup
-from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.arrays import FARTHEST, Floats, Ints
 from drystone.geometry.merge import merge_coplanar
 from drystone.geometry.polyhedron import Loop, edge_defects
 from drystone.io.draft import Shape
 
-FARTHEST = 1e100
-"""In any unit, chosen: products of coordinates stay finite."""
 MANY = 5
 """Names told of in notes."""
 

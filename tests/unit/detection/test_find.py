@@ -357,3 +357,19 @@ def test_impossible_friction_is_refused(friction: float) -> None:
 def test_impossible_tolerances_are_refused(wrong: dict[str, object]) -> None:
     with pytest.raises(InputError):
         DetectionOptions(**wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1e30, 0.0), (1.0, 1e14)])
+def test_blocks_without_digits_are_refused(scale: float, shift: float) -> None:
+    ground = box((scale, scale, scale), (shift, 0.0, -scale), name="ground")
+    small = box((1.0, 1.0, 1.0), (shift, 0.0, 0.0), name="small")
+    with pytest.raises(InputError, match=r"no digits are left .*units") as caught:
+        find_contacts(Assembly((ground, small), np.array([True, False])))
+    assert caught.value.where in ("block 'small'", "block 'ground'")
+
+
+def test_blocks_of_very_different_sizes_touch() -> None:
+    ground = box((1e8, 1e8, 1.0), (-5e7, -5e7, -1.0), name="ground")
+    small = box((1.0, 1.0, 1.0), name="small")
+    found = find_contacts(Assembly((ground, small), np.array([True, False])))
+    assert found.contacts.area == pytest.approx([1.0])
