@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drystone import Assembly, CheckOptions, LoadCase, RBEOptions, Verdict, models
+from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Verdict, models
 from drystone.checks import corner_motion
 from drystone.detection import find_contacts
 from drystone.stability import FrictionCone, check, solve_rbe
@@ -19,10 +19,28 @@ Axis = tuple[float, float, float]
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)
 
 
+Judge = Callable[[Assembly, Contacts, LoadCase], Verdict]
+
+
+def uniform(model: Assembly, contacts: Contacts, load: LoadCase) -> Verdict:
+    options = CheckOptions(samples=0, search=False)
+    return check(model, contacts, load, options=options).verdict
+
+
+def balanced_on_the_octagon(model: Assembly, contacts: Contacts, load: LoadCase) -> Verdict:
+    options = RBEOptions(cone=FrictionCone.octagon(), tension=False)
+    return solve_rbe(model, contacts, load, options=options).verdict
+
+
+def searched(model: Assembly, contacts: Contacts, load: LoadCase) -> Verdict:
+    return check(model, contacts, load).verdict
+
+
 def sides(
-    judge: Callable[[LoadCase], Verdict], model: Assembly, axis: Axis, below: float, above: float
+    judge: Judge, model: Assembly, friction: float, axis: Axis, below: float, above: float
 ) -> list[Verdict]:
-    return [judge(LoadCase.tilt(model, axis, angle)) for angle in (below, above)]
+    contacts = find_contacts(model, friction=friction).contacts
+    return [judge(model, contacts, LoadCase.tilt(model, axis, tilt)) for tilt in (below, above)]
 
 
 @pytest.mark.parametrize(
@@ -52,13 +70,7 @@ def test_wedges_with_uniform_stiffness_tilt_as_far_as_discrete_elements(
     kind: str, axis: Axis, friction: float, dem: float
 ) -> None:
     model = models.wedge(kind)  # type: ignore[arg-type]
-    contacts = find_contacts(model, friction=friction).contacts
-    options = CheckOptions(samples=0, search=False)
-
-    def judge(load: LoadCase) -> Verdict:
-        return check(model, contacts, load, options=options).verdict
-
-    found = sides(judge, model, axis, dem - 0.2, dem + 0.2)
+    found = sides(uniform, model, friction, axis, dem - 0.2, dem + 0.2)
     assert found == [Verdict.STABLE, Verdict.UNSTABLE]
 
 
@@ -79,13 +91,7 @@ def test_wedges_with_the_octagon_balance_to_the_published_whole_degree(
     kind: str, axis: Axis, friction: float, rbe: int
 ) -> None:
     model = models.wedge(kind)  # type: ignore[arg-type]
-    contacts = find_contacts(model, friction=friction).contacts
-    options = RBEOptions(cone=FrictionCone.octagon(), tension=False)
-
-    def judge(load: LoadCase) -> Verdict:
-        return solve_rbe(model, contacts, load, options=options).verdict
-
-    found = sides(judge, model, axis, rbe, rbe + 1)
+    found = sides(balanced_on_the_octagon, model, friction, axis, rbe, rbe + 1)
     assert found == [Verdict.EQUILIBRIUM_EXISTS, Verdict.UNSTABLE]
 
 
@@ -97,12 +103,39 @@ def test_curved_joints_tilt_to_the_published_whole_degree(
     axis: Axis, below: float, above: float
 ) -> None:
     model = models.curve_three_blocks()
+    found = sides(searched, model, 0.84, axis, below, above)
+    assert found == [Verdict.STABLE, Verdict.UNSTABLE]
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "below", "above"),
+    [
+        ("b", X, 57.7, 59.5),
+        ("c", X, 44.0, 44.6),
+        ("b", XY30, 61.0, 64.0),
+        ("c", XY30, 48.0, 50.5),
+        ("d", XY30, 48.5, 50.5),
+    ],
+)
+def test_the_search_finds_rest_where_one_stiffness_has_none(
+    kind: str, axis: Axis, below: float, above: float
+) -> None:
+    model = models.wedge(kind)  # type: ignore[arg-type]
+    assert sides(searched, model, 0.84, axis, below, above) == [Verdict.STABLE, Verdict.UNSTABLE]
+
+
+@pytest.mark.parametrize("tilt", [58.0, 59.5])
+def test_joints_that_give_very_unequally_hold_a_wedge_beyond_the_published_angle(
+    tilt: float,
+) -> None:
+    """A checked state at 20 times the least overlap, slides of a few overlaps: kept as found."""
+    model = models.wedge("b")
     contacts = find_contacts(model, friction=0.84).contacts
-
-    def judge(load: LoadCase) -> Verdict:
-        return check(model, contacts, load).verdict
-
-    assert sides(judge, model, axis, below, above) == [Verdict.STABLE, Verdict.UNSTABLE]
+    options = CheckOptions(samples=0, evenness=0.05, search_tries=32)
+    found = check(model, contacts, LoadCase.tilt(model, X, tilt), options=options)
+    assert found.verdict is Verdict.STABLE
+    assert found.residuals is not None
+    assert found.residuals.largest < 1e-8
 
 
 @pytest.mark.parametrize(("height", "stands"), [("short", (60, 50, 70)), ("tall", (37, 34, 48))])

@@ -87,7 +87,7 @@ def solve_conic(
 
     Parameters
     ----------
-    quadratic : (x, x) sparse, upper triangle is read
+    quadratic : (x, x) sparse, upper triangle is read; or its diagonal (x,)
     linear : (x,)
     matrix : (r, x) sparse
     right : (r,)
@@ -110,8 +110,13 @@ def solve_conic(
     if cones.nonnegative:
         kinds.append(clarabel.NonnegativeConeT(cones.nonnegative))
     kinds.extend(clarabel.SecondOrderConeT(size) for size in cones.second_order)
+    if isinstance(quadratic, np.ndarray):
+        place = np.arange(len(quadratic) + 1)
+        upper = sparse.csc_matrix((quadratic, place[:-1], place))
+    else:
+        upper = sparse.csc_matrix(sparse.triu(quadratic))
     solver = clarabel.DefaultSolver(
-        sparse.csc_matrix(sparse.triu(quadratic)),
+        upper,
         np.asarray(linear, dtype=np.float64),
         sparse.csc_matrix(matrix),
         np.asarray(right, dtype=np.float64),

@@ -11,14 +11,15 @@ from drystone.assembly import Assembly
 from drystone.checks import check_forces, corner_motion
 from drystone.contacts import Contacts
 from drystone.formulations import compliance
-from drystone.formulations.compatible import improve
 from drystone.formulations.coupled import equal_overlap
+from drystone.formulations.improvement import improve
 from drystone.formulations.rest import RestOptions, find_rest
 from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Verdict
-from drystone.stability.check import SEARCH_LIMIT, CheckOptions, check
+from drystone.stability.check import CheckOptions, check
 from drystone.stability.problem import Clock, Problem
+from drystone.stability.search import SEARCH_LIMIT, Search
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ def _worst(state: _State, options: CRAOptions) -> tuple[bool, float, float]:
 
 
 def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -> Iterator[_State]:
-    """Candidates for eq. 5.6: the equal-overlap path for each slip length, then convex steps."""
+    """Candidates for eq. 5.6: the equal-overlap path per slip length, convex steps, the search."""
     statics = problem.statics
     loose = RestOptions(ground=1e-8, tolerance=1e-8)
     for slip in options.slips:
@@ -149,7 +150,9 @@ def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -
         yield _examined(problem, path.state.motion, path.state.force, path.iterations)
     if statics.corner_count <= SEARCH_LIMIT and base.displacement is not None:
         motion = statics.scaled_motion(base.displacement, statics.mean_length)
-        found = improve(statics, motion, equal_overlap=True, stop=clock.late)
+        found = improve(statics, motion, stop=clock.late)
+        yield _examined(problem, found.motion, found.force, found.iterations)
+    for found in Search(problem, clock).states(1.0):
         yield _examined(problem, found.motion, found.force, found.iterations)
 
 

@@ -15,7 +15,8 @@ from drystone.formulations.compliance import Compliance
 from drystone.formulations.rest import RestOptions, find_rest
 from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
-from drystone.stability.check import TO_REST, CheckOptions, check
+from drystone.stability.attempts import TO_REST
+from drystone.stability.check import CheckOptions, check
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.statics import Statics

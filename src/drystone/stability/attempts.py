@@ -1,0 +1,137 @@
+"""Rest states for assumed contact stiffnesses, and what they tell about standing and falling."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from drystone.checks import check_forces
+from drystone.formulations.compliance import Compliance
+from drystone.formulations.rest import RestOptions, RestState, find_rest
+from drystone.geometry.arrays import Floats
+from drystone.results import Residuals
+from drystone.stability.problem import Clock, Problem
+from drystone.stability.proofs import FORCE_TOLERANCE
+
+TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60)
+"""A first look: with this ground a rest state leans on it by parts in a million of the load."""
+
+SHARPER = RestOptions(ground=1e-9, tolerance=1e-6)
+"""A first motion close to the limit is slow, and blurred less by weaker ground."""
+
+AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-6)
+"""The state itself: what the ground still carries is below every tolerance."""
+
+FALLS_FROM = 1e-4
+"""Share of a block's load on the ground from which on a state shows it falling."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Forces and a motion that may prove that it stands.
+
+    Attributes
+    ----------
+    force : (k, 3) [N]
+    displacement : (n, 6) [m, rad]
+    residuals
+    """
+
+    force: Floats
+    displacement: Floats
+    residuals: Residuals
+
+    @property
+    def stands(self) -> bool:
+        """Whether every residual is small enough for a proof."""
+        return self.residuals.largest <= FORCE_TOLERANCE
+
+
+@dataclass(frozen=True, eq=False)
+class Falling:
+    """A state that leans on the ground springs, and the stiffnesses that it has.
+
+    Attributes
+    ----------
+    state
+    springs
+    force : (k, 3) [N]
+    residuals
+    """
+
+    state: RestState
+    springs: Compliance
+    force: Floats
+    residuals: Residuals
+
+    @property
+    def ground(self) -> Floats:
+        """(n, 6) scaled wrench of the ground springs."""
+        return self.state.ground
+
+
+@dataclass(eq=False)
+class Attempts:
+    """One model's tries, and how they ended.
+
+    Attributes
+    ----------
+    problem
+    clock
+    standing, falling
+        What proves that it stands, and what shows it falling; other tries show nothing.
+    tried
+        Number of stiffness distributions.
+    iterations
+        Newton steps so far.
+    checking_s : [s]
+        Time spent on residuals.
+    """
+
+    problem: Problem
+    clock: Clock
+    standing: list[Candidate] = field(default_factory=list)
+    falling: list[Falling] = field(default_factory=list)
+    tried: int = 0
+    iterations: int = 0
+    checking_s: float = 0.0
+
+    def attempt(self, springs: Compliance) -> Candidate:
+        """One stiffness distribution, followed to its end."""
+        self.tried += 1
+        state = self._rest(springs, TO_REST)
+        share = self.problem.ground_share(state.ground)
+        final = state if share.max() >= 0.5 else self._rest(springs, AT_REST, state)
+        candidate = self.examine(final.motion, final.force)
+        if candidate.stands:
+            self.standing.append(candidate)
+        elif state.converged and share.max() > FALLS_FROM:
+            self.falling.append(Falling(state, springs, candidate.force, candidate.residuals))
+        return candidate
+
+    def examine(self, motion: Floats, force: Floats) -> Candidate:
+        """Scaled motion and forces in physical numbers, with their residuals."""
+        problem = self.problem
+        began = self.clock.elapsed_s
+        physical = problem.force(force)
+        displacement = problem.displacement(motion)
+        residuals = check_forces(
+            problem.assembly, problem.contacts, problem.load, physical, displacement
+        )
+        self.checking_s += self.clock.elapsed_s - began
+        return Candidate(physical, displacement, residuals)
+
+    def falling_states(self) -> Iterator[RestState]:
+        """The states on ground springs that do not come to rest, then the same on weaker ones."""
+        for trial in self.falling:
+            yield trial.state
+        for trial in self.falling:
+            if not self.clock.late():
+                yield self._rest(trial.springs, SHARPER)
+
+    def _rest(
+        self, springs: Compliance, options: RestOptions, start: RestState | None = None
+    ) -> RestState:
+        state = find_rest(self.problem.system, springs, options, start=start, stop=self.clock.late)
+        self.iterations += state.iterations
+        return state

@@ -1,0 +1,290 @@
+"""The cascade that ends with forces and a motion, or with a proof that it falls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.formulations import compliance
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import EquilibriumSolution, solve_equilibrium
+from drystone.formulations.improvement import CompatibleState
+from drystone.geometry.arrays import Floats
+from drystone.loads import LoadCase
+from drystone.progress import Progress
+from drystone.results import Residuals, Result, Samples, Verdict
+from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.stability.attempts import Attempts, Candidate
+from drystone.stability.problem import Clock, Problem
+from drystone.stability.proofs import (
+    FALLING_SHARE,
+    checked_mechanism,
+    free_acceleration,
+    is_first_motion,
+    moving_blocks,
+    unpressed,
+)
+from drystone.stability.search import SLIDE_LIMIT, Search
+
+SENSITIVE = "sensitive to how the joints press"
+
+
+@dataclass(frozen=True)
+class CheckOptions:
+    """Options of :func:`check`.
+
+    Attributes
+    ----------
+    samples
+        Stiffness distributions tried beyond the uniform one, to tell robust from sensitive and to
+        find a rest state where uniform stiffness has none.
+    search
+        Look for a rest state by convex steps where no sample has one.
+    search_tries
+        Random parts of the corners from which the search starts on small models; and four times as
+        many random motions, divided by the number of free blocks.
+    evenness
+        Least overlap of a pressing corner, by the largest, in a state that the search may answer
+        with; 1 is eq. 5.6. Chosen: 0.6 reaches the limit that 3DEC gave for each small model
+        of Kao 2023 where equal overlaps do not, and adds little elsewhere; with a third planks jam
+        at twice the angle, with a twentieth almost any wedge holds.
+    seed
+        Of the random stiffness distributions.
+    time_limit_s
+        After it the answer is given from what is known by then.
+    """
+
+    samples: int = 4
+    search: bool = True
+    search_tries: int = 8
+    evenness: float = 0.6
+    seed: int = 0
+    time_limit_s: float = float("inf")
+
+
+class Cascade:
+    """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion."""
+
+    def __init__(
+        self, problem: Problem, options: CheckOptions, progress: Progress | None, clock: Clock
+    ) -> None:
+        self.problem = problem
+        self.options = options
+        self.progress = progress
+        self.clock = clock
+        self.iterations = 0
+        self.level = False
+        self.balance: EquilibriumSolution | None = None
+        self.attempts = Attempts(problem, clock)
+
+    def run(self) -> Result:
+        """The verdict, with what proves it."""
+        problem = self.problem
+        if problem.statics.free_count == 0:
+            return self._nothing_free()
+        dropped = self._free_fall()
+        if dropped is not None:
+            return dropped
+        self._report("rest state", 0)
+        attempts = self.attempts
+        uniform = attempts.attempt(compliance.uniform(problem.statics))
+        if not uniform.stands:
+            self._report("equilibrium", 1)
+            impossible = self._impossible()
+            if impossible is not None:
+                return impossible
+        samples = compliance.samples(problem.statics, self.options.samples, self.options.seed)
+        for number, sample in enumerate(samples):
+            if self.clock.late():
+                break
+            self._report("stiffness samples", 2 + number)
+            attempts.attempt(sample)
+        if attempts.standing:
+            return self._stable(uniform)
+        self._report("search", 2 + self.options.samples)
+        found = self._search()
+        if found is not None:
+            return self._sensitive(found)
+        return self._first_motion()
+
+    def _free_fall(self) -> Result | None:
+        """UNSTABLE when the loads press some blocks against nothing and the others stand.
+
+        Contact forces answer pressing. Blocks that the loads accelerate without approaching any
+        corner feel none, at whatever friction: a block between two vertical walls falls, although
+        forces that nothing provides could hold it.
+        """
+        problem = self.problem
+        assembly = problem.assembly
+        acceleration = free_acceleration(problem)
+        falling = unpressed(assembly, problem.contacts, acceleration)
+        if not falling.any():
+            return None
+        others = np.flatnonzero(~falling)
+        if not assembly.fixed[others].all():
+            rest = Problem.build(
+                assembly.subset(others.tolist()),
+                problem.contacts.of_blocks(others, len(assembly)),
+                LoadCase(problem.load.wrench[others]),
+            )
+            part = Cascade(rest, self.options, None, self.clock).run()
+            self.iterations += part.iterations
+            if part.verdict is not Verdict.STABLE:
+                return None
+        motion = np.where(falling[:, None], acceleration, 0.0)
+        return self._answer(
+            Verdict.UNSTABLE,
+            "nothing presses on the blocks that fall, so nothing holds them",
+            mechanism=problem.normalised(motion),
+            prop=np.where(falling[:, None], -problem.load.wrench, 0.0),
+            falling=tuple(int(i) for i in np.flatnonzero(falling)),
+        )
+
+    def _impossible(self) -> Result | None:
+        """UNSTABLE when no contact forces balance the loads, with the mechanism."""
+        balance = solve_equilibrium(
+            self.problem.statics,
+            cone=FrictionCone.exact(),
+            options=ConicOptions(time_limit_s=self.clock.left_s),
+        )
+        self.iterations += balance.raw.iterations
+        if balance.raw.status is ConicStatus.SOLVED:
+            self.balance = balance
+            return None
+        mechanism = checked_mechanism(self.problem, balance)
+        if mechanism is None:
+            return None
+        return self._unstable("no contact forces can balance the loads", mechanism)
+
+    def _search(self) -> Candidate | None:
+        """A state by convex steps from the pressed corners, or from balanced forces.
+
+        Overlaps about as large as each other are asked for: with any overlap at any corner almost
+        every wedge can be held by forces that only prestress brings about.
+        """
+        if not self.options.search:
+            return None
+        look = Search(
+            self.problem,
+            self.clock,
+            self.balance,
+            tries=self.options.search_tries,
+            seed=self.options.seed,
+        )
+        try:
+            for state in look.states(self.options.evenness):
+                candidate = self.attempts.examine(state.motion, state.force)
+                if candidate.stands and look.slide(state) <= SLIDE_LIMIT:
+                    return self._levelled(look, state) or candidate
+        finally:
+            self.iterations += look.iterations
+        return None
+
+    def _levelled(self, look: Search, state: CompatibleState) -> Candidate | None:
+        """The state of eq. 5.6 nearby, if there is one."""
+        level = look.improved(state.motion, 1.0)
+        candidate = self.attempts.examine(level.motion, level.force)
+        self.level = candidate.stands and look.slide(level) <= SLIDE_LIMIT
+        return candidate if self.level else None
+
+    # -- the answers ----------------------------------------------------------------------------
+    def _nothing_free(self) -> Result:
+        corners = self.problem.contacts.corner_count
+        return self._answer(
+            Verdict.STABLE,
+            "every block is fixed",
+            force=np.zeros((corners, 3)),
+            displacement=np.zeros((len(self.problem.assembly), 6)),
+            residuals=Residuals(),
+        )
+
+    def _stable(self, uniform: Candidate) -> Result:
+        tried, stood = self.attempts.tried, len(self.attempts.standing)
+        if tried == 1:
+            words = "stands"
+        elif stood == tried:
+            words = f"stands for all {tried} contact stiffnesses tried"
+        else:
+            words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
+        best = uniform if uniform.stands else self.attempts.standing[0]
+        return self._answer(
+            Verdict.STABLE,
+            words,
+            force=best.force,
+            displacement=best.displacement,
+            residuals=best.residuals,
+        )
+
+    def _sensitive(self, found: Candidate) -> Result:
+        how = "eq. 5.6 is met" if self.level else "it can rest on joints that give unequally"
+        return self._answer(
+            Verdict.STABLE,
+            f"{how}, but none of {self.attempts.tried} contact stiffnesses tried leads to rest: "
+            f"{SENSITIVE}",
+            force=found.force,
+            displacement=found.displacement,
+            residuals=found.residuals,
+        )
+
+    def _first_motion(self) -> Result:
+        problem = self.problem
+        for state in self.attempts.falling_states():
+            share = problem.ground_share(state.ground)
+            moving = (share > FALLING_SHARE * share.max())[:, None]
+            motion = problem.mechanism(np.where(moving, state.motion, 0.0))
+            if is_first_motion(problem, motion):
+                return self._unstable(
+                    "forces could balance the loads, but only prestress would bring them "
+                    "about: it starts to move",
+                    motion,
+                )
+        words = "the time was up" if self.clock.late() else "more samples may help"
+        return self._answer(
+            Verdict.UNDECIDED,
+            f"no rest state in {self.attempts.tried} stiffness distributions, and no proof that "
+            f"there is none; {words}",
+        )
+
+    def _unstable(self, message: str, mechanism: Floats) -> Result:
+        """With the blocks and props of the state on ground springs where there is one."""
+        problem = self.problem
+        falling = moving_blocks(problem.assembly, mechanism)
+        prop = force = residuals = None
+        for trial in self.attempts.falling[:1]:
+            share = problem.ground_share(trial.ground)
+            chosen = problem.statics.free[share > FALLING_SHARE * share.max()]
+            falling = tuple(int(i) for i in chosen)
+            prop = -problem.wrench(trial.ground)
+            force, residuals = trial.force, trial.residuals
+        return self._answer(
+            Verdict.UNSTABLE,
+            message,
+            mechanism=mechanism,
+            prop=prop,
+            force=force,
+            residuals=residuals,
+            falling=falling,
+        )
+
+    def _answer(self, verdict: Verdict, message: str, **found: object) -> Result:
+        self._report("done", 3 + self.options.samples)
+        elapsed, checking = self.clock.elapsed_s, self.attempts.checking_s
+        return Result(
+            method="check",
+            verdict=verdict,
+            assembly=self.problem.assembly,
+            contacts=self.problem.contacts,
+            load=self.problem.load,
+            message=message,
+            samples=Samples(self.attempts.tried, len(self.attempts.standing)),
+            options=self.options,
+            solver="rest state by interior points",
+            iterations=self.iterations + self.attempts.iterations,
+            time_s={"solve": elapsed - checking, "check": checking},
+            **found,  # type: ignore[arg-type]
+        )
+
+    def _report(self, stage: str, done: int) -> None:
+        if self.progress is not None:
+            self.progress(stage, done, 3 + self.options.samples)
