@@ -147,6 +147,12 @@ def test_curved_models_have_their_published_areas() -> None:
         assert contacts.area.sum() == pytest.approx(area, abs=6e-5)
 
 
+def test_strips_in_one_plane_are_one_interface() -> None:
+    """The two middle strips of an S-curve: in one joint of curve-3-blocks, four of cube-curve."""
+    assert find_contacts(curve_three_blocks(20)).contacts.count == 2 * 20 - 1
+    assert find_contacts(cube_curve(strips=18)).contacts.count == 4 * 18 - 4
+
+
 def test_overlap_with_a_hole_becomes_pieces_without_one() -> None:
     contacts = find_contacts(
         Assembly((SLAB, ring("ring", 1.0).transformed(translation=(-1.5, -1.5, 0.0))))
