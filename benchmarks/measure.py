@@ -126,7 +126,7 @@ def _question(
     work: Workload, assembly: Assembly, contacts: Contacts, load: LoadCase
 ) -> Callable[[], Result]:
     if work.task is Task.BALANCE:
-        return lambda: solve_rbe(assembly, contacts, load, options=RBEOptions(tension=False))
+        return lambda: solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility())
     return lambda: check(assembly, contacts, load, options=CheckOptions(samples=0))
 
 

