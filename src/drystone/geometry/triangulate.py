@@ -12,9 +12,13 @@ FLAT_TURN = 1e-9
 """A corner that turns inwards by less than this share of the area of the face counts as straight;
 chosen, well above the rounding of coordinates."""
 
+THIN = 1e-3
+"""A fan about the first corner with a triangle below this share of the face is not taken where
+another corner does better; chosen. Slivers cross other faces where the face is warped."""
+
 MOST_CORNERS = 12
-"""Of a concave face whose corners are tried as the middle of a fan, chosen: beyond it hardly any
-sees all the others."""
+"""Of a face whose corners are tried as the middle of a fan, chosen: beyond it hardly any sees all
+the others."""
 
 
 def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
@@ -51,14 +55,15 @@ def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
     triangle = _fans(start)
     polygon = np.repeat(np.arange(len(count), dtype=np.intp), count - 2)
     first = np.concatenate([[0], np.cumsum(count - 2)])
-    concave = np.flatnonzero(~_convex(flat, start))
-    for size in np.unique(count[concave][count[concave] <= MOST_CORNERS]):
-        same = concave[count[concave] == size]
+    convex = _convex(flat, start)
+    poor = np.flatnonzero(~convex | _thin(flat, triangle, first))
+    for size in np.unique(count[poor][count[poor] <= MOST_CORNERS]):
+        same = poor[count[poor] == size]
         corner, seen = _seen_from_one(flat[start[same][:, None] + np.arange(size)])
         rows = first[same[seen], None] + np.arange(size - 2)
         triangle[rows] = start[same[seen], None, None] + corner[seen]
-        concave = np.setdiff1d(concave, same[seen], assume_unique=True)
-    for i in concave:
+        poor = np.setdiff1d(poor, same[seen], assume_unique=True)
+    for i in poor[~convex[poor]]:
         ears = _clip_ears(flat[start[i] : start[i + 1]])
         triangle[first[i] : first[i + 1]] = ears + start[i]
     return triangle, polygon
@@ -86,6 +91,14 @@ def _convex(flat: Floats, start: Ints) -> Bools:
     area = 0.5 * np.add.reduceat(_cross(flat, flat[after]), start[:-1])
     inward = turn < -FLAT_TURN * np.abs(area)[loop]
     return ~np.logical_or.reduceat(inward, start[:-1])
+
+
+def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
+    """Whether a polygon of more than three corners has a triangle that is next to nothing."""
+    a, b, c = (flat[triangle[:, i]] for i in range(3))
+    double = _cross(b - a, c - a)
+    whole = np.add.reduceat(double, first[:-1])
+    return (np.minimum.reduceat(double, first[:-1]) < THIN * whole) & (np.diff(first) > 1)
 
 
 def _fans(start: Ints) -> Ints:

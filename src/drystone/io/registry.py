@@ -38,8 +38,8 @@ def _read_json(data: bytes, path: Path) -> Draft:
 
 LOADS = "loads and results"
 CONTACTS = f"contacts, {LOADS}"
-MATERIAL = f"supports, densities, {CONTACTS}"
-SINGLE = "digits beyond single precision"
+MATERIAL = f"supports, densities, metadata, {CONTACTS}"
+SINGLE = "digits beyond single precision, polygons that are not plane"
 FORMATS: tuple[Format, ...] = (
     Format("drystone", "drystone JSON", (".json",), _read_json, drystone_json_write.write),
     Format("drystone-npz", "drystone JSON with npz", (), None, drystone_json_write.write_beside),
@@ -49,7 +49,7 @@ FORMATS: tuple[Format, ...] = (
         (".json",),
         _read_json,
         compas_json_write.write_assembly,
-        f"friction, {LOADS} but for forces",
+        f"friction, metadata, {LOADS} but for forces",
     ),
     Format(
         "compas-dem",
@@ -57,7 +57,7 @@ FORMATS: tuple[Format, ...] = (
         (".json",),
         _read_json,
         compas_json_write.write_block_model,
-        f"friction, {LOADS} but for forces",
+        f"friction, metadata, {LOADS} but for forces",
     ),
     Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write, MATERIAL),
     Format("stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {MATERIAL}"),

@@ -84,3 +84,14 @@ def test_no_polygon_has_no_triangle() -> None:
 def test_a_crossed_loop_still_gives_two_triangles_less_than_corners() -> None:
     bow = np.array([(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0), (3, 2, 0)], dtype=float)
     assert len(triangulate(bow, np.array([0, 5]))[0]) == 3
+
+
+@pytest.mark.parametrize("first", range(5))
+def test_a_straight_corner_makes_no_triangle_of_nothing(first: int) -> None:
+    corners = np.array([(0.0, 0, 0), (1, 1e-5, 0), (2, 0, 0), (2, 1, 0.1), (0, 1, 0)])
+    corners = np.roll(corners, first, axis=0)
+    triangle = corners[triangulate(corners, np.array([0, 5]))[0]]
+    sides = triangle[:, 1:] - triangle[:, :1]
+    area = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    assert area.min() > 0.1
+    assert area.sum() == pytest.approx(2.0, rel=0.01)
