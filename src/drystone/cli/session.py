@@ -170,6 +170,8 @@ def with_own_friction(assembly: Assembly, contacts: Contacts) -> tuple[Contacts,
 
 def warnings_of(report: ContactReport) -> list[str]:
     """What a user must hear of the contact search even when he did not ask for its report."""
+    from drystone.detection.advice import millimetres  # the commands start fast
+
     names = report.names
     said = []
     if report.isolated:
@@ -180,7 +182,7 @@ def warnings_of(report: ContactReport) -> list[str]:
     deepest = sorted(report.penetrations, key=lambda pair: -pair.depth)
     said += [
         f"blocks '{names[pair.block_a]}' and '{names[pair.block_b]}' stand"
-        f" {1e3 * pair.depth:.3g} mm in each other"
+        f" {millimetres(pair.depth)} mm in each other"
         for pair in deepest[:LISTED]
     ]
     if len(deepest) > LISTED:

@@ -72,4 +72,16 @@ def listed(items: Sequence[str]) -> str:
     return ", ".join(items[:SHOWN]) + more
 
 
-__all__ = ["SHOWN", "counted", "listed", "suggestions"]
+def millimetres(length: float) -> str:
+    """A length [m] in millimetres, to three digits or a nanometre, and never as a power of ten.
+
+    Examples
+    --------
+    >>> millimetres(0.0), millimetres(0.0012345), millimetres(-12.345)
+    ('0', '1.23', '-12,345')
+    """
+    value = round(1e3 * float(length), 6) + 0.0
+    return f"{value:,.0f}" if abs(value) >= 1e3 else f"{value:.3g}"
+
+
+__all__ = ["SHOWN", "counted", "listed", "millimetres", "suggestions"]

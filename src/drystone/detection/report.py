@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.detection.advice import SHOWN, counted, listed, suggestions
+from drystone.detection.advice import SHOWN, counted, listed, millimetres, suggestions
 from drystone.detection.options import DetectionOptions
 from drystone.detection.penetration import Penetration
 from drystone.detection.reasons import Missed, Reason
@@ -94,8 +94,8 @@ class ContactReport:
             lines[0] += f", {counted(kinds[2], 'line')} and {counted(kinds[1], 'point')} among them"
         if len(self.gap):
             lines.append(
-                f"gaps {_mm(self.gap.min())} to {_mm(self.gap.max())} mm,"
-                f" warp up to {_mm(self.warp.max())} mm,"
+                f"gaps {millimetres(self.gap.min())} to {millimetres(self.gap.max())} mm,"
+                f" warp up to {millimetres(self.warp.max())} mm,"
                 f" angles up to {round(float(self.angle.max()), 6):.3g} degrees"
             )
         if self.clipped.any():
@@ -124,7 +124,7 @@ class ContactReport:
         lines += _first(
             [
                 f"blocks '{self.names[deep.block_a]}' and '{self.names[deep.block_b]}'"
-                f" stand {_mm(deep.depth)} mm in each other"
+                f" stand {millimetres(deep.depth)} mm in each other"
                 for deep in deepest
             ]
         )
@@ -218,11 +218,6 @@ def _first(lines: list[str]) -> list[str]:
     """The first of several lines of one kind."""
     more = [f"and {len(lines) - SHOWN} more like this"] if len(lines) > SHOWN else []
     return lines[:SHOWN] + more
-
-
-def _mm(length: float) -> str:
-    """A length [m] in millimetres, to a nanometre."""
-    return f"{round(1e3 * float(length), 6) + 0.0:.3g}"
 
 
 __all__ = ["ContactReport", "Missed", "Penetration", "Reason"]
