@@ -57,10 +57,13 @@ def inspect(
             assembly = io.supports.select(assembly, supports)
         report = swept = None
         written: list[str] = []
+        notes = list(built.notes)
         if assembly is not None:
             contacts, report = found(assembly, None, waiting, gap)
             swept = _swept(assembly, waiting) if sweep else None
             written = _draw(assembly, Detection(contacts, report), swept, files, waiting)
+        else:
+            notes.append("contacts are found, and drawn, once the defects are mended")
     blocks = [block for block in built.blocks if block is not None]
     fixed = built.fixed if assembly is None else assembly.fixed.tolist()
     data: dict[str, Any] = {
@@ -88,7 +91,7 @@ def inspect(
         "contacts": None if report is None else report.to_dict(),
         "sweep": None if swept is None else swept.to_dict(),
         "files": written,
-        "notes": list(built.notes),
+        "notes": notes,
         "time_s": dict(waiting.time_s),
     }
     if as_json:

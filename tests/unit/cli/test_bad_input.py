@@ -170,6 +170,9 @@ def test_inspect_lists_every_defect_and_exits_2(
     assert code == 2
     assert [one["name"] for one in told["blocks"]] == ["a", "a"]
     assert ["open mesh" in one["what"] for one in told["defects"]] == [True, False]
-    code, out, _ = answer(capsys, "inspect", str(path))
+    page = tmp_path / "page.html"
+    code, out, _ = answer(capsys, "inspect", str(path), "--html", str(page))
     assert code == 2
     assert out.count("defect:") == 2
+    assert "once the defects are mended" in out
+    assert not page.exists()
