@@ -14,7 +14,6 @@ from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import (
     FrictionCone,
-    Objective,
     solve_load_factor,
 )
 from drystone.geometry.arrays import Floats
@@ -32,8 +31,7 @@ bisected instead."""
 
 def rbe(cone: FrictionCone, assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
     """Whether any forces balance the load; nothing is said about tension."""
-    options = RBEOptions(cone=cone, objective=Objective.LINEAR, tension=False)
-    return solve_rbe(assembly, contacts, load, options=options)
+    return solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility(cone))
 
 
 def bisected_bound(

@@ -25,6 +25,10 @@ from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.statics import build_statics
 
+COARSE = 0.01
+"""Default width on large models, by the limit of equilibrium: where rest is no longer found there
+says more about the iteration than about the structure."""
+
 
 @dataclass(frozen=True, eq=False)
 class Means:
@@ -110,6 +114,9 @@ def _in_two_steps(
     cascade is asked where uniform stiffness first falls: where that stands, it is searched too.
     """
     (start, last), scan = span, means.options.scan
+    large = family(start).contacts.corner_count > SEARCHED
+    if large and means.options.width is None:
+        width = max(width, COARSE * abs(last - start))
     search = Search(family, one_stiffness, means.executor, STANDS_OR_NOT)
     uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
     edge = uniform.bracket.stands
@@ -118,7 +125,7 @@ def _in_two_steps(
     means.tell("other stiffnesses", 2)
     falls = uniform.bracket.falls
     first = start if falls is None else falls
-    if family(start).contacts.corner_count <= SEARCHED:
+    if not large:
         full = Search(family, some_stiffness, means.executor)
         if full.stands(first) is True:
             return uniform, full.run(first, last, width=width, scan=scan, beyond=outer)

@@ -6,6 +6,7 @@ from drystone.stability.check import CheckOptions, check
 from drystone.stability.cra import CRAOptions, solve_cra
 from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
 from drystone.stability.rbe import RBEOptions, solve_rbe
+from drystone.stability.resting import try_rest
 
 __all__ = [
     "CRAOptions",
@@ -20,4 +21,5 @@ __all__ = [
     "solve_cra",
     "solve_cra_penalty",
     "solve_rbe",
+    "try_rest",
 ]

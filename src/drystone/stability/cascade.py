@@ -11,7 +11,6 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.geometry.arrays import Floats
-from drystone.loads import LoadCase
 from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -116,18 +115,12 @@ class Cascade:
         forces that nothing provides could hold it.
         """
         problem = self.problem
-        assembly = problem.assembly
         acceleration = free_acceleration(problem)
-        falling = unpressed(assembly, problem.contacts, acceleration)
+        falling = unpressed(problem.assembly, problem.contacts, acceleration)
         if not falling.any():
             return None
-        others = np.flatnonzero(~falling)
-        if not assembly.fixed[others].all():
-            rest = Problem.build(
-                assembly.subset(others.tolist()),
-                problem.contacts.of_blocks(others, len(assembly)),
-                LoadCase(problem.load.wrench[others]),
-            )
+        rest = problem.without(falling)
+        if rest is not None:
             part = Cascade(rest, self.options, None, self.clock).run()
             self.iterations += part.iterations
             if part.verdict is not Verdict.STABLE:

@@ -51,6 +51,17 @@ class Problem:
         statics = build_statics(assembly, part, case)
         return cls(assembly, contacts, case, active[contacts.interface], statics)
 
+    def without(self, falling: Bools) -> Problem | None:
+        """The model less some blocks (n,); None when no free block is left."""
+        others = np.flatnonzero(~falling)
+        if self.assembly.fixed[others].all():
+            return None
+        return Problem.build(
+            self.assembly.subset(others.tolist()),
+            self.contacts.of_blocks(others, len(self.assembly)),
+            LoadCase(self.load.wrench[others]),
+        )
+
     @cached_property
     def system(self) -> TangentSystem:
         """The tangent's pattern and elimination order, made once."""

@@ -35,9 +35,11 @@ def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats
     It is a proof whatever the back end claimed: every corner opens at least as fast as friction
     times its slide, and the loads do work.
     """
-    if not np.isfinite(solution.multiplier).all():
+    largest = float(np.abs(solution.multiplier).max(initial=0.0))
+    if not 0.0 < largest < np.inf:
         return None
-    motion = problem.mechanism(solution.multiplier)
+    # the size of a certificate is arbitrary, and may be beyond what can be squared
+    motion = problem.mechanism(solution.multiplier / largest)
     violation, power = mechanism_defects(problem.assembly, problem.contacts, problem.load, motion)
     return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
 

@@ -1,0 +1,67 @@
+"""Rest with given friction laws: a yes is a proof, a no says nothing."""
+
+import numpy as np
+import pytest
+
+from drystone import InputError, LoadCase, Verdict, find_contacts, models
+from drystone.formulations.equilibrium import EquilibriumSolution
+from drystone.solvers.conic import ConicSolution, ConicStatus
+from drystone.stability import RBEOptions, check, solve_rbe, try_rest
+from drystone.stability.problem import Problem
+from drystone.stability.proofs import checked_mechanism
+
+ARCH = models.arch(0.15)
+JOINTS = find_contacts(ARCH, friction=0.9).contacts
+
+
+def test_what_rests_has_forces_and_a_motion_that_pass_the_checks():
+    found = try_rest(ARCH, JOINTS)
+    assert found.verdict is Verdict.STABLE
+    assert found.residuals is not None
+    assert found.residuals.largest < 1e-8
+    assert found.samples.standing == found.samples.tried == 1
+
+
+def test_what_does_not_rest_is_undecided_after_every_law():
+    leaning = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0)
+    found = try_rest(ARCH, JOINTS, leaning, slips=(None, 1.0))
+    assert found.verdict is Verdict.UNDECIDED
+    assert found.samples.tried == 2
+    assert check(ARCH, JOINTS, leaning).verdict is Verdict.UNSTABLE
+
+
+@pytest.mark.parametrize("friction", [0.2, 2.0])
+def test_what_presses_on_nothing_is_not_called_resting(friction):
+    wedged = models.h_model()
+    contacts = find_contacts(wedged, friction=friction).contacts
+    assert try_rest(wedged, contacts, slips=(None, 1.0)).verdict is Verdict.UNDECIDED
+
+
+def test_fixed_blocks_rest():
+    still = ARCH.with_fixed(range(len(ARCH)))
+    assert try_rest(still, JOINTS).verdict is Verdict.STABLE
+
+
+def test_a_load_of_another_assembly_is_refused():
+    with pytest.raises(InputError):
+        try_rest(ARCH, JOINTS, LoadCase.gravity(models.tower(3)))
+
+
+@pytest.mark.parametrize("tilt", [0.0, 8.0, 20.0])
+def test_any_forces_exist_where_the_least_ones_do(tilt):
+    leaning = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), tilt)
+    least = solve_rbe(ARCH, JOINTS, leaning, options=RBEOptions(tension=False))
+    some = solve_rbe(ARCH, JOINTS, leaning, options=RBEOptions.feasibility())
+    assert some.verdict is least.verdict
+    assert some.iterations <= least.iterations
+
+
+def test_a_certificate_of_any_size_is_a_mechanism():
+    problem = Problem.build(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0))
+    found = solve_rbe(ARCH, JOINTS, problem.load, options=RBEOptions.feasibility())
+    assert found.mechanism is not None
+    scaled = problem.statics.scaled_motion(found.mechanism, problem.statics.mean_length)
+    raw = ConicSolution(ConicStatus.INFEASIBLE, np.zeros(0), np.zeros(0), 0, "", "")
+    for size in (1e-200, 1.0, 1e200):
+        claim = EquilibriumSolution(np.zeros((0, 3)), np.zeros(0), size * scaled, raw)
+        assert checked_mechanism(problem, claim) == pytest.approx(found.mechanism, rel=1e-6)
