@@ -63,7 +63,8 @@ def shell(
         float, typer.Option(help="Shift of bed joints, by the height of a course: -0.45 to 0.45.")
     ] = 0.0,
     thickness: Annotated[
-        float | None, typer.Option(help="Thickness in m (the size of the surface by 30).")
+        float | None,
+        typer.Option(help="Thickness in m (0.15 of the radius of a barrel, else the size by 30)."),
     ] = None,
     register: Annotated[
         float,

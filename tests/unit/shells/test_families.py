@@ -1,0 +1,15 @@
+"""Shapes with a formula have defaults that a first look can be taken at."""
+
+import pytest
+
+from drystone import Verdict, check, find_contacts
+from drystone.shells import Body, Layout, barrel_vault, build_shell
+
+
+@pytest.mark.parametrize("span", [3.0, 6.0])
+def test_a_barrel_stands_by_itself_with_its_default_thickness(span):
+    shell = build_shell(
+        barrel_vault(span, span / 3.0), Layout(courses=12, width=span / 8.0), Body()
+    )
+    contacts = find_contacts(shell.assembly, friction=0.6).contacts
+    assert check(shell.assembly, contacts).verdict is Verdict.STABLE
