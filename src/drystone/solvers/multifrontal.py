@@ -122,21 +122,6 @@ class BlockFactor:
                 x[front.pivots] -= (coupling @ x[front.boundary].ravel()).reshape(-1, x.shape[1])
         return x
 
-    def solve_transposed(self, right: Floats) -> Floats:
-        """X (n, w) with ``matrix.T @ x = right``."""
-        x = np.array(right, dtype=np.float64).reshape(self.ordering.count, self.ordering.width)
-        fronts = self.ordering.fronts
-        for front, (_, _, coupling, _) in zip(fronts, self.factors, strict=True):
-            if len(front.boundary):
-                x[front.boundary] -= (coupling.T @ x[front.pivots].ravel()).reshape(-1, x.shape[1])
-        for front, (lu, pivots, _, below) in zip(fronts[::-1], self.factors[::-1], strict=True):
-            part = x[front.pivots].ravel()
-            if len(front.boundary):
-                part = part - below.T @ x[front.boundary].ravel()
-            solved, _ = dgetrs(lu, pivots, part, trans=1)
-            x[front.pivots] = solved.reshape(-1, x.shape[1])
-        return x
-
 
 def _adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
     """Neighbours of each node, itself excluded: (start, neighbour)."""
