@@ -19,7 +19,7 @@ TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60)
 SHARPER = RestOptions(ground=1e-9, tolerance=1e-6)
 """A first motion close to the limit is slow, and blurred less by weaker ground."""
 
-AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-6)
+AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-8)
 """The state itself: what the ground still carries is below every tolerance."""
 
 FALLS_FROM = 1e-4
