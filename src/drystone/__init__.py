@@ -33,12 +33,15 @@ if TYPE_CHECKING:
     from drystone.io import write as write
     from drystone.limits import limit_friction as limit_friction
     from drystone.limits import limit_load as limit_load
+    from drystone.limits import limit_shrink as limit_shrink
+    from drystone.limits import limit_thickness as limit_thickness
     from drystone.limits import limit_tilt as limit_tilt
     from drystone.loads import LoadCase as LoadCase
     from drystone.results import Residuals as Residuals
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
+    from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
     from drystone.stability import check as check
@@ -71,11 +74,14 @@ _HOME = {
     "find_contacts": "detection",
     "limit_friction": "limits",
     "limit_load": "limits",
+    "limit_shrink": "limits",
+    "limit_thickness": "limits",
     "limit_tilt": "limits",
     "plan": "sequence",
     "read": "io",
     "save_figure": "view",
     "save_page": "view",
+    "settle": "settlement",
     "solve_cra": "stability",
     "solve_cra_penalty": "stability",
     "solve_rbe": "stability",

@@ -1,4 +1,4 @@
-"""Load cases: one wrench per block. Nothing is implicit, gravity included."""
+"""Load cases: one wrench per block, and motions of supports. Nothing is implicit."""
 
 from __future__ import annotations
 
@@ -41,6 +41,9 @@ class LoadCase:
         For tables.
     notes
         What the user should hear about the load: a point that lies off its block.
+    motion : (n, 6) [m, rad], optional
+        Prescribed motion of supports: translation of the centroid and rotation vector about it,
+        world axes. Only :func:`drystone.settle` answers to it; every other analysis refuses it.
 
     Examples
     --------
@@ -55,9 +58,13 @@ class LoadCase:
     wrench: Floats
     name: str = "load"
     notes: tuple[str, ...] = ()
+    motion: Floats | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "wrench", frozen_floats(self.wrench, (None, 6), "wrench"))
+        if self.motion is not None:
+            given = frozen_floats(self.motion, (len(self.wrench), 6), "motion")
+            object.__setattr__(self, "motion", given if given.any() else None)
         object.__setattr__(self, "notes", tuple(self.notes))
 
     @classmethod
@@ -223,6 +230,34 @@ class LoadCase:
         return cls(load.wrench, f"{carried:g} kg", load.notes)
 
     @classmethod
+    def settlement(cls, assembly: Assembly, block: int | str, motion: Any) -> LoadCase:
+        """A prescribed motion of a support; no force by itself.
+
+        Parameters
+        ----------
+        assembly
+        block
+            Position or name; whether it is fixed is asked where the case is used.
+        motion : (3,) [m] or (6,) [m, rad]
+            Translation of its centroid, and a rotation vector about it; world axes.
+
+        Raises
+        ------
+        InputError
+            There is no such block, or not 3 or 6 finite numbers.
+        """
+        i = int(assembly.indices([block])[0])
+        values = frozen_floats(motion, (None,), f"motion of block '{assembly.names[i]}'")
+        if len(values) not in (3, 6):
+            raise InputError(
+                f"the motion of block '{assembly.names[i]}' has not 3 or 6 numbers",
+                remedy="give a translation, or a translation and a rotation vector",
+            )
+        moved = np.zeros((len(assembly), 6))
+        moved[i, : len(values)] = values
+        return cls(np.zeros_like(moved), "settlement", (), moved)
+
+    @classmethod
     def combine(
         cls, parts: Iterable[tuple[float, LoadCase]], name: str = "combination"
     ) -> LoadCase:
@@ -242,16 +277,24 @@ class LoadCase:
         total = cases[0]
         for load in cases[1:]:
             total = total + load
-        return cls(total.wrench, name, total.notes)
+        return cls(total.wrench, name, total.notes, total.motion)
 
     def __add__(self, other: LoadCase) -> LoadCase:
         if self.wrench.shape != other.wrench.shape:
             raise InputError("load cases of different assemblies cannot be added")
         notes = dict.fromkeys((*self.notes, *other.notes))
-        return LoadCase(self.wrench + other.wrench, f"{self.name} + {other.name}", tuple(notes))
+        motions = [one.motion for one in (self, other) if one.motion is not None]
+        return LoadCase(
+            self.wrench + other.wrench,
+            f"{self.name} + {other.name}",
+            tuple(notes),
+            sum(motions[1:], motions[0]) if motions else None,
+        )
 
     def __mul__(self, factor: float) -> LoadCase:
-        return LoadCase(self.wrench * float(factor), f"{float(factor):g} {self.name}", self.notes)
+        by = float(factor)
+        moved = None if self.motion is None else self.motion * by
+        return LoadCase(self.wrench * by, f"{by:g} {self.name}", self.notes, moved)
 
     __rmul__ = __mul__
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from drystone.checks import block_speed, check_forces, corner_motion
 from drystone.contacts import Contacts
 from drystone.errors import InputError
 from drystone.formulations.settlement import solve_settlement
-from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Verdict
 from drystone.solvers.conic import ConicStatus
@@ -54,31 +54,65 @@ class Settlement:
     ----------
     result
         Forces and displacements; those of the supports are the prescribed ones.
+    before
+        The same model before its supports move, found in the same way.
     opening : (k,) [m], at the corners; negative where they press
     slide : (k,) [m]
     size : [m], largest motion of a support
     """
 
     result: Result
+    before: Result
     opening: Floats
     slide: Floats
     size: float
 
     def open_joints(self, share: float = 0.05) -> Ints:
-        """Interfaces with a corner that opens by more than a share of the support's motion."""
-        opened = self.opening > share * self.size
+        """Interfaces with a corner that opens by more than a share of the support's motion.
+
+        Joints between two supports bear nothing and are left out, here and among those that slide.
+        """
+        opened = self._between_blocks() & (self.opening > share * self.size)
         return np.unique(self.result.contacts.interface[opened])
 
     def sliding_joints(self, share: float = 0.05) -> Ints:
         """Interfaces that press and slide by more than a share of the support's motion."""
         moving = (self.slide > share * self.size) & (self.opening <= share * self.size)
-        return np.unique(self.result.contacts.interface[moving])
+        return np.unique(self.result.contacts.interface[self._between_blocks() & moving])
+
+    def _between_blocks(self) -> Bools:
+        """Corners (k,) of joints that have a free block."""
+        contacts, fixed = self.result.contacts, self.result.assembly.fixed
+        both: Bools = fixed[contacts.block_a] & fixed[contacts.block_b]
+        return ~both[contacts.interface]
+
+    def change(self) -> Floats:
+        """By how much the force of each interface on its block b changes, (m, 3) [N], world axes.
+
+        Raises
+        ------
+        InputError
+            There are no forces before or after.
+        """
+        if self.before.force is None or self.result.force is None:
+            raise InputError("there are no forces to compare", remedy="see whether it stands")
+        return self.result.resultants().force - self.before.resultants().force
+
+
+def support_forces(result: Result) -> Floats:
+    """The force (n, 3) [N] that each fixed block gives to the free ones, zero for those."""
+    assembly, contacts = result.assembly, result.contacts
+    force = result.resultants().force
+    total = np.zeros((len(assembly), 3))
+    np.add.at(total, contacts.block_a, force)
+    np.subtract.at(total, contacts.block_b, force)
+    return np.where(assembly.fixed[:, None], total, 0.0)
 
 
 def settle(
     assembly: Assembly,
     contacts: Contacts,
-    motion: Mapping[int | str, Any],
+    motion: Mapping[int | str, Any] | None = None,
     load: LoadCase | None = None,
     *,
     options: SettlementOptions | None = None,
@@ -90,7 +124,8 @@ def settle(
     assembly, contacts
     motion
         Per fixed block its translation [m] (3,), or translation and rotation [m, rad] (6,) about
-        its centroid; world axes. Supports that are not named rest.
+        its centroid; world axes. Supports that are not named rest. It is added to what the load
+        prescribes (:meth:`drystone.LoadCase.settlement`).
     load
         Self-weight when left out.
     options
@@ -98,7 +133,7 @@ def settle(
     Raises
     ------
     InputError
-        A block that is not fixed, or nothing that moves.
+        A block that is not fixed, nothing that moves, or nothing that loads the free blocks.
 
     Examples
     --------
@@ -115,13 +150,34 @@ def settle(
     ['b']
     """
     chosen = options if options is not None else SettlementOptions()
-    began = time.perf_counter()
-    case = LoadCase.gravity(assembly) if load is None else load
-    prescribed = _prescribed(assembly, motion)
+    case = _case(assembly, motion, load)
+    prescribed = np.zeros((len(assembly), 6)) if case.motion is None else case.motion
     size = float(block_speed(assembly, prescribed).max())
+    model = _Model(assembly, contacts, case, chosen, size)
+    before, after = _state(model, np.zeros_like(prescribed)), _state(model, prescribed)
+    moved = prescribed if after.displacement is None else after.displacement
+    relative = corner_motion(Assembly(assembly.blocks), contacts, moved)
+    slide = np.linalg.norm(relative[:, 1:], axis=1)
+    return Settlement(after, before, relative[:, 0], slide, size)
+
+
+class _Model(NamedTuple):
+    assembly: Assembly
+    contacts: Contacts
+    load: LoadCase
+    options: SettlementOptions
+    size: float
+
+
+def _state(model: _Model, prescribed: Floats) -> Result:
+    """Forces and motions under a prescribed motion (n, 6) of the supports."""
+    assembly, contacts, load, chosen, size = model
+    began = time.perf_counter()
     active = ~(assembly.fixed[contacts.block_a] & assembly.fixed[contacts.block_b])
     part = contacts.select(active)
-    statics = build_statics(assembly, part, case)
+    statics = build_statics(assembly, part, replace(load, motion=None))
+    if not statics.load.any():
+        raise InputError("nothing loads the free blocks", remedy="add their weight")
     loose = Assembly(assembly.blocks)  # supports that move are no supports to the kinematics
     imposed = corner_motion(loose, part, prescribed) / size
     solution = solve_settlement(
@@ -135,17 +191,18 @@ def settle(
     if solution.raw.status is ConicStatus.INFEASIBLE:
         message = "no contact forces were found that balance the loads; see whether it stands"
     if solved:
-        residuals = _residuals(assembly, contacts, case, force, moved)
+        residuals = _residuals(assembly, contacts, load, force, moved)
         message = f"Coulomb friction is met to {solution.defect:.1e} of the mean load only"
         if residuals.largest <= CHECKED:
             verdict = Verdict.STABLE
-            message = "the blocks follow the supports and come to rest"
-    result = Result(
+            follow = "the blocks follow the supports and come to rest"
+            message = follow if prescribed.any() else "the supports have not moved"
+    return Result(
         method="settlement",
         verdict=verdict,
         assembly=assembly,
         contacts=contacts,
-        load=case,
+        load=load if prescribed.any() else replace(load, motion=None),
         message=message,
         force=force if solved else None,
         displacement=moved if solved else None,
@@ -155,29 +212,23 @@ def settle(
         iterations=solution.steps,
         time_s={"solve": time.perf_counter() - began},
     )
-    relative = corner_motion(loose, contacts, moved)
-    return Settlement(result, relative[:, 0], np.linalg.norm(relative[:, 1:], axis=1), size)
 
 
-def _prescribed(assembly: Assembly, motion: Mapping[int | str, Any]) -> Floats:
-    prescribed = np.zeros((len(assembly), 6))
-    for block, given in motion.items():
-        i = int(assembly.indices([block])[0])
-        if not assembly.fixed[i]:
-            raise InputError(
-                f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
-                remedy="move a support, or load the block",
-            )
-        values = np.asarray(given, dtype=np.float64)
-        if values.shape not in ((3,), (6,)) or not np.isfinite(values).all():
-            raise InputError(
-                f"the motion of block '{assembly.names[i]}' is not 3 or 6 finite numbers",
-                remedy="give a translation, or a translation and a rotation vector",
-            )
-        prescribed[i, : len(values)] = values
-    if not prescribed.any():
+def _case(
+    assembly: Assembly, motion: Mapping[int | str, Any] | None, load: LoadCase | None
+) -> LoadCase:
+    """The load with every motion in it."""
+    case = LoadCase.gravity(assembly) if load is None else load
+    for block, given in (motion or {}).items():
+        case = case + LoadCase.settlement(assembly, block, given)
+    if case.motion is None:
         raise InputError("no support moves", remedy="give a motion")
-    return prescribed
+    for i in np.flatnonzero(case.motion.any(axis=1) & ~assembly.fixed):
+        raise InputError(
+            f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
+            remedy="move a support, or load the block",
+        )
+    return case
 
 
 def _residuals(
@@ -189,4 +240,4 @@ def _residuals(
     return replace(following, equilibrium=at_rest.equilibrium)
 
 
-__all__ = ["Settlement", "SettlementOptions", "settle"]
+__all__ = ["Settlement", "SettlementOptions", "settle", "support_forces"]

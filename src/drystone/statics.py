@@ -193,12 +193,18 @@ def build_statics(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Sta
     Raises
     ------
     InputError
-        The load or the contacts belong to another assembly; no support; nothing free.
+        The load or the contacts belong to another assembly; the load moves supports; no support;
+        nothing free.
     """
     count = len(assembly)
     if load.wrench.shape[0] != count:
         raise InputError(
             f"the load has {load.wrench.shape[0]} wrenches, the assembly {count} blocks"
+        )
+    if load.motion is not None:
+        raise InputError(
+            f"the load case '{load.name}' moves supports",
+            remedy="ask 'settle' what that does, or take a case without settlement",
         )
     if contacts.count and max(contacts.block_a.max(), contacts.block_b.max()) >= count:
         raise InputError("the contacts name blocks that the assembly does not have")

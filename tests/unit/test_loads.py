@@ -112,3 +112,15 @@ def test_a_load_leaves_the_assembly_alone() -> None:
     assembly = Assembly(TOWER.blocks, TOWER.fixed)
     LoadCase.extra_mass(assembly, 1, 5.0)
     assert assembly.mass.tolist() == TOWER.mass.tolist()
+
+
+def test_motions_of_supports_add_and_take_factors_like_forces() -> None:
+    assembly = tower(2)
+    down = LoadCase.settlement(assembly, 0, (0.0, 0.0, -1e-2))
+    turn = LoadCase.settlement(assembly, "block-0", (0.0, 0.0, 0.0, 1e-3, 0.0, 0.0))
+    both = LoadCase.combine([(1.0, LoadCase.gravity(assembly)), (2.0, down), (-1.0, turn)])
+    assert both.motion is not None
+    assert both.motion[0].tolist() == [0.0, 0.0, -2e-2, -1e-3, 0.0, 0.0]
+    assert not both.motion[1].any()
+    assert (down + (-1.0) * down).motion is None
+    assert LoadCase.gravity(assembly).motion is None

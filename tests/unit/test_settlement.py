@@ -3,10 +3,21 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, Verdict
+from drystone import (
+    Assembly,
+    InputError,
+    LoadCase,
+    Verdict,
+    check,
+    limit_load,
+    limit_tilt,
+    plan,
+    solve_rbe,
+)
 from drystone.limits import thrust_bounds
 from drystone.models import arch, box, tower, wall
-from drystone.settlement import Settlement, SettlementOptions, settle
+from drystone.settlement import Settlement, SettlementOptions, settle, support_forces
+from drystone.view.settlement import moved_scene, settlement_scene
 from drystone.virtual import to_edge
 from tests.oracle import touching_faces
 
@@ -92,6 +103,59 @@ def test_stiffness_tells_how_much_of_a_settlement_the_blocks_follow() -> None:
     assert reactions(soft)[1] == pytest.approx(1.0 / 3.0 - 2.0 / 3.0 * 4.0 / 10.0, abs=1e-6)
 
 
+def test_a_motion_may_come_with_the_load_and_adds_to_the_one_that_is_named() -> None:
+    whole = beam()
+    contacts = touching_faces(whole, 0.6)
+    case = LoadCase.gravity(whole) + LoadCase.settlement(whole, "b", (0.0, 0.0, -0.004))
+    answer = settle(whole, contacts, {"b": (0.0, 0.0, -0.006)}, case)
+    assert answer.size == pytest.approx(0.01)
+    assert reactions(answer) == pytest.approx([0.5, 0.0, 0.5], abs=1e-6)
+    assert support_forces(answer.before)[:, 2].sum() == pytest.approx(0.8 * 2400.0 * 9.81)
+    assert answer.change().sum(axis=0) == pytest.approx([0.0, 0.0, 0.0], abs=1e-3)
+
+
+def test_every_other_analysis_refuses_a_load_that_moves_supports() -> None:
+    whole = beam()
+    contacts = touching_faces(whole, 0.6)
+    case = LoadCase.gravity(whole) + LoadCase.settlement(whole, "b", (0.0, 0.0, -0.01))
+    for ask in (
+        lambda: check(whole, contacts, case),
+        lambda: solve_rbe(whole, contacts, case),
+        lambda: limit_tilt(whole, contacts, "x", case),
+        lambda: limit_load(whole, contacts, case),
+        lambda: plan(whole, contacts, case),
+    ):
+        with pytest.raises(InputError, match="moves supports"):
+            ask()
+
+
+def test_joints_between_supports_neither_open_nor_slide() -> None:
+    feet = [box((1.0, 1.0, 1.0), (x, 0.0, 0.0), f"foot-{x:g}") for x in (0.0, 1.0)]
+    whole = Assembly((*feet, box((1.8, 1.0, 1.0), (0.0, 0.0, 1.0), "top"))).with_fixed([0, 1])
+    answer = settled(whole, "foot-1", (0.0, 0.0, -0.01))
+    names = [whole.names[answer.result.contacts.block_a[i]] for i in answer.open_joints()]
+    assert names == ["foot-1"]
+    assert len(answer.sliding_joints()) == 0
+
+
+def test_a_settlement_is_drawn_with_its_joints_open() -> None:
+    answer = settled(beam(), "b", (0.0, 0.0, -0.01))
+    scene = settlement_scene(answer)
+    assert scene.stages[0].headline == "Settled: 1 joint opens"
+    assert scene.stages[0].layers[-1].key == "opening"
+    moved = moved_scene(answer).assembly
+    fall = moved.centroid[:, 2] - beam().centroid[:, 2]
+    assert fall[1] == pytest.approx(-0.3 * np.median(beam().size))
+    assert fall[[0, 2]] == pytest.approx([0.0, 0.0])
+    assert fall[3] == pytest.approx(0.0, abs=1e-2 * abs(fall[1]))
+
+
+def test_without_weight_nothing_settles() -> None:
+    case = LoadCase.settlement(beam(), "b", (0.0, 0.0, -0.01))
+    with pytest.raises(InputError, match="nothing loads the free blocks"):
+        settle(beam(), touching_faces(beam(), 0.6), load=case)
+
+
 def test_a_structure_without_equilibrium_is_undecided() -> None:
     slope = tower(2).transformed([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
     answer = settle(slope, touching_faces(slope, 0.3), {0: (0.0, 0.0, -0.01)})
@@ -104,7 +168,7 @@ def test_a_structure_without_equilibrium_is_undecided() -> None:
     [
         ({"block-1": (0.0, 0.0, 1.0)}, "'block-1' is not fixed"),
         ({"block-0": (0.0, 0.0, 0.0)}, "no support moves"),
-        ({"block-0": (0.0, 1.0)}, "3 or 6 finite numbers"),
+        ({"block-0": (0.0, 1.0)}, "has not 3 or 6 numbers"),
         ({"other": (0.0, 0.0, 1.0)}, "no block is called"),
     ],
 )

@@ -21,6 +21,7 @@ from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
 from drystone.cli.limit import limit
 from drystone.cli.plan import plan
+from drystone.cli.settle import settle
 from drystone.cli.shell import shell
 from drystone.errors import DrystoneError, MissingDependency
 
@@ -56,7 +57,7 @@ def _program(
     """Does a structure of loose blocks stand by contact and friction alone?"""
 
 
-for _command in (check, inspect, convert, demo, shell, plan):
+for _command in (check, inspect, convert, demo, settle, shell, plan):
     app.command()(_command)
 app.add_typer(limit, name="limit")
 

@@ -37,6 +37,15 @@ Cases: TypeAlias = Annotated[
         "several times: they add up.",
     ),
 ]
+Moves: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--move",
+        metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
+        help="Motion of a support: a translation in m, and a small rotation vector in rad about "
+        "its centroid. Can be given several times.",
+    ),
+]
 MASS = re.compile(r"(?P<mass>[^@,=]+)kg")
 
 
@@ -72,6 +81,28 @@ def parsed_load(text: str, assembly: Assembly, where: str = "--load") -> LoadCas
         raise InputError(error.what, where=where, remedy=error.remedy) from error
 
 
+def parsed_move(text: str, assembly: Assembly) -> LoadCase:
+    """A settlement from ``BLOCK:DX,DY,DZ[,RX,RY,RZ]``.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or the block is unknown.
+    """
+    from drystone.loads import LoadCase
+
+    block, colon, rest = text.rpartition(":")
+    if not colon or not block:
+        raise InputError(
+            f"'{text}' names no block", where="--move", remedy="write BLOCK:DX,DY,DZ[,RX,RY,RZ]"
+        )
+    values = [_number(part, "--move") for part in rest.split(",")]
+    try:
+        return LoadCase.settlement(assembly, block, values)
+    except InputError as error:
+        raise InputError(error.what, where="--move", remedy=error.remedy) from error
+
+
 def parsed_seismic(text: str, assembly: Assembly) -> LoadCase:
     """A load case from ``KX,KY``."""
     from drystone.loads import LoadCase
@@ -83,7 +114,11 @@ def parsed_seismic(text: str, assembly: Assembly) -> LoadCase:
 
 
 def loaded(
-    assembly: Assembly, base: LoadCase, loads: Iterable[str] | None, seismic: str | None
+    assembly: Assembly,
+    base: LoadCase,
+    loads: Iterable[str] | None,
+    seismic: str | None,
+    moves: Iterable[str] | None = None,
 ) -> LoadCase:
     """The base load with those of the options on top."""
     total = base
@@ -91,6 +126,8 @@ def loaded(
         total = total + parsed_load(text, assembly)
     if seismic is not None:
         total = total + parsed_seismic(seismic, assembly)
+    for text in moves or ():
+        total = total + parsed_move(text, assembly)
     return total
 
 

@@ -62,8 +62,12 @@ def prepare(
     loads: Sequence[str] | None = None,
     seismic: str | None = None,
     cases: Sequence[str] | None = None,
+    moves: Sequence[str] | None = None,
+    settling: bool = False,
 ) -> Prepared:
     """Read a model, fix its supports, find its contacts and load it with its weight and more.
+
+    A load case of the file that moves supports is for ``settling`` only.
 
     Raises
     ------
@@ -106,7 +110,13 @@ def prepare(
     elif model.loads and direction is None and density is None:
         load = model.loads[0]
         notes.append(f"the load case '{load.name}' of the file is used")
-    load = loaded(assembly, load, loads, seismic)
+    load = loaded(assembly, load, loads, seismic, moves)
+    if load.motion is not None and not settling:
+        raise InputError(
+            f"the load case '{load.name}' moves supports",
+            where="--case" if cases else path,
+            remedy="ask 'drystone settle', or choose --case without settlement",
+        )
     notes += load.notes
     return Prepared(assembly, contacts, load, report, tuple(notes), model.loads)
 

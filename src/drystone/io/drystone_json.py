@@ -27,7 +27,7 @@ VERSION = 1
 TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
-LOAD = ("name", "wrench", "parts")
+LOAD = ("name", "wrench", "motion", "parts")
 ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop": 6}
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
@@ -139,10 +139,13 @@ def _load(field: Field, assembly: Assembly) -> LoadCase:
     field.only(LOAD)
     name = field.get("name", "load").text()
     if field.has("parts"):
-        if field.has("wrench"):
-            raise field.error("has both a wrench and parts", "leave one out")
+        for key in ("wrench", "motion"):
+            if field.has(key):
+                raise field.error(f"has both a {key} and parts", "leave one out")
         return load_of_parts(field["parts"], assembly, name)
-    return LoadCase(field["wrench"].floats(len(assembly), 6), name)
+    n = len(assembly)
+    motion = field["motion"].floats(n, 6) if field.has("motion") else None
+    return LoadCase(field["wrench"].floats(n, 6), name, motion=motion)
 
 
 def _result(

@@ -6,6 +6,7 @@ import dataclasses
 import enum
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from drystone.io import npz
 from drystone.io.draft import Model
 from drystone.io.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
 from drystone.io.files import write_bytes
+from drystone.loads import LoadCase
 from drystone.results import Result
 
 
@@ -99,13 +101,18 @@ def _content(model: Model, path: Path, packer: npz.Packer | None) -> dict[str, A
         "contacts": None
         if contacts is None
         else {name: array(name, getattr(contacts, name)) for name in CONTACTS},
-        "loads": [
-            {"name": load.name, "wrench": array(f"load-{number}", load.wrench)}
-            for number, load in enumerate(loads)
-        ]
-        or None,
+        "loads": [_load_content(load, number, array) for number, load in enumerate(loads)] or None,
         "results": results or None,
     }
+
+
+def _load_content(
+    load: LoadCase, number: int, array: Callable[[str, NDArray[Any]], Any]
+) -> dict[str, Any]:
+    content = {"name": load.name, "wrench": array(f"load-{number}", load.wrench)}
+    if load.motion is not None:
+        content["motion"] = array(f"load-{number}-motion", load.motion)
+    return content
 
 
 def _block_content(block: Block, fixed: bool, packer: npz.Packer | None) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Load cases that a file states in words: gravity, forces, pressures, in parts with factors."""
+"""Load cases that a file states in words: forces, pressures, settlements, with factors."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ KEYS = {
     "surface": ("block", "traction", "pressure", "faces", "facing"),
     "moment": ("block", "moment"),
     "mass": ("block", "mass", "at", "g", "direction"),
+    "settlement": ("block", "motion"),
 }
 """Kinds of parts, and what each may state besides its factor. SI units."""
 
@@ -93,6 +94,10 @@ def _mass(part: Field, assembly: Assembly) -> LoadCase:
     return LoadCase.extra_mass(assembly, _block(part), mass, where, _g(part), _direction(part))
 
 
+def _settlement(part: Field, assembly: Assembly) -> LoadCase:
+    return LoadCase.settlement(assembly, _block(part), part["motion"].floats(None))
+
+
 def _block(part: Field) -> int | str:
     block = part["block"]
     return block.integer() if isinstance(block.value, int) else block.text()
@@ -118,6 +123,7 @@ _MAKERS: dict[str, Callable[[Field, Assembly], LoadCase]] = {
     "surface": _surface,
     "moment": _moment,
     "mass": _mass,
+    "settlement": _settlement,
 }
 
 __all__ = ["KEYS", "load_of_parts"]

@@ -6,7 +6,7 @@ A family is a value that can be called, and pickled, so that any executor can wo
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -73,7 +73,8 @@ class Tilt:
         turn = rotation_about(self.axis, angle_deg)
         wrench = self.load.wrench
         both = np.concatenate([wrench[:, :3] @ turn, wrench[:, 3:] @ turn], axis=1)
-        return LoadCase(both, f"{self.load.name}, tilt {angle_deg:g} deg", self.load.notes)
+        name = f"{self.load.name}, tilt {angle_deg:g} deg"
+        return replace(self.load, wrench=both, name=name)
 
     def is_planar(self) -> bool:
         """Whether every force and moment lies in the plane that the axis is normal to."""

@@ -128,6 +128,11 @@ class Model:
         n = len(self.assembly)
         if len(self.load.wrench) != n:
             raise InputError(f"the load has {len(self.load.wrench)} wrenches for {n} blocks")
+        if self.load.motion is not None:
+            raise InputError(
+                f"the load case '{self.load.name}' moves supports",
+                remedy="take a case without settlement",
+            )
         m = self.contacts
         if m.count and max(m.block_a.max(), m.block_b.max()) >= n:
             raise InputError(

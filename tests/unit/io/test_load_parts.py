@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drystone import FormatError, LoadCase, io
+from drystone.io import Model
 from drystone.models import tower
 
 TOWER = tower(2)
@@ -73,6 +74,8 @@ def test_parts_add_up_with_their_factors(tmp_path: Path) -> None:
         ({"kind": "point", "block": 1, "force": [1, 0]}, r"parts\[0\]\.force"),
         ({"kind": "point", "block": 1}, "'force' is missing"),
         ({"kind": "gravity", "mass": 3}, "unknown field 'mass'"),
+        ({"kind": "settlement", "block": 0, "motion": [0, 1]}, r"parts\[0\].*3 or 6 numbers"),
+        ({"kind": "settlement", "block": 0}, "'motion' is missing"),
         ({"kind": "surface", "block": 1, "faces": [0]}, "either a traction or a pressure"),
         ({"kind": "surface", "block": 1, "pressure": 1, "faces": [9]}, "numbered 0 to 5"),
     ],
@@ -82,6 +85,21 @@ def test_parts_that_cannot_be_used_are_refused_with_their_place(
 ) -> None:
     with pytest.raises(FormatError, match=words):
         read(tmp_path, {"parts": [part]})
+
+
+def test_settlements_are_parts_too_and_are_written_and_read_back(tmp_path: Path) -> None:
+    part = {"kind": "settlement", "block": "block-0", "motion": [0, 0, -0.01], "factor": 2}
+    load = read(tmp_path, {"name": "pier", "parts": [{"kind": "gravity"}, part]})[0]
+    assert load.motion is not None
+    assert load.motion[0].tolist() == [0.0, 0.0, -0.02, 0.0, 0.0, 0.0]
+    for format_ in ("drystone", "drystone-npz"):
+        path = tmp_path / f"{format_}.json"
+        io.write(Model(TOWER, None, (load, LoadCase.gravity(TOWER)), ()), path, format=format_)
+        again = io.read(path).loads
+        assert np.array_equal(again[0].motion, load.motion)
+        assert again[1].motion is None
+    with pytest.raises(FormatError, match="both a motion and parts"):
+        read(tmp_path, {"motion": load.motion.tolist(), "parts": [part]})
 
 
 def test_a_load_case_is_stated_in_one_way(tmp_path: Path) -> None:
