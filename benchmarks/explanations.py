@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+
 EXPLANATIONS: dict[tuple[str, str], str] = {
+    ("type-a xy30 mu 0.84", "5.6"): (
+        "checked states of eq. 5.6 (residuals of 1e-15) reach beyond the published angle: the "
+        "wedge slides down the groove and turns against it, five corners of both faces press, "
+        "three slide with all their friction."
+    ),
+    ("type-b x mu 0.84", "3DEC"): (
+        "at the limit both front corners slide with all their friction, tan(tilt) = "
+        "(2 mu + 0.9625) / 1.666 or 57.77 degrees; beyond it only joints that overlap more than "
+        "ten times as much at one corner as at another hold the wedge (checked states at 58.0 and "
+        "at 59.5), and 3DEC keeps the history of its friction."
+    ),
+    ("type-b xy30 mu 0.84", "3DEC"): (
+        "as about x: the two corners at the front slide with all their friction; from 62 degrees "
+        "on only joints that overlap five times as much at one corner as at another hold the wedge."
+    ),
     ("concave-long y mu 0.84", "5.6"): (
-        "checked states of eq. 5.6 reach beyond the published CRA (a whole degree) and stay below "
-        "3DEC: the plank slides out of the slab, held by the couple of its overhang."
+        "checked states of eq. 5.6 (residuals of 1e-15) reach beyond the published whole degree: "
+        "the plank slides out and turns about two axes at once, which jams five corners on its "
+        "hook and on the walls beside it; states without that turn end at 55."
     ),
     ("curve-3-blocks x mu 0.84", "5.6"): (
-        "checked states of eq. 5.6 reach beyond the published whole degree: the cradle slides "
-        "along the strips of its bed, and how far it turns while it does depends on how the "
-        "friction is shared between them."
+        "checked states of eq. 5.6 reach beyond the published whole degree: cradle and roller "
+        "slide along the strips of their beds, and how far they turn while they do depends on how "
+        "the friction is shared between the strips."
     ),
     ("curve-3-blocks x mu 0.84", "3DEC"): (
         "the tangential stiffness decides: ours is a tenth of the normal one; with the two equal "

@@ -96,9 +96,9 @@ class Attempts:
     iterations: int = 0
     checking_s: float = 0.0
 
-    def attempt(self, springs: Compliance) -> Candidate:
-        """One stiffness distribution, followed to its end."""
-        self.tried += 1
+    def attempt(self, springs: Compliance, *, again: bool = False) -> Candidate:
+        """One stiffness distribution, followed to its end; ``again`` does not count as another."""
+        self.tried += not again
         state = self._rest(springs, TO_REST)
         share = self.problem.ground_share(state.ground)
         final = state if share.max() >= 0.5 else self._rest(springs, AT_REST, state)
