@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 EXPLANATIONS: dict[tuple[str, str], str] = {
     ("type-a xy30 mu 0.84", "5.6"): (
         "checked states of eq. 5.6 (residuals of 1e-15) reach beyond the published angle: the "
