@@ -10,23 +10,25 @@ from typing import Any
 import numpy as np
 
 from drystone.errors import FormatError
+from drystone.geometry.fans import fan_warped, point_owners
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Model
 from drystone.io.files import write_bytes
-from drystone.io.glb import BIN, FLOAT, JSON, MAGIC, VERSION, Z_UP
+from drystone.io.glb import BIN, FLOAT, JSON, MAGIC, SINGLE, VERSION, Z_UP
 
 
 def write(model: Model, path: Path) -> None:
     """A node per block, with its name; supports, densities and metadata as extras.
 
-    Coordinates are single precision, polygons are cut into triangles.
+    Coordinates are single precision, polygons are cut into triangles: those that are warped by more
+    than that precision about the mean of their corners, as their volume is computed.
     """
     assembly = model.assembly
-    faces = assembly.faces
+    faces = fan_warped(assembly.faces, SINGLE)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
     corners = faces.loop[triangle]
     owner = faces.owner[polygon]
-    sizes = np.array([len(block.vertices) for block in assembly.blocks])
+    sizes = np.bincount(point_owners(faces), minlength=len(assembly))
     first = np.concatenate([[0], np.cumsum(sizes)])
     begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
     points = (faces.point @ Z_UP).astype("<f4")

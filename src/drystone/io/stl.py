@@ -12,6 +12,7 @@ import numpy as np
 
 from drystone.errors import FormatError
 from drystone.geometry.arrays import Floats
+from drystone.geometry.fans import fan_warped
 from drystone.geometry.triangulate import triangulate
 from drystone.io.draft import Draft, Model
 from drystone.io.files import decode, write_bytes
@@ -119,9 +120,10 @@ def _bad(path: Path, number: int, line: str, due: str) -> FormatError:
 def write(model: Model, path: Path) -> None:
     """Text, one solid per block with its name, coordinates in shortest exact decimals.
 
-    Polygons are cut into triangles; supports and densities are not kept.
+    Polygons are cut into triangles, warped ones about the mean of their corners, as their volume is
+    computed; supports and densities are not kept.
     """
-    faces = model.assembly.faces
+    faces = fan_warped(model.assembly.faces, EXACT)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
     corner = faces.point[faces.loop[triangle]]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])

@@ -13,7 +13,9 @@ from drystone.assembly import DEFAULT_DENSITY, Block
 from drystone.errors import InputError
 from drystone.geometry import polygon
 from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.triangulate import triangulate
 from drystone.shells.tessellation import DirectedEdge, Tessellation, directed
 
 Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
@@ -23,6 +25,12 @@ Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
 LEAST_COSINE = 0.5
 """Of the angle between a vertex's normal and the flat cells around it, chosen: beyond 60 degrees a
 block's faces say nothing of the surface any more."""
+
+PLANAR = 1e-9
+"""Distance of a corner from the plane of its face, by the square root of its area, that counts as
+none: far above rounding, far below what files in text keep."""
+
+Polygon: TypeAlias = tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,6 +236,10 @@ def make_blocks(
 ) -> list[Block]:
     """One block per cell; neighbours have the corners of their common faces in common.
 
+    Inner and outer faces stay polygons, slightly warped ones included, except those that the mean
+    of their corners does not see whole: a warped face is understood as the fan about that mean,
+    which would fold over, so they become triangles.
+
     Raises
     ------
     InputError
@@ -235,9 +247,10 @@ def make_blocks(
     """
     _refuse_crossed_faces(mesh, pins)
     blocks = []
-    for cell, name, data in zip(mesh.cells, mesh.names, metadata, strict=True):
-        low, high, sides = cell_faces(mesh, pins, cell)
-        faces = [low, high, *sides]
+    every = [cell_faces(mesh, pins, cell) for cell in mesh.cells]
+    caps = _solid_caps(pins, [cap for low, high, _ in every for cap in (low, high)])
+    for k, (name, data) in enumerate(zip(mesh.names, metadata, strict=True)):
+        faces = [*caps[2 * k], *caps[2 * k + 1], *every[k][2]]
         used = sorted({i for face in faces for i in face})
         local = {old: i for i, old in enumerate(used)}
         loops = tuple(tuple(local[i] for i in face) for face in faces)
@@ -250,6 +263,19 @@ def make_blocks(
             )
         blocks.append(block)
     return blocks
+
+
+def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
+    """Every inner and outer face as one polygon, or as triangles where its fan would fold over."""
+    loop, start = flat_loops(caps)
+    height, seen = warp_and_view(pins.point[loop], start)
+    area = np.linalg.norm(polygon.area_vectors(pins.point[loop], start), axis=1)
+    made = [[cap] for cap in caps]
+    for i in np.flatnonzero((height > PLANAR * np.sqrt(area)) & ~seen).tolist():
+        corner = np.array(caps[i], dtype=np.intp)
+        triangle, _ = triangulate(pins.point[corner], np.array([0, len(corner)]))
+        made[i] = [tuple(row) for row in corner[triangle].tolist()]
+    return made
 
 
 def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:

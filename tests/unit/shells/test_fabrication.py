@@ -1,11 +1,12 @@
 import csv
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drystone.errors import InputError
-from drystone.io import read
+from drystone.io import read, write
 from drystone.shells import (
     Body,
     Layout,
@@ -14,6 +15,7 @@ from drystone.shells import (
     build_shell,
     flat_faces,
     own_frame,
+    sample_shell,
     schedule,
     write_blocks,
     write_schedule,
@@ -145,3 +147,14 @@ def test_another_suffix_is_refused(tmp_path):
 def test_an_unknown_block_is_refused(tmp_path):
     with pytest.raises(InputError, match="no block is called 'c99-b00'"):
         write_unrolled(SHELL, tmp_path / "joints.svg", blocks=["c99-b00"])
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".glb"])
+def test_triangles_in_a_file_enclose_the_blocks_of_the_schedule(tmp_path: Path, suffix: str):
+    """The inner and outer faces of a doubly curved shell are warped, of some blocks concave too."""
+    assembly = sample_shell("form-found", 40).assembly
+    write(assembly, tmp_path / f"shell{suffix}")
+    again = read(tmp_path / f"shell{suffix}").assembly
+    assert again.names == assembly.names
+    assert again.volume == pytest.approx(assembly.volume, rel=1e-5)
+    assert again.centroid == pytest.approx(assembly.centroid, abs=1e-6)
