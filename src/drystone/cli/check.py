@@ -14,7 +14,6 @@ from drystone.cli.waiting import Waiting
 @expanded
 def check(
     subject: Subject,
-    cases: loading.Cases = None,
     seismic: loading.Seismic = None,
     gap: options.Gap = None,
     find_contacts: options.FindContacts = False,
@@ -43,7 +42,6 @@ def check(
     with Waiting() as waiting:
         prepared = subject.prepared(
             waiting,
-            cases=cases,
             seismic=seismic,
             gap=gap,
             find_contacts=find_contacts,

@@ -23,6 +23,7 @@ class Subject:
     units: options.Units = None
     gravity: options.Gravity = None
     loads: loading.Loads = None
+    cases: loading.Cases = None
 
     def prepared(self, waiting: Waiting, **more: Any) -> Prepared:
         """See :func:`drystone.cli.session.prepare`; ``more`` are its other arguments."""

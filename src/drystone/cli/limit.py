@@ -145,7 +145,7 @@ def shrink(
 
         return limit_shrink(prepared.assembly, prepared.contacts, prepared.load, **common)
 
-    return _answer(subject, search, seismic, find, html, as_json)
+    return _answer(subject, search, seismic, find, html, as_json, more=limit_answer.safety_factor)
 
 
 def _answer(
@@ -156,8 +156,12 @@ def _answer(
     html: str | None,
     as_json: bool,
     notes: list[str] | None = None,
+    more: Callable[[Limit], dict[str, float]] | None = None,
 ) -> int:
-    """Prepare the model, find the limit, tell it. What ``find`` adds to the notes is told too."""
+    """Prepare the model, find the limit, tell it.
+
+    What ``find`` adds to the notes is told too, and the figures of ``more``.
+    """
     files = verdict.Files.checked(html, None)
     search.options()  # refused before the model is read
     with Waiting() as waiting:
@@ -165,7 +169,8 @@ def _answer(
         with search.under_way(waiting) as common:
             found = find(prepared, common)
     told = (*prepared.notes, *(notes or ()))
-    return limit_answer.tell(found, subject.model, told, files, waiting, as_json)
+    others = {} if more is None else more(found)
+    return limit_answer.tell(found, subject.model, told, files, waiting, as_json, others)
 
 
 def _axis(text: str | None) -> Any:

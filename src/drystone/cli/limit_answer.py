@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from drystone.cli import output
@@ -19,15 +20,32 @@ TITLES = {
     "rest": "stands for some contact stiffness",
     "uniform": "stands for uniform contact stiffness",
 }
+NOTHING: Mapping[str, float] = MappingProxyType({})
 NAMED = 12
 """Blocks named on the terminal; --json has all."""
 
 
+def safety_factor(found: Limit) -> dict[str, float]:
+    """How many times larger the joints are than the least that stand."""
+    stands = found.best.stands
+    return {} if not stands else {"geometric safety factor": 1.0 / stands}
+
+
 def tell(
-    found: Limit, model: str, notes: Iterable[str], files: Files, waiting: Waiting, as_json: bool
+    found: Limit,
+    model: str,
+    notes: Iterable[str],
+    files: Files,
+    waiting: Waiting,
+    as_json: bool,
+    more: Mapping[str, float] = NOTHING,
 ) -> int:
-    """Print a limit and write its page; 0 when there is one, 1 when it never stood."""
-    data = {"model": model, **found.to_dict(), "notes": list(notes), "files": []}
+    """Print a limit and write its page; 0 when there is one, 1 when it never stood.
+
+    ``more`` are figures that follow from the limit, by their names.
+    """
+    others = {name.replace(" ", "_"): value for name, value in more.items()}
+    data = {"model": model, **found.to_dict(), **others, "notes": list(notes), "files": []}
     data["time_s"] = {**waiting.time_s, **data["time_s"]}
     falling = found.best.falling
     state = falling if falling is not None else found.best.standing
@@ -39,7 +57,7 @@ def tell(
     if as_json:
         output.emit(data)
     else:
-        _show(data)
+        _show(data, more)
     return 0 if found.best.stands is not None else 1
 
 
@@ -61,7 +79,7 @@ def tell_sweep(
     return 0 if all(limit.best.stands is not None for limit in sweep.limits) else 1
 
 
-def _show(data: dict[str, Any]) -> None:
+def _show(data: dict[str, Any], more: Mapping[str, float]) -> None:
     from rich.markup import escape
     from rich.table import Table
 
@@ -77,12 +95,14 @@ def _show(data: dict[str, Any]) -> None:
                 title, _value(bracket["stands"], "nowhere"), _value(bracket["falls"], "-")
             )
     console.print(table)
+    for name, figure in more.items():
+        console.print(f"{name}: {figure:.4g}")
     for low, high in data["islands"]:
         console.print(f"[yellow]island:[/] it stands again from {low:.6g} to {high:.6g}")
     if data["falling"]:
         names = ", ".join(data["falling"][:NAMED])
-        more = len(data["falling"]) - NAMED
-        console.print(f"falls: {escape(names)}" + (f" and {more} more" if more > 0 else ""))
+        others = len(data["falling"]) - NAMED
+        console.print(f"falls: {escape(names)}" + (f" and {others} more" if others > 0 else ""))
         console.print(escape(data["message"]))
     _show_end(console, data)
 

@@ -109,6 +109,9 @@ def tolerance(
 
     Exit code 0: all of them. 1: not all.
     """
+    for value, option in ((offset, "--offset"), (turn, "--turn"), (corner_loss, "--corner-loss")):
+        if not 0.0 <= value < float("inf"):
+            raise InputError(f"is {value}", where=option, remedy="give zero or more")
     with Waiting() as waiting:
         from drystone import limits
 

@@ -65,7 +65,7 @@ def parsed_load(text: str, assembly: Assembly, where: str = "--load") -> LoadCas
         raise InputError(
             f"'{text}' names no block", where=where, remedy="write BLOCK:FX,FY,FZ[@X,Y,Z]"
         )
-    at = vector(place, where) if at_sign else None
+    at = vector(place, where, "0,0,1.2") if at_sign else None
     mass = MASS.fullmatch(what.strip())
     try:
         if mass is not None:
@@ -73,8 +73,9 @@ def parsed_load(text: str, assembly: Assembly, where: str = "--load") -> LoadCas
         if what.startswith("m="):
             if at is not None:
                 raise InputError("a moment acts at no point", remedy="leave out what follows @")
-            return LoadCase.moment(assembly, block, vector(what[2:], where))
-        return LoadCase.point_load(assembly, block, vector(what, where), at)
+            return LoadCase.moment(assembly, block, vector(what[2:], where, "m=0,0,25"))
+        force = vector(what, where, "a force 0,0,-500, a mass 80kg or a moment m=0,0,25")
+        return LoadCase.point_load(assembly, block, force, at)
     except InputError as error:
         if error.where:
             raise

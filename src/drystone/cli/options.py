@@ -105,8 +105,8 @@ def positive(value: float | None, option: str) -> float | None:
     return value
 
 
-def vector(text: str, what: str) -> tuple[float, float, float]:
-    """Three finite numbers separated by commas.
+def vector(text: str, what: str, example: str = "0,0,-9.81") -> tuple[float, float, float]:
+    """Three finite numbers separated by commas, such as the example.
 
     Raises
     ------
@@ -116,10 +116,10 @@ def vector(text: str, what: str) -> tuple[float, float, float]:
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError as error:
-        raise InputError(f"'{text}' is not X,Y,Z", where=what, remedy="write 0,0,-9.81") from error
+        raise InputError(f"'{text}' is not X,Y,Z", where=what, remedy=f"write {example}") from error
     if len(values) != 3 or not all(abs(value) < float("inf") for value in values):
         raise InputError(
-            f"'{text}' is not three finite numbers", where=what, remedy="write 0,0,-9.81"
+            f"'{text}' is not three finite numbers", where=what, remedy=f"write {example}"
         )
     return values[0], values[1], values[2]
 

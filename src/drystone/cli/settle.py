@@ -28,7 +28,6 @@ def settle(
     *,
     moves: loading.Moves = None,
     subject: Subject,
-    cases: loading.Cases = None,
     seismic: loading.Seismic = None,
     gap: options.Gap = None,
     find_contacts: options.FindContacts = False,
@@ -57,7 +56,6 @@ def settle(
     with Waiting() as waiting:
         prepared = subject.prepared(
             waiting,
-            cases=cases,
             seismic=seismic,
             gap=gap,
             find_contacts=find_contacts,

@@ -110,10 +110,23 @@ def test_load_cases_of_the_file_combine_with_factors(tmp_path: Path, capsys: Cap
     assert "'x' is not a number" in refused(capsys, "check", str(path), "--case", "x*wind")
 
 
+def test_limits_take_the_load_cases_of_the_file_with_factors(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    wind = LoadCase(LoadCase.point_load(TOWER, 1, (1000.0, 0.0, 0.0)).wrench, "wind")
+    path = tmp_path / "loaded.json"
+    io.write(Model(TOWER, None, (LoadCase.gravity(TOWER), wind), ()), path)
+    cases = ("--case", "2*gravity", "--case", "4*wind")
+    code, told = answer(capsys, "limit", "friction", str(path), *cases, "--equilibrium-only")
+    assert code == 0
+    assert told["equilibrium"]["value"] == pytest.approx(4.0 / (2.0 * 2.4 * 9.81), abs=1e-3)
+
+
 def test_shrink_tolerance_and_thickness_answer(model: str, capsys: Capsys) -> None:
     code, told = answer(capsys, "limit", "shrink", model, "--seismic", "0.25", "--scan", "1")
     assert code == 0
     assert told["rest"]["value"] == pytest.approx(0.25, abs=1e-3)
+    assert told["geometric_safety_factor"] == pytest.approx(1.0 / told["rest"]["stands"])
     code, told = answer(
         capsys, "limit", "tolerance", model, "--friction-range", "0.2,0.4", "--seismic", "0.3",
         "--draws", "8",
@@ -194,7 +207,10 @@ def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -
         (["limit", "thickness", "arch", "--parameter", "radius"], "--from and --to"),
         (["limit", "tolerance", "MODEL"], "nothing is imperfect"),
         (["limit", "tolerance", "MODEL", "--friction-range", "1"], "not LOW,HIGH"),
+        (["limit", "tolerance", "MODEL", "--turn", "nan"], "--turn: is nan"),
+        (["limit", "friction", "MODEL", "--case", "wind"], "no load case is called 'wind'"),
         (["check", "MODEL", "--load", "block-1"], "names no block"),
+        (["check", "MODEL", "--load", "block-1:5kgs"], "write a force 0,0,-500, a mass 80kg"),
         (["check", "MODEL", "--load", "block-1:1,2"], "not three finite numbers"),
         (["check", "MODEL", "--load", "block-1:xkg"], "'x' is not a number"),
         (["check", "MODEL", "--load", "block-1:m=1,0,0@0,0,0"], "acts at no point"),
