@@ -63,7 +63,10 @@ def depths(faces: Faces, a: Ints, b: Ints, least: Floats, direction: Floats) -> 
     Notes
     -----
     Along every edge the points looked at are its ends and the middles of its stretches between the
-    places where it passes through the other's surface.
+    places where it passes through the other's surface. Bodies of which no such point is inside the
+    other can still share a space whose corners lie on both surfaces, as a body and its copy do:
+    of those the mean of the corners on the other's surface is looked at, and it counts by the
+    smaller of its depths in the two.
 
     Examples
     --------
@@ -85,7 +88,51 @@ def depths(faces: Faces, a: Ints, b: Ints, least: Floats, direction: Floats) -> 
             side, point = _candidates(bodies, sides)
             deep = _depth_of_points(bodies, sides, side, point)
             np.maximum.at(depth, part[side], deep)
+    left = np.flatnonzero(depth <= least)
+    depth[left] = _middle_depth(bodies, _Sides(a[left], b[left], least[left], direction[left]))
     return np.where(depth > least, depth, 0.0)
+
+
+def _middle_depth(bodies: _Bodies, sides: _Sides) -> Floats:
+    """(s,) [m] depth in both bodies of the mean of the points that lie on both surfaces."""
+    turned = _Sides(sides.other, sides.body, sides.least, sides.direction)
+    total, count = np.zeros((len(sides.body), 3)), np.zeros(len(sides.body))
+    for each in (sides, turned):
+        side, point = _on_surface(bodies, each)
+        np.add.at(total, side, point)
+        count += np.bincount(side, minlength=len(count))
+    several = np.flatnonzero(count >= 4)  # fewer have no volume
+    mean = total[several] / count[several, None]
+    depth = np.zeros(len(count))
+    depth[several] = np.minimum(
+        _depth_of_points(bodies, sides, several, mean),
+        _depth_of_points(bodies, turned, several, mean),
+    )
+    return depth
+
+
+def _on_surface(bodies: _Bodies, sides: _Sides) -> tuple[Ints, Floats]:
+    """Side and place of corners, and of points on edges, that lie on the other's surface."""
+    count = np.diff(bodies.first_triangle)
+    low, high = bodies.triangle.min(axis=1), bodies.triangle.max(axis=1)
+    side, corner = _of_range(bodies.first_corner, sides.body)
+    place = bodies.point[bodies.corner[corner]]
+    on = np.zeros(len(side), dtype=bool)
+    for part in _batches(count[sides.other[side]]):
+        row, triangle = _of_range(bodies.first_triangle, sides.other[side[part]])
+        row = part[row]
+        margin = sides.least[side[row], None]
+        near = boxes.touching(
+            place[row] - margin, place[row] + margin, low[triangle], high[triangle]
+        )
+        row, triangle = row[near], triangle[near]
+        square = solid.squared_distance(place[row], bodies.triangle[triangle])
+        on[row[square <= sides.least[side[row]] ** 2]] = True
+    edge_side, edge = _of_range(bodies.first_edge, sides.body)
+    ends = bodies.point[bodies.edge[edge]]
+    crossed, share = _crossings(bodies, sides, edge_side, ends)
+    through = ends[crossed, 0] + share[:, None] * (ends[crossed, 1] - ends[crossed, 0])
+    return np.concatenate([side[on], edge_side[crossed]]), np.concatenate([place[on], through])
 
 
 def _bodies(faces: Faces, used: Ints) -> _Bodies:

@@ -16,6 +16,9 @@ from drystone.shells.tessellation import Tessellation
 TOLERANCE = 1e-6
 """Largest depth of one block in another, by the width of a block."""
 
+UPWARDS = np.array([0.0, 0.0, 1.0])
+"""In place of the direction between the middles of two bodies at the same place."""
+
 
 def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> None:
     """Look over the blocks of a shell for pairs that stand in each other.
@@ -80,7 +83,8 @@ def overlaps(faces: Faces, least: float) -> tuple[Ints, Ints, Floats]:
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     for facing in (None, 0, 1):
         direction = middle[b] - middle[a]
-        direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-300)
+        length = np.linalg.norm(direction, axis=1, keepdims=True)
+        direction = np.where(length > least, direction / np.maximum(length, 1e-300), UPWARDS)
         if facing is not None:
             direction = normal[_facing(normal, first_face, (a, b)[facing], direction)]
         near = _overlap(corner, first, a, b, direction) > least

@@ -45,6 +45,37 @@ def test_a_block_wholly_inside_is_found() -> None:
     assert depth(box((1.0, 1.0, 1.0), name="outer"), inner) == pytest.approx([0.4])
 
 
+@pytest.mark.parametrize(
+    ("size", "corner", "deep"),
+    [
+        ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 0.5),
+        ((1.0, 1.0, 1.0), (0.6, 0.0, 0.0), 0.2),
+        ((1.0, 1.0, 2.0), (0.0, 0.0, 0.5), 0.25),
+    ],
+)
+def test_blocks_whose_edges_lie_on_each_other_can_share_a_space(
+    size: tuple[float, float, float], corner: tuple[float, float, float], deep: float
+) -> None:
+    found = depth(box((1.0, 1.0, 1.0), name="one"), box(size, corner, "other"))
+    assert found == pytest.approx([deep])
+
+
+def test_a_tongue_that_fills_a_groove_shares_no_space() -> None:
+    """The mean of the corners that touch is inside the tongue, not inside the groove."""
+    groove = [
+        (0.0, 0.0),
+        (3.0, 0.0),
+        (3.0, 2.0),
+        (2.0, 2.0),
+        (2.0, 1.0),
+        (1.0, 1.0),
+        (1.0, 2.0),
+        (0.0, 2.0),
+    ]
+    tongue = [(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0)]
+    assert depth(prism(groove, (0.0, 1.0), "groove"), prism(tongue, (0.0, 1.0), "tongue")) == [0.0]
+
+
 def test_the_direction_decides_nothing() -> None:
     blocks = ells(0, 6)
     along = [depth(*blocks, direction=tuple(axis)) for axis in np.eye(3)]

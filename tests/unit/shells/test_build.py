@@ -309,6 +309,12 @@ def test_a_patch_may_not_cross_another():
         build_shell(shape, Layout(courses=9, blocks=3), Body(thickness=0.2))
 
 
+def test_a_patch_may_not_be_there_twice():
+    shape = Shape(barrel_vault().patches * 2, (), (Edge(0, Side.BOTTOM), Edge(1, Side.BOTTOM)))
+    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
+        build_shell(shape, Layout(courses=6, blocks=3))
+
+
 def test_ground_blocks_may_not_stand_in_each_other():
     """Under an upright wall and one that leans away from it."""
     walls = [
