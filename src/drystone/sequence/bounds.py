@@ -9,11 +9,18 @@ together.
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import nnls
 
 from drystone.geometry.arrays import Floats
 from drystone.results import Verdict
 from drystone.sequence.judges import balance
 from drystone.sequence.stages import Model, Stage, members
+
+RAYS = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+"""Directions on a friction cone whose sums are tried first: eight leave out 8 % of its width."""
+
+BALANCED = 1e-9
+"""Unbalanced share of a load that is rounding."""
 
 
 class LocalBalance:
@@ -28,8 +35,44 @@ class LocalBalance:
         around = self.model.neighbours[block] & placed
         key = (block, around)
         if key not in self._known:
-            self._known[key] = self._rests(block, around) or self._balanced(block, around)
+            self._known[key] = (
+                self._rests(block, around)
+                or self._carried(block, around)
+                or self._balanced(block, around)
+            )
         return self._known[key]
+
+    def _carried(self, block: int, around: int) -> bool:
+        """Whether forces along some rays of the friction cones balance it: yes is a proof."""
+        contacts, assembly = self.model.contacts, self.model.assembly
+        sign = self._joints(block, around)[contacts.interface]
+        corner = np.flatnonzero(sign)
+        frame = contacts.frame[contacts.interface[corner]] * sign[corner, None, None]
+        slide = contacts.friction[contacts.interface[corner], None, None]
+        turn = np.stack([np.cos(RAYS), np.sin(RAYS)], axis=1)
+        ray = (frame[:, None, 0] + slide * (turn @ frame[:, 1:])).reshape(-1, 3)
+        size = assembly.size[block]
+        arm = np.repeat((contacts.point[corner] - assembly.centroid[block]) / size, len(RAYS), 0)
+        load = np.append(
+            self.model.load.wrench[block, :3], self.model.load.wrench[block, 3:] / size
+        )
+        length = float(np.linalg.norm(load))
+        if not len(ray) or length == 0.0:
+            return length == 0.0
+        try:
+            _, rest = nnls(np.concatenate([ray, np.cross(arm, ray)], axis=1).T, -load / length)
+        except RuntimeError:  # it came to no end
+            return False
+        return float(rest) <= BALANCED
+
+    def _joints(self, block: int, around: int) -> Floats:
+        """(m,) per interface: 1 where it presses the block along its normal, -1 against it."""
+        contacts = self.model.contacts
+        here = np.array(self.model.assembly.fixed)
+        here[list(members(around))] = True
+        as_b = (contacts.block_b == block) & here[contacts.block_a]
+        as_a = (contacts.block_a == block) & here[contacts.block_b]
+        return as_b.astype(np.float64) - as_a
 
     def _balanced(self, block: int, around: int) -> bool:
         answer = self.model.solve(Stage(around | 1 << block, around))
@@ -42,15 +85,12 @@ class LocalBalance:
             return False
         contacts = self.model.contacts
         down = wrench[:3] / np.linalg.norm(wrench[:3])
-        here = np.array(self.model.assembly.fixed)
-        here[list(members(around))] = True
-        as_b = (contacts.block_b == block) & here[contacts.block_a]
-        as_a = (contacts.block_a == block) & here[contacts.block_b]
-        dip = contacts.frame[:, 0] @ down * np.where(as_b, -1.0, 1.0)  # 1: level, below the block
+        sign = self._joints(block, around)
+        dip = -sign * (contacts.frame[:, 0] @ down)  # 1: level, below the block
         within = dip >= 1.0 / np.sqrt(1.0 + contacts.friction**2)
         return any(
             self._through(int(i), self.model.assembly.centroid[block], down)
-            for i in np.flatnonzero((as_a | as_b) & within)
+            for i in np.flatnonzero((sign != 0.0) & within)
         )
 
     def _through(self, interface: int, point: Floats, direction: Floats) -> bool:

@@ -15,7 +15,7 @@ from drystone.io.files import write_bytes
 from drystone.results import Verdict
 from drystone.sequence.stages import Answer, Model, Stage
 
-FORMAT, VERSION = "drystone-stages", 1
+FORMAT, VERSION = "drystone-stages", 2
 
 
 def fingerprint(model: Model) -> str:
@@ -48,7 +48,7 @@ def write_checkpoint(path: Path, model: Model, known: dict[Stage, Answer]) -> No
             {
                 "placed": f"{part.placed:x}",
                 "held": f"{part.held:x}",
-                "doubtful": part.doubtful,
+                "glance": part.glance,
                 "verdict": found.verdict.name,
                 "message": found.message,
                 "falling": list(found.falling),
@@ -89,7 +89,7 @@ def read_checkpoint(path: Path, model: Model) -> dict[Stage, Answer]:
 
 
 def _stage(record: Any) -> Stage:
-    return Stage(int(record["placed"], 16), int(record["held"], 16), bool(record["doubtful"]))
+    return Stage(int(record["placed"], 16), int(record["held"], 16), int(record["glance"]))
 
 
 def _answer(record: Any) -> Answer:

@@ -11,9 +11,13 @@ from concurrent.futures import BrokenExecutor, Executor, Future
 from pathlib import Path
 from types import TracebackType
 
+import numpy as np
+
+from drystone.geometry.arrays import Floats
 from drystone.io.files import PathLike
 from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
-from drystone.sequence.stages import Answer, Model, Stage
+from drystone.sequence.judges import glances
+from drystone.sequence.stages import Answer, Model, Stage, members
 from drystone.sequence.workers import ExecutorFactory
 
 SAVE_EVERY_S = 10.0
@@ -62,9 +66,11 @@ class Evaluator:
         self.solved = 0
         self.solve_s = 0.0
         self._known: dict[Stage, Answer] = {}
+        self._ahead: dict[Stage, Answer] = {}
         self._factory = None if isinstance(executor, Executor) else executor
         self._executor = executor if isinstance(executor, Executor) else None
         self._revivals = 0
+        self._glances = len(glances(model.judge))
         self._file = None if checkpoint is None else Path(checkpoint)
         self._saved = time.monotonic()
         if self._file is not None and self._file.exists():
@@ -99,15 +105,39 @@ class Evaluator:
         """Whether a stage stands; with ``forces``, checked again if they were not kept."""
         return self.answers([stage], forces=forces)[0]
 
-    def answers(self, stages: Sequence[Stage], *, forces: bool = False) -> list[Answer]:
-        """Whether each of some stages stands."""
+    def answers(
+        self, stages: Sequence[Stage], *, ahead: Sequence[Stage] = (), forces: bool = False
+    ) -> list[Answer]:
+        """Whether each of some stages stands.
+
+        Parameters
+        ----------
+        stages
+        ahead
+            Stages that are likely to be asked for next. What is found of them is kept aside until
+            then, so that no answer depends on how far workers looked ahead.
+        forces
+            Check again what was kept without its forces.
+        """
         parts = [self.model.parts(stage) for stage in stages]
-        wanted = dict.fromkeys(part for some in parts for part in some)
-        missing = [part for part in wanted if not self._has(part, forces)]
+        missing = []
+        for part in dict.fromkeys(part for some in parts for part in some):
+            if not self._has(part, forces):
+                if part in self._ahead:
+                    self._known[part._replace(near=None)] = self._ahead.pop(part)
+                else:
+                    missing.append(part)
         if missing:
             began = time.perf_counter()
-            for part, found in self._solve(missing):
-                self._known[part] = found
+            further = dict.fromkeys(part for stage in ahead for part in self.model.parts(stage))
+            for part in missing:
+                further.pop(part, None)
+            new = [p for p in further if p not in self._ahead and self._find(p) is None]
+            for number, (part, found) in enumerate(self._solve([*missing, *new])):
+                if number < len(missing):
+                    self._known[part._replace(near=None)] = found
+                else:
+                    self._ahead[part] = found
                 self.solved += 1
                 if time.monotonic() - self._saved > SAVE_EVERY_S:
                     self.save()
@@ -126,13 +156,28 @@ class Evaluator:
             write_checkpoint(self._file, self.model, self._known)
 
     def _find(self, part: Stage) -> Answer | None:
-        """What is known of a part; that it stands is known however it was asked.
+        """What is known of a part: the judge's word, else that it stands however it was asked."""
+        part = part._replace(near=None)
+        judged = self._known.get(part._replace(glance=0))
+        if judged is not None:
+            return judged
+        seen = (self._known.get(part._replace(glance=1 + i)) for i in range(self._glances))
+        return next((one for one in seen if one is not None and one.stands), self._known.get(part))
 
-        That it falls is not: the blocks that are told to fall may differ, and with them the plan,
-        which must not depend on what workers happened to look at ahead.
-        """
-        other = self._known.get(part._replace(doubtful=not part.doubtful))
-        return self._known.get(part, other if other is not None and other.stands else None)
+    def _state_near(self, part: Stage) -> Floats | None:
+        """Displacements (n, 6) of the stage that a part is near to, where they are known."""
+        if part.near is None:
+            return None
+        out = np.zeros((len(self.model.assembly), 6))
+        for other in self.model.parts(Stage(*part.near)):
+            moving = other.placed & ~other.held
+            found = self._find(other) if moving & part.placed else None
+            if found is not None and found.stands:
+                if not len(found.motion):  # it came from a checkpoint
+                    found = self._known[other] = self.model.solve(other)
+                if len(found.motion):
+                    out[list(members(moving))] = found.motion
+        return out if out.any() else None
 
     def _has(self, part: Stage, forces: bool) -> bool:
         known = self._find(part)
@@ -149,7 +194,7 @@ class Evaluator:
             except (BrokenExecutor, ConnectionError) as error:
                 self._revive(error)
         for part in left:
-            yield part, self.model.solve(part)
+            yield part, self.model.solve(part, self._state_near(part))
 
     def _start(self) -> Executor | None:
         if self._executor is None and self._factory is not None:
@@ -160,7 +205,7 @@ class Evaluator:
         executor = self._start()
         if executor is None:
             raise BrokenExecutor("no workers are left")
-        return executor.submit(solve_remote, self._payload, part)
+        return executor.submit(solve_remote, self._payload, part, self._state_near(part))
 
     def _revive(self, error: BaseException) -> None:
         """After a worker died: new ones where we can start them, else we go on alone."""
@@ -173,9 +218,9 @@ class Evaluator:
             self._factory = None
 
 
-def solve_remote(payload: bytes, part: Stage) -> Answer:
+def solve_remote(payload: bytes, part: Stage, start: Floats | None = None) -> Answer:
     """The verdict on one part in a worker, which unpacks the model once."""
-    return _unpacked(payload).solve(Stage(*part))
+    return _unpacked(payload).solve(Stage(*part), start)
 
 
 @functools.lru_cache(maxsize=2)

@@ -116,6 +116,7 @@ class RemovalTest:
         self.model = model
         self.tolerance = tolerance
         self._known: dict[tuple[int, int], Freedom] = {}
+        self._free: dict[tuple[int, int], bool] = {}
 
     def freedom(self, block: int, placed: int) -> Freedom:
         """How a block can leave the blocks in place (it may be one of them)."""
@@ -128,7 +129,14 @@ class RemovalTest:
 
     def free(self, block: int, placed: int) -> bool:
         """Whether it can leave at all."""
-        return not self.freedom(block, placed).blocked
+        key = (block, self.model.neighbours[block] & placed & ~(1 << block))
+        if key not in self._free:
+            normals = joint_normals(self.model, *key)
+            # most blocks can go straight up, or away from all of their joints
+            quick = np.stack([self.model.up, normals.sum(axis=0)])
+            leaves = bool((normals @ quick.T >= 0.0).all(axis=0).any())
+            self._free[key] = leaves or not self.freedom(*key).blocked
+        return self._free[key]
 
 
 def _unit(vectors: Floats) -> Floats:

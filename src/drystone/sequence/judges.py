@@ -7,13 +7,18 @@ from typing import TypeAlias
 
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
+from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
-from drystone.results import Result
-from drystone.stability import CheckOptions, RBEOptions, check, solve_rbe
+from drystone.results import Result, Verdict
+from drystone.stability import CheckOptions, RBEOptions, check, solve_rbe, try_rest
 
 Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
 """Any verdict: ``check(assembly, contacts, load)``. It travels to other processes, so it must be
 importable there."""
+
+SMOOTH = 10.0
+"""Slip length, by the local overlap, of the friction law of the second look: the one that
+:func:`drystone.check` turns to as well."""
 
 
 def check_once(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
@@ -26,7 +31,34 @@ def check_once(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result
 
 def check_thoroughly(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
     """The verdict of the whole cascade: any compatible state counts."""
-    return check(assembly, contacts, load)
+    found = glance(assembly, contacts, load)
+    return found if found.verdict is Verdict.STABLE else check(assembly, contacts, load)
+
+
+def glance(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase,
+    *,
+    slip: float | None = None,
+    start: Floats | None = None,
+) -> Result:
+    """A quick look: STABLE with the full proof, or UNDECIDED.
+
+    Parameters
+    ----------
+    assembly, contacts, load
+    slip
+        Of the friction law, as in :func:`drystone.stability.try_rest`.
+    start : (n, 6) [m, rad]
+        Displacements of a neighbouring stage.
+    """
+    return try_rest(assembly, contacts, load, slips=(slip,), brief=True, start=start)
+
+
+def glances(judge: Check) -> tuple[float | None, ...]:
+    """Slip length of each quick look that may come before a judge; the first to be asked first."""
+    return (None, SMOOTH) if judge is check_once else ()
 
 
 def balance(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
@@ -34,4 +66,4 @@ def balance(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
     return solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility())
 
 
-__all__ = ["Check", "balance", "check_once", "check_thoroughly"]
+__all__ = ["Check", "balance", "check_once", "check_thoroughly", "glance", "glances"]

@@ -165,7 +165,7 @@ class _Planner:
             self.bound,
             self.removal,
             SearchOptions(
-                patience,
+                math.inf if whole else patience,
                 2**30 if whole else self.options.width,
                 int(min(4.0, max(1.0, patience // 4))),
             ),
@@ -210,7 +210,7 @@ class _Planner:
             for i in range(when[0], when[-1] + 1):
                 active[i] |= 1 << block
         answers = self.evaluator.answers(
-            [Stage(n.placed, a) for n, a in zip(path, active, strict=True)]
+            [Stage(n.placed, a, search.looks[0]) for n, a in zip(path, active, strict=True)]
         )
         return [
             mask if answer.stands else least
@@ -223,12 +223,12 @@ class _Planner:
         certain = mask_of(search.local.unbalanced(mask, node.placed))
         if mask == certain:
             return mask
-        if not certain and self.evaluator.answer(Stage(node.placed)).stands:
+        if not certain and search.look(replace(node, props=0)).stands:
             return 0
         doubtful = mask & ~certain
         if doubtful.bit_count() <= POLISHED:
             for block in members(doubtful):
-                if self.evaluator.answer(Stage(node.placed, mask & ~(1 << block))).stands:
+                if search.look(replace(node, props=mask & ~(1 << block))).stands:
                     mask &= ~(1 << block)
         return mask
 

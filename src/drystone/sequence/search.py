@@ -12,6 +12,7 @@ block, to take it away as well (it is placed together with the others), or to pr
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -22,6 +23,7 @@ from drystone.results import Verdict
 from drystone.sequence.bounds import LocalBalance
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.judges import glances
 from drystone.sequence.rules import Bound
 from drystone.sequence.stages import Answer, Stage, mask_of, members
 from drystone.sequence.states import Cost, Found, Node, SearchOptions
@@ -65,6 +67,9 @@ class Search:
         self.local = LocalBalance(self.model)
         self.pairs = self.local.helpless_pairs() if bounded else ()
         self.progress = progress
+        # a proof that no order is better is not built on glances
+        count = 0 if math.isinf(options.patience) else len(glances(self.model.judge))
+        self.looks = tuple(range(1, count + 1)) or (0,)
         self.heap: list[tuple[Cost, int, int, int, Node]] = []
         self.pushed = 0
         self.rounds = 0
@@ -113,7 +118,7 @@ class Search:
             left = (node.placed & ~self.bound.core).bit_count()
             self.progress("planning", total - left, total)
 
-    def look(self, node: Node) -> Answer:
+    def look(self, node: Node, glance: int | None = None) -> Answer:
         """The answer of a node; with workers, those that are likely next are asked for too.
 
         Neighbours of what just left that cannot be balanced settle it without a check.
@@ -124,11 +129,26 @@ class Search:
         loose = self.local.unbalanced(near & node.placed & ~node.props, node.placed)
         if loose:
             return Answer(Verdict.UNSTABLE, "cannot be balanced", loose)
-        stages = [node.stage]
-        batch = self.evaluator.batch
-        if batch > 1:
-            stages += [entry[-1].stage for entry in heapq.nsmallest(batch - 1, self.heap)]
-        return self.evaluator.answers(stages)[0]
+        first = self.looks[0]
+        stage = self.stage(node, first if glance is None else glance)
+        likely = heapq.nsmallest(self.evaluator.batch - 1, self.heap)
+        ahead = [self.stage(entry[-1], first) for entry in likely]
+        return self.evaluator.answers([stage], ahead=ahead)[0]
+
+    def stage(self, node: Node, glance: int) -> Stage:
+        """What to ask, with the stage that the blocks of a node left to start from."""
+        if glance != 1 or node.parent is None:
+            return Stage(node.placed, node.props, glance)
+        return Stage(node.placed, node.props, glance, (node.parent.placed, node.parent.props))
+
+    def look_well(self, node: Node) -> Answer:
+        """The answer of a node by every glance until it stands; the most telling one."""
+        answers = []
+        for glance in self.looks:
+            answers.append(self.look(node, glance))
+            if answers[-1].stands:
+                return answers[-1]
+        return next((one for one in answers if one.falling), answers[-1])
 
     def widened(self, blocks: int) -> int:
         """Some blocks and all that touch them."""
@@ -170,8 +190,7 @@ class Search:
         hanging: list[Node] = []
         for block in self.candidates(node.placed):
             bit = 1 << block
-            second = bool(out or hanging)
-            one = Node(node.placed & ~bit, node.props & ~bit, (block,), node.cost, node, second)
+            one = Node(node.placed & ~bit, node.props & ~bit, (block,), node.cost, node)
             air = self.model.floating(one.placed) & ~self.model.floating(node.placed)
             (hanging if air else out).append(one)
             if len(out) >= self.options.width:
@@ -223,7 +242,7 @@ class Search:
             return True
         load, mass = self.model.load.wrench, self.model.assembly.mass
         for stage in self.held_stages(node):
-            answer = self.evaluator.answer(stage)
+            answer = self.evaluator.answer(stage._replace(glance=self.looks[0]))
             if not answer.stands:
                 return False
             for block in node.group:
@@ -248,10 +267,12 @@ class Search:
     def force(self, node: Node) -> Node:
         """One step further down from a stage that stands, with held blocks, else with props."""
         tries = self.removals(node)[: self.options.tries]
-        answers = [self.look(one) for one in tries]
-        for one, answer in zip(tries, answers, strict=True):
-            if answer.stands:
-                return one
+        answers: list[Answer] = []
+        for look in self.looks:
+            answers = [self.look(one, look) for one in tries]
+            for one, answer in zip(tries, answers, strict=True):
+                if answer.stands:
+                    return one
         for one, answer in zip(tries, answers, strict=True):
             grown = self.grow(one, answer)
             if grown is not None:
@@ -272,7 +293,7 @@ class Search:
                 group=(*node.group, joining[0]),
                 cost=(props, together + 1),
             )
-            answer = self.look(node)
+            answer = self.look_well(node)
         return node if self.can_hold(node) else None
 
     def prop(self, node: Node, answer: Answer) -> Node:
@@ -286,12 +307,12 @@ class Search:
                 reach, wider = wider, self.widened(wider)
             reach = wider
             node = replace(node, props=node.props | (falling & reach or falling))
-            answer = self.look(node)
+            answer = self.look_well(node)
         added = node.props & ~given
         if added.bit_count() <= 2 * self.options.tries:
             for block in members(added):
                 fewer = replace(node, props=node.props & ~(1 << block))
-                if self.look(fewer).stands:
+                if self.look_well(fewer).stands:
                     node = fewer
         props, together = node.cost
         return replace(node, cost=(props + (node.props & ~given).bit_count(), together))

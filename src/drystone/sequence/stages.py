@@ -24,7 +24,7 @@ from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.loads import LoadCase
 from drystone.results import Verdict
-from drystone.sequence.judges import Check, balance, check_once
+from drystone.sequence.judges import Check, check_once, glance, glances
 
 LOADED = 1e-6
 """Corners that carry less than this share of the largest force of their part say nothing about the
@@ -34,13 +34,15 @@ friction that is needed."""
 class Stage(NamedTuple):
     """Blocks in place and, among them, those that are held; one bit per block.
 
-    A doubtful stage is likely to fall: whether any forces balance it is asked first, which is the
-    cheaper way to say no, and the dearer one to say yes.
+    A glance is a quick look, by number, instead of the judge: what it shows to stand does stand,
+    what it does not may stand as well. The first one starts from the neighbouring stage ``near``,
+    given by its blocks in place and held.
     """
 
     placed: int
     held: int = 0
-    doubtful: bool = False
+    glance: int = 0
+    near: tuple[int, int] | None = None
 
 
 def mask_of(blocks: Iterable[int]) -> int:
@@ -90,6 +92,8 @@ class Answer:
         still hold when all coefficients are multiplied by it.
     corner : (c,)
         Corners of the whole model that carry ``force`` (c, 3) [N]; empty when it was not kept.
+    motion : (b, 6) [m, rad]
+        Of the moving blocks of a part, ascending, for neighbours to start from; empty as well.
     """
 
     verdict: Verdict
@@ -99,6 +103,7 @@ class Answer:
     used: float = 0.0
     corner: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
+    motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
 
     @property
     def stands(self) -> bool:
@@ -201,7 +206,7 @@ class Model:
                 frontier = near & moving & ~reached
                 reached |= frontier
             held = touched & stage.held
-            out.append(Stage(reached | held, held, stage.doubtful))
+            out.append(Stage(reached | held, held, stage.glance, stage.near))
             moving &= ~reached
         return out
 
@@ -221,8 +226,15 @@ class Model:
         """Free blocks that touch a support."""
         return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
 
-    def solve(self, part: Stage) -> Answer:
-        """The verdict on one connected part: the only place where the check is called."""
+    def solve(self, part: Stage, start: Floats | None = None) -> Answer:
+        """The verdict on one connected part: the only place where the check is called.
+
+        Parameters
+        ----------
+        part
+        start : (n, 6) [m, rad]
+            Displacements of all blocks to start from.
+        """
         moving = list(members(part.placed & ~part.held))
         held = list(members(part.held))
         ground = sorted({g for block in moving for g in self.grounds[block]})
@@ -233,8 +245,11 @@ class Model:
         some = self.assembly.subset(blocks.tolist()).with_fixed(np.flatnonzero(resting).tolist())
         contacts, corner = self._contacts_of(blocks, resting)
         load = LoadCase(self.load.wrench[blocks], self.load.name)
-        result = balance(some, contacts, load) if part.doubtful else None
-        if result is None or result.verdict is not Verdict.UNSTABLE:
+        if part.glance:
+            slip = glances(self.judge)[part.glance - 1]
+            near = None if start is None else start[blocks]
+            result = glance(some, contacts, load, slip=slip, start=near)
+        else:
             result = self.judge(some, contacts, load)
         falling = tuple(int(blocks[i]) for i in result.falling)
         if result.verdict is not Verdict.STABLE or result.force is None:
@@ -245,9 +260,10 @@ class Model:
         place = np.searchsorted(blocks, held)
         reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
         used = _friction_used(contacts, result.force)
-        return Answer(
-            result.verdict, result.message, (), reaction, used, corner, np.array(result.force)
-        )
+        force = np.array(result.force)
+        shift = result.displacement
+        motion = np.zeros((0, 6)) if shift is None else shift[~some.fixed]
+        return Answer(result.verdict, result.message, (), reaction, used, corner, force, motion)
 
     def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Ints]:
         """Contacts among some blocks, of which one can move, and their corners in the model."""

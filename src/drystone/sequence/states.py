@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drystone.sequence.stages import Stage
-
 Cost: TypeAlias = tuple[int, int]
 """Props, and blocks placed together with another one."""
 
@@ -24,8 +22,6 @@ class Node:
     cost
     parent
         That stage.
-    doubtful
-        A second choice: what was tried first fell.
     """
 
     placed: int
@@ -33,12 +29,6 @@ class Node:
     group: tuple[int, ...] = ()
     cost: Cost = (0, 0)
     parent: Node | None = None
-    doubtful: bool = False
-
-    @property
-    def stage(self) -> Stage:
-        """What is to be checked."""
-        return Stage(self.placed, self.props, self.doubtful)
 
     def path(self) -> list[Node]:
         """From the complete structure to here."""

@@ -8,12 +8,14 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
+from drystone.errors import InputError
 from drystone.formulations import compliance
+from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
-from drystone.stability.proofs import free_acceleration, unpressed
+from drystone.stability.proofs import FALLING_SHARE, free_acceleration, unpressed
 
 
 def try_rest(
@@ -22,6 +24,8 @@ def try_rest(
     load: LoadCase | None = None,
     *,
     slips: Sequence[float | None] = (None,),
+    brief: bool = False,
+    start: Floats | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Result:
     """Follow springs of uniform stiffness to rest, with one friction law after another.
@@ -38,18 +42,25 @@ def try_rest(
     slips
         Slip length of each law to try, by the local overlap; ``None`` is the law that sticks and
         slips. The first that leads to rest is the answer.
+    brief
+        Give up as soon as there is trouble: a no takes half the time, and there are more of them.
+    start : (n, 6) [m, rad]
+        ``displacement`` of a neighbouring model's rest state, block by block, for the first law:
+        half the steps where few blocks differ. Its size does not matter; where it leads nowhere,
+        and unless the look is brief, the law is followed without it.
     stop
         Asked often; True ends the analysis.
 
     Returns
     -------
     Result
-        STABLE with forces and a compatible motion, or UNDECIDED.
+        STABLE with forces and a compatible motion, or UNDECIDED; then ``falling`` are the blocks
+        that the last law let fall, if any.
 
     Raises
     ------
     InputError
-        Load or contacts of another assembly.
+        Load, contacts or start of another assembly.
     """
     clock = Clock(float("inf"), stop)
     problem = Problem.build(assembly, contacts, load)
@@ -59,11 +70,17 @@ def try_rest(
     if problem.statics.free_count == 0:
         verdict, message, residuals = Verdict.STABLE, "every block is fixed", Residuals()
         force, displacement = np.zeros((contacts.corner_count, 3)), np.zeros((len(assembly), 6))
-    elif not _falls_freely(problem, slips, clock):
-        found = _first_standing(attempts, slips)
+    elif not _falls_freely(problem, slips, brief, clock):
+        scaled = None if start is None else _scaled(problem, start)
+        found = _first_standing(attempts, slips, brief, scaled)
         if found is not None:
             verdict, message, residuals = Verdict.STABLE, "stands", found.residuals
             force, displacement = found.force, found.displacement
+    falling: tuple[int, ...] = ()
+    for state in attempts.falling[-1:] if verdict is Verdict.UNDECIDED else ():
+        share = problem.ground_share(state.ground)
+        chosen = problem.statics.free[share > FALLING_SHARE * share.max()]
+        falling = tuple(int(i) for i in chosen)
     return Result(
         method="rest",
         verdict=verdict,
@@ -71,6 +88,7 @@ def try_rest(
         contacts=contacts,
         load=problem.load,
         message=message,
+        falling=falling,
         samples=Samples(attempts.tried, len(attempts.standing)),
         force=force,
         displacement=displacement,
@@ -81,18 +99,37 @@ def try_rest(
     )
 
 
-def _first_standing(attempts: Attempts, slips: Sequence[float | None]) -> Candidate | None:
+def _scaled(problem: Problem, start: Floats) -> Floats:
+    """A start (n, 6) [m, rad] in scaled numbers."""
+    count = len(problem.assembly)
+    if np.shape(start) != (count, 6) or not np.isfinite(start).all():
+        raise InputError(f"the start must hold {count} times six finite numbers", where="start")
+    return problem.statics.scaled_motion(np.asarray(start), problem.statics.mean_length)
+
+
+def _first_standing(
+    attempts: Attempts,
+    slips: Sequence[float | None],
+    brief: bool,
+    start: Floats | None = None,
+) -> Candidate | None:
     for slip in slips:
-        found = attempts.attempt(compliance.uniform(attempts.problem.statics, slip=slip))
+        springs = compliance.uniform(attempts.problem.statics, slip=slip)
+        found = attempts.attempt(springs, brief=brief, start=start)
+        if start is not None and not (brief or found.stands):
+            found = attempts.attempt(springs, again=True)
+        start = None
         if found.stands:
             return found
     return None
 
 
-def _falls_freely(problem: Problem, slips: Sequence[float | None], clock: Clock) -> bool:
+def _falls_freely(
+    problem: Problem, slips: Sequence[float | None], brief: bool, clock: Clock
+) -> bool:
     """Whether some blocks press on nothing and the others do without them."""
     falling = unpressed(problem.assembly, problem.contacts, free_acceleration(problem))
     if not falling.any():
         return False
     others = problem.without(falling)
-    return others is None or _first_standing(Attempts(others, clock), slips) is not None
+    return others is None or _first_standing(Attempts(others, clock), slips, brief) is not None

@@ -6,6 +6,7 @@ import os
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drystone.assembly import Assembly
@@ -46,6 +47,27 @@ def alone() -> object:
     return essence(arch_plan())
 
 
+def slowly(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+    """A judge of the caller's own: no glance comes before it."""
+    return check_once(assembly, contacts, load)
+
+
+@pytest.fixture(scope="module")
+def judged() -> object:
+    return essence(arch_plan(check=slowly))
+
+
+def test_glances_lead_to_the_plan_of_the_judge_himself(alone, judged):
+    assert [step[:3] for step in alone] == [step[:3] for step in judged]
+    for ours, his in zip(alone, judged, strict=True):
+        force, theirs = np.frombuffer(ours[3]), np.frombuffer(his[3])
+        assert np.allclose(force, theirs, rtol=0.0, atol=1e-8 * abs(theirs).max())
+
+
+def test_two_workers_give_the_same_plan_to_the_last_bit(alone):
+    assert essence(arch_plan(executor=LocalWorkers(2))) == alone
+
+
 def mortal(
     marker: Path, parent: int, assembly: Assembly, contacts: Contacts, load: LoadCase
 ) -> Result:
@@ -56,10 +78,10 @@ def mortal(
     return check_once(assembly, contacts, load)
 
 
-def test_two_workers_of_which_one_is_killed_give_the_same_plan(alone, tmp_path):
+def test_two_workers_of_which_one_is_killed_give_the_same_plan(judged, tmp_path):
     marker = tmp_path / "died"
     judge = functools.partial(mortal, marker, os.getpid())
-    assert essence(arch_plan(check=judge, executor=LocalWorkers(2))) == alone
+    assert essence(arch_plan(check=judge, executor=LocalWorkers(2))) == judged
     assert marker.exists()
 
 
@@ -104,19 +126,33 @@ def interrupted(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Resul
     return check_once(assembly, contacts, load)
 
 
-def test_an_interrupted_plan_goes_on_from_its_checkpoint(alone, tmp_path):
+def test_an_interrupted_plan_goes_on_from_its_checkpoint(judged, tmp_path):
     file = tmp_path / "stages.json"
     CALLS["left"] = 6
     with pytest.raises(KeyboardInterrupt):
         arch_plan(check=interrupted, checkpoint=file)
     assert len(json.loads(file.read_text())["parts"]) == 6
     CALLS["left"] = 1000
-    assert essence(arch_plan(check=interrupted)) == alone
+    assert essence(arch_plan(check=interrupted)) == judged
     whole = 1000 - CALLS["left"]
     CALLS["left"] = 1000
-    assert essence(arch_plan(check=interrupted, checkpoint=file)) == alone
+    assert essence(arch_plan(check=interrupted, checkpoint=file)) == judged
     # forces are not kept: stages of the plan itself are checked again for them, others are not
     assert 1000 - CALLS["left"] < whole
+
+
+def test_an_interrupted_plan_with_glances_ends_with_the_same_order_and_help(alone, tmp_path):
+    file = tmp_path / "stages.json"
+
+    def stop(stage: str, done: int, total: int) -> None:
+        if done >= 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        arch_plan(checkpoint=file, progress=stop)
+    assert json.loads(file.read_text())["parts"]
+    found = essence(arch_plan(checkpoint=file))
+    assert [step[:3] for step in found] == [step[:3] for step in alone]
 
 
 def test_a_checkpoint_of_another_model_is_refused(tmp_path):

@@ -37,6 +37,39 @@ def test_what_presses_on_nothing_is_not_called_resting(friction):
     assert try_rest(wedged, contacts, slips=(None, 1.0)).verdict is Verdict.UNDECIDED
 
 
+def test_the_rest_state_of_a_neighbour_halves_the_steps_and_changes_no_force():
+    whole = try_rest(ARCH, JOINTS)
+    nearly = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 1.0)
+    cold = try_rest(ARCH, JOINTS, nearly)
+    for size in (1.0, 1e3):
+        warm = try_rest(ARCH, JOINTS, nearly, start=size * whole.displacement)
+        assert warm.verdict is Verdict.STABLE
+        assert warm.iterations <= 0.6 * cold.iterations
+        assert np.allclose(warm.force, cold.force, rtol=0.0, atol=1e-8 * np.abs(cold.force).max())
+
+
+@pytest.mark.parametrize("start", [np.zeros((3, 6)), np.full((len(ARCH), 6), np.nan)])
+def test_a_start_of_another_assembly_is_refused(start):
+    with pytest.raises(InputError, match="start"):
+        try_rest(ARCH, JOINTS, start=start)
+
+
+def test_a_poor_start_is_dropped():
+    rng = np.random.default_rng(0)
+    for start in (np.zeros((len(ARCH), 6)), rng.standard_normal((len(ARCH), 6))):
+        assert try_rest(ARCH, JOINTS, start=start).verdict is Verdict.STABLE
+
+
+def test_a_brief_look_says_yes_with_the_same_forces_and_names_what_falls():
+    brief, whole = try_rest(ARCH, JOINTS, brief=True), try_rest(ARCH, JOINTS)
+    assert brief.verdict is Verdict.STABLE
+    assert np.array_equal(brief.force, whole.force)
+    leaning = LoadCase.tilt(models.tower(4), (0.0, 1.0, 0.0), 30.0)
+    found = try_rest(models.tower(4), find_contacts(models.tower(4)).contacts, leaning, brief=True)
+    assert found.verdict is Verdict.UNDECIDED
+    assert found.falling_names == ("block-1", "block-2", "block-3")
+
+
 def test_fixed_blocks_rest():
     still = ARCH.with_fixed(range(len(ARCH)))
     assert try_rest(still, JOINTS).verdict is Verdict.STABLE
