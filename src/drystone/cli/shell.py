@@ -60,8 +60,12 @@ def shell(
         float | None, typer.Option(help="Or their width in m (an eighth of the span).")
     ] = None,
     wedge: Annotated[
-        float, typer.Option(help="Shift of bed joints, by the height of a course: -0.45 to 0.45.")
-    ] = 0.0,
+        float | None,
+        typer.Option(
+            help="Shift of bed joints, by the height of a course: -0.45 to 0.45 "
+            "(0; with --straight what the curvatures ask for)."
+        ),
+    ] = None,
     thickness: Annotated[
         float | None,
         typer.Option(help="Thickness in m (0.15 of the radius of a barrel, else the size by 30)."),
@@ -114,7 +118,7 @@ def shell(
             partial=_partial(partial),
             blocks=blocks,
             width=base.width if blocks is None and width is None else width,
-            wedge=wedge,
+            wedge=0.0 if wedge is None and not straight else wedge,
         )
         made = build_shell(base.shape, layout, body, progress=waiting)
         contacts, report = found(made.assembly, friction, waiting)

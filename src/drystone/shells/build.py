@@ -17,10 +17,16 @@ from drystone.shells.bond import lay_bond
 from drystone.shells.courses import lay_courses
 from drystone.shells.extent import check_radius, mean_width
 from drystone.shells.fit import fit_cells
-from drystone.shells.joints import PlanarPins, drift_notes, planar_pins
+from drystone.shells.joints import (
+    STRAIGHT_REMEDY,
+    PlanarPins,
+    drift_notes,
+    planar_pins,
+    refuse_warped,
+)
 from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.materialise import Pins, cell_faces, make_blocks, vertex_thickness
-from drystone.shells.options import Body, Ground, Layout
+from drystone.shells.options import Body, Ground, Intrados, Layout
 from drystone.shells.overlap import refuse_overlaps
 from drystone.shells.patch import Side
 from drystone.shells.pattern import lay_pattern
@@ -136,8 +142,9 @@ def build_shell(
     Raises
     ------
     InputError
-        No support, a thickness above the radius of curvature, too few blocks, blocks turned inside
-        out, or blocks that stand in each other: the surface crosses itself.
+        No support, a thickness above the radius of curvature, too few blocks, joints that stay
+        warped, blocks turned inside out, or blocks that stand in each other: the surface crosses
+        itself.
 
     Examples
     --------
@@ -173,6 +180,7 @@ def build_shell(
     check_radius(shape, float(thickness.max()))
     width = mean_width(mesh)
     planar = planar_pins(mesh, thickness, width, body, progress)
+    refuse_warped(shape.name, planar, body)
     return _finish(shape, mesh, planar, moved / width, thickness, body)
 
 
@@ -207,9 +215,14 @@ def _finish(
             strict=True,
         )
     ]
-    blocks = make_blocks(mesh, pins, metadata, density=body.density)
-    assembly = Assembly(tuple(blocks), fixed)
-    refuse_overlaps(assembly, mesh, width)
+    try:
+        blocks = make_blocks(mesh, pins, metadata, density=body.density)
+        assembly = Assembly(tuple(blocks), fixed)
+        refuse_overlaps(assembly, mesh, width)
+    except InputError as error:
+        if body.intrados is not Intrados.STRAIGHT:
+            raise
+        raise InputError(error.what, where=error.where, remedy=STRAIGHT_REMEDY) from error
     return Shell(
         shape=shape,
         assembly=assembly,

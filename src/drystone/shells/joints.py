@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.errors import InputError
 from drystone.geometry.arrays import Floats
 from drystone.progress import Progress
 from drystone.shells.materialise import (
@@ -23,6 +24,10 @@ from drystone.shells.tessellation import Tessellation
 LARGE_DRIFT = 0.25
 """Drift, by the width of a block, above which a shell has a note about it, chosen: the laps of
 joints are as large."""
+
+LARGEST_WARP = 1e-6
+"""By the width of a block: joints farther from planar are refused, since contacts and volumes are
+exact to this only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +93,31 @@ def planar_pins(
         newton=first.newton + last.newton,
     )
     return PlanarPins(pins, report, float(across.max()), int(drift.argmax()))
+
+
+def refuse_warped(shape_name: str, made: PlanarPins, body: Body) -> None:
+    """Joints, and straight inner faces, are planar to 1e-6 of a block.
+
+    Raises
+    ------
+    InputError
+        They are not, unless the options of planarising ask for less.
+    """
+    if made.report.warp_after > max(LARGEST_WARP, body.planar.tolerance):
+        straight = body.intrados is Intrados.STRAIGHT
+        raise InputError(
+            f"{'joints and inner faces' if straight else 'joints'} stay "
+            f"{made.report.warp_after:.1e} of a block's width from planar",
+            where=f"shape '{shape_name}'",
+            remedy=STRAIGHT_REMEDY if straight else "use another wedge, or larger blocks",
+        )
+
+
+STRAIGHT_REMEDY = (
+    "planar inner faces need the wedge that the curvatures ask for (wedge=None; leave --wedge out) "
+    "and blocks no wider than twice their height, or joints that are not staggered; else leave "
+    "the inner faces as they are"
+)
 
 
 def drift_notes(mesh: Tessellation, made: PlanarPins) -> tuple[str, ...]:

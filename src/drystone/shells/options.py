@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import InputError
 from drystone.shells.materialise import Thickness
-from drystone.shells.pattern import Wedge
 from drystone.shells.planarise import PlanarOptions
+from drystone.shells.wedge import Wedge
 
 
 class Intrados(enum.Enum):
@@ -19,7 +19,8 @@ class Intrados(enum.Enum):
     OFFSET = "offset"
     """They follow the surface at the thickness; slightly warped where it is doubly curved."""
     STRAIGHT = "straight"
-    """Each is planar, so that a block can be sawn; the thickness varies a little."""
+    """Each is planar, so that a block can be sawn; the thickness varies a little. Planar faces in a
+    staggered bond need the wedge that the curvatures ask for: ``Layout(wedge=None)``."""
 
 
 class Ground(enum.Enum):
@@ -45,7 +46,8 @@ class Layout:
         One of them: number per course, one or one each, or width wanted [m].
     staggered
     wedge
-        Shift of bed-joint corners towards the neighbouring course, by its height.
+        Shift of bed-joint corners towards the neighbouring course, by its height. None takes it
+        from the curvatures of the surface, for planar inner faces.
     """
 
     courses: int | None = None
@@ -55,7 +57,7 @@ class Layout:
     blocks: int | Sequence[int] | None = None
     width: float | None = None
     staggered: bool = True
-    wedge: Wedge = 0.0
+    wedge: Wedge | None = 0.0
 
 
 LARGEST_REGISTER = 35.0

@@ -162,6 +162,22 @@ def curvatures(patch: Patch, u: Any, v: Any) -> Floats:
     The derivative of the unit normal by the point, in the tangent plane (Weingarten map).
     Source: do Carmo 1976, section 3-3.
     """
+    (E, F, G), (e, f, g) = _forms(patch, u, v)
+    determinant = E * G - F * F
+    mean = (e * G - 2.0 * f * F + g * E) / (2.0 * determinant)
+    gauss = (e * g - f * f) / determinant
+    root = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
+    return np.stack([mean - root, mean + root], axis=-1)
+
+
+def line_curvatures(patch: Patch, u: Any, v: Any) -> tuple[Floats, Floats]:
+    """Normal curvatures (...) [1/m] along the lines of u and of v, signed as by `curvatures`."""
+    (E, _, G), (e, _, g) = _forms(patch, u, v)
+    return e / E, g / G
+
+
+def _forms(patch: Patch, u: Any, v: Any) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """First and second fundamental form: E, F, G and e, f, g."""
     u, v = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, np.float64))
     step = STEP
     low_u, high_u = np.clip(u - step, 0.0, 1.0), np.clip(u + step, 0.0, 1.0)
@@ -176,13 +192,9 @@ def curvatures(patch: Patch, u: Any, v: Any) -> Floats:
         product: Floats = np.einsum("...i,...i->...", a, b)
         return product
 
-    E, F, G = dot(by_u, by_u), dot(by_u, by_v), dot(by_v, by_v)
-    e, f, g = dot(du_n, by_u), 0.5 * (dot(du_n, by_v) + dot(dv_n, by_u)), dot(dv_n, by_v)
-    determinant = E * G - F * F
-    mean = (e * G - 2.0 * f * F + g * E) / (2.0 * determinant)
-    gauss = (e * g - f * f) / determinant
-    root = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
-    return np.stack([mean - root, mean + root], axis=-1)
+    first = dot(by_u, by_u), dot(by_u, by_v), dot(by_v, by_v)
+    second = dot(du_n, by_u), 0.5 * (dot(du_n, by_v) + dot(dv_n, by_u)), dot(dv_n, by_v)
+    return first, second
 
 
 def check_patch(patch: Patch) -> None:

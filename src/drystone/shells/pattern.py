@@ -7,9 +7,8 @@ neighbours share whole edges.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 
@@ -17,13 +16,7 @@ from drystone.errors import InputError
 from drystone.geometry.arrays import Floats, Ints
 from drystone.shells.courses import Courses
 from drystone.shells.patch import Side
-
-Wedge: TypeAlias = float | Sequence[float] | Callable[[Floats, Floats], Floats]
-"""Shift of bed-joint corners towards the neighbouring course, by the height of the course: one for
-all, one per bed line between two courses, or a function of (u, v)."""
-
-LARGEST_WEDGE = 0.45
-"""Chosen: at half a course's height head joints shrink to nothing."""
+from drystone.shells.wedge import Wedge, eased_share, wedge_amount
 
 SAME = 1e-9
 """Head joints closer than this in v share their corners."""
@@ -58,7 +51,9 @@ class Pattern:
     borders: dict[Side, tuple[Ints, Floats]]
 
 
-def lay_pattern(courses: Courses, joints: Sequence[Floats], *, wedge: Wedge = 0.0) -> Pattern:
+def lay_pattern(
+    courses: Courses, joints: Sequence[Floats], *, wedge: Wedge | None = 0.0
+) -> Pattern:
     """Cells of one patch from its courses and head joints.
 
     Parameters
@@ -71,7 +66,7 @@ def lay_pattern(courses: Courses, joints: Sequence[Floats], *, wedge: Wedge = 0.
         has one it sinks; blocks are hexagons, and each sits in the valley between two others. The
         half blocks of an open end taper inwards then and hold by friction only. Negative turns it
         round: blocks are waisted, and none can be pulled out of an open end. It is less where head
-        joints above and below come close to each other.
+        joints above and below come close to each other. None: what planar cells have.
 
     Raises
     ------
@@ -124,7 +119,7 @@ def _merge(level: Ints, v: Floats, *, closed: bool) -> tuple[Ints, Ints]:
 
 
 def _shifted(
-    courses: Courses, v: Floats, line: Ints, bottom: Ints, top: Ints, wedge: Wedge
+    courses: Courses, v: Floats, line: Ints, bottom: Ints, top: Ints, wedge: Wedge | None
 ) -> Floats:
     """Parameter u of each vertex: on its bed line, less or more the wedge."""
     lines = courses.line(v)
@@ -136,66 +131,12 @@ def _shifted(
     if not courses.patch.closed:
         inner &= (v > 0.0) & (v < 1.0)
     direction = np.where(inner, starts.astype(float) - ends.astype(float), 0.0)
-    amount = _amount(courses, wedge, share, v, line)
+    amount = wedge_amount(courses, wedge, lines, v, line)
     above = lines[row, np.minimum(line + 1, courses.count)] - share
     under = share - lines[row, np.maximum(line - 1, 0)]
     reach = np.minimum(np.where(above > 0.0, above, under), np.where(under > 0.0, under, above))
-    eased = _eased(v, line, direction, closed=courses.patch.closed)
+    eased = eased_share(v, line, direction, closed=courses.patch.closed)
     return courses.parameter(share + direction * eased * amount * reach, v)
-
-
-def _eased(v: Floats, line: Ints, direction: Floats, *, closed: bool) -> Floats:
-    """(p,) share of the wedge at each vertex: less where joints above and below come close.
-
-    Twice the distance to the nearer of the two next vertices that is shifted otherwise, by the
-    distance between these two: 1 in a regular bond, so that no bed is steeper than there.
-    """
-    share = np.ones(len(v))
-    for level in np.unique(line):
-        on = np.flatnonzero(line == level)
-        on = on[np.argsort(v[on], kind="stable")]
-        if len(on) < 3:
-            continue
-        gap = np.diff(v[on], append=v[on[:1]] + 1.0)
-        turn = direction[on] != direction[np.roll(on, -1)]
-        left, right = np.roll(gap, 1), gap
-        nearer = np.minimum(np.where(np.roll(turn, 1), left, np.inf), np.where(turn, right, np.inf))
-        eased = np.minimum(1.0, 2.0 * nearer / (left + right))
-        share[on] = eased
-        if not closed:
-            share[on[[0, -1]]] = 1.0
-    return share
-
-
-def _amount(courses: Courses, wedge: Wedge, share: Floats, v: Floats, line: Ints) -> Floats:
-    if callable(wedge):
-        amount = np.asarray(wedge(courses.parameter(share, v), v), dtype=np.float64)
-        if amount.shape != v.shape:
-            raise InputError(f"the wedge function gave shape {amount.shape} for {len(v)} corners")
-    elif isinstance(wedge, (int, float)):
-        amount = np.full(len(v), float(wedge))
-    else:
-        values = np.asarray(wedge, dtype=np.float64)
-        if values.shape != (courses.count - 1,):
-            raise InputError(
-                f"{values.size} wedges for {courses.count - 1} bed lines between courses"
-            )
-        amount = np.concatenate([[0.0], values, [0.0]])[line]
-    if not np.isfinite(amount).all():
-        raise InputError(
-            f"the wedge is {amount[~np.isfinite(amount)][0]}",
-            where=f"patch '{courses.patch.name}'",
-            remedy=f"give numbers from -{LARGEST_WEDGE} to {LARGEST_WEDGE}",
-        )
-    bad = np.abs(amount) > LARGEST_WEDGE
-    if bad.any():
-        k = int(np.flatnonzero(bad)[0])
-        raise InputError(
-            f"the wedge {amount[k]:.3g} of a course's height turns blocks inside out",
-            where=f"block '{_name(int(min(line[k], courses.count - 1)), 0)}' and its neighbours",
-            remedy=f"stay within {LARGEST_WEDGE} either way",
-        )
-    return amount
 
 
 def _cells(

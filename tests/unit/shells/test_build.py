@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from drystone.shells import (
     Ground,
     Intrados,
     Layout,
+    PlanarOptions,
     Seam,
     Shape,
     Side,
@@ -307,6 +310,40 @@ def test_a_patch_may_not_cross_another():
     shape = Shape((arch, other), (), tuple(Edge(k, Side.BOTTOM) for k in (0, 1)))
     with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
         build_shell(shape, Layout(courses=9, blocks=3), Body(thickness=0.2))
+
+
+@pytest.mark.parametrize(
+    ("shape", "layout"),
+    [
+        (dome(3.0, 0.5), Layout(courses=12, width=0.75, wedge=None)),
+        (FORM.shape, Layout(courses=12, width=0.75, wedge=None)),
+    ],
+    ids=["dome", "form-found"],
+)
+def test_inner_faces_are_planar_with_the_wedge_of_the_curvatures(shape, layout):
+    """Without a wedge three corners of a face lie on one line: a bent ring has no such faces."""
+    body = Body(thickness=0.2, intrados=Intrados.STRAIGHT)
+    shell = build_shell(shape, layout, body)
+    inner = [cell_faces(shell.mesh, shell.pins, shell.mesh.cells[i])[0] for i in shell.voussoirs]
+    assert warps(shell.pins.point, inner).max() < 1e-8
+    with pytest.raises(InputError, match=r"wedge=None.*no wider than twice their height"):
+        build_shell(shape, replace(layout, wedge=0.0), body)
+
+
+def test_planar_cells_of_a_sphere_have_a_wedge_by_width_and_height():
+    """w^2 / (8 h^2) of planes that touch a sphere: with it hardly a corner has to move."""
+    layout = Layout(courses=12, blocks=30, wedge=None)
+    shell = build_shell(dome(), layout, Body(thickness=0.2, intrados=Intrados.STRAIGHT))
+    assert shell.planar.drift < 0.02
+
+
+def test_joints_that_stay_warped_are_refused():
+    with pytest.raises(InputError, match=r"joints stay \d\.\de-\d\d of a block's width"):
+        build_shell(
+            FORM.shape,
+            Layout(courses=6, width=1.0),
+            Body(thickness=0.2, planar=PlanarOptions(projections=1, newton=0)),
+        )
 
 
 def test_a_patch_may_not_be_there_twice():
