@@ -7,6 +7,7 @@ from drystone.detection.options import DetectionOptions, EdgeContacts
 from drystone.detection.penetration import Penetration
 from drystone.detection.reasons import Missed, Reason
 from drystone.detection.report import ContactReport
+from drystone.detection.shortfall import Shortfall
 from drystone.detection.sweep import GapSweep, gap_sweep
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "Missed",
     "Penetration",
     "Reason",
+    "Shortfall",
     "contacts_from_mesh",
     "find_contacts",
     "gap_sweep",

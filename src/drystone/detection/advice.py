@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from drystone.detection.options import LARGEST
 from drystone.detection.reasons import Reason
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def suggestions(report: ContactReport) -> tuple[str, ...]:
                 f"raise {knob} from {getattr(report.options, knob):g} to {value:g}{unit}"
                 f" to join {counted(len(needed), 'more pair')}"
             )
+    said += _for_curved_joints(report)
     if report.penetrations:
         pairs = counted(len(report.penetrations), "pair")
         said.append(f"{pairs} of blocks overlap: move them apart in the model")
@@ -47,6 +49,25 @@ def suggestions(report: ContactReport) -> tuple[str, ...]:
     if lost:
         said.append(f"nothing is near {listed(lost)}: is a block missing, or in other units?")
     return tuple(said)
+
+
+def _for_curved_joints(report: ContactReport) -> list[str]:
+    """What would find the rest of joints that are meshed too differently on their two sides."""
+    if not report.shortfalls:
+        return []
+    options = report.options
+    steps = []
+    for knob, unit in (("gap", ""), ("angle", " degrees")):
+        now = getattr(options, knob)
+        most = max(getattr(short, knob) for short in report.shortfalls)
+        if most > now:
+            steps.append((knob, now, _rounded_up(most, 2), unit))
+    number = counted(len(report.shortfalls), "curved joint")
+    finer = f"mesh both sides of {number} finer, or alike, to find all of the area"
+    if not steps or any(value > LARGEST[knob] for knob, _, value, _ in steps):
+        return [finer]
+    raised = " and ".join(f"{k} from {now:g} to {value:g}{unit}" for k, now, value, unit in steps)
+    return [f"{finer}; or raise {raised}"]
 
 
 def _rounded_up(value: float, digits: int) -> float:

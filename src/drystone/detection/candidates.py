@@ -20,12 +20,44 @@ MANY = 4096
 Pairs = tuple[Ints, Ints]
 
 
-def slack(patches: Patches, options: DetectionOptions) -> Floats:
-    """(p,) [m] granted on top of the gap: warp and sag, as far as the warp is tolerated."""
-    granted: Floats = np.minimum(
-        patches.warp + patches.sag, options.warp * patches.size[patches.owner]
-    )
+def most_slack(patches: Patches, options: DetectionOptions) -> Floats:
+    """(p,) [m] that may be granted on top of the gap: warp and sag, as far as it is tolerated."""
+    granted: Floats = np.minimum(patches.warp + patches.sag, _tolerated(patches, options))
     return granted
+
+
+def warp_slack(patches: Patches, options: DetectionOptions) -> Floats:
+    """(p,) [m] granted on top of the gap for warp, whatever lies opposite."""
+    granted: Floats = np.minimum(patches.warp, _tolerated(patches, options))
+    return granted
+
+
+def _tolerated(patches: Patches, options: DetectionOptions) -> Floats:
+    most: Floats = options.warp * patches.size[patches.owner]
+    return most
+
+
+def fits(patches: Patches, f: Ints, g: Ints) -> Bools:
+    """(q,) whether facing patches may be chords of one curved surface: one bulges, one is hollow.
+
+    What a curve leaves open is granted to such patches only: a roller on a plane, or two rollers
+    side by side, are no curved joint.
+    """
+    one: Bools = patches.bulges[f] & patches.hollow[g]
+    other: Bools = patches.hollow[f] & patches.bulges[g]
+    return one | other
+
+
+def granted_to(
+    patches: Patches, f: Ints, g: Ints, options: DetectionOptions
+) -> tuple[Floats, Floats]:
+    """Distance (q,) [m] and angle (q,) [rad] granted to pairs of patches above the tolerances."""
+    curved = fits(patches, f, g)
+    flat, most = warp_slack(patches, options), most_slack(patches, options)
+    distance: Floats = np.where(curved, most[f] + most[g], flat[f] + flat[g])
+    angle: Floats = patches.tilt[f] + patches.tilt[g]
+    angle = angle + np.where(curved, patches.bend[f] + patches.bend[g], 0.0)
+    return distance, angle
 
 
 def reach(options: DetectionOptions) -> float:
@@ -36,7 +68,7 @@ def reach(options: DetectionOptions) -> float:
 def near_blocks(patches: Patches, options: DetectionOptions) -> Pairs:
     """Blocks (a < b) whose boxes come within reach of each other."""
     start = patches.first_patch[:-1]
-    most = np.maximum.reduceat(slack(patches, options), start)
+    most = np.maximum.reduceat(most_slack(patches, options), start)
     margin = (0.5 * reach(options) * patches.size + most)[:, None]
     low, high = block_boxes(patches)
     return boxes.overlapping(low - margin, high + margin)
@@ -57,12 +89,13 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     """
     a, b = pairs
     reach_of_pair = reach(options) * np.minimum(patches.size[a], patches.size[b])
-    granted = slack(patches, options)
+    granted = most_slack(patches, options)
     most = np.maximum.reduceat(granted, patches.first_patch[:-1])
     one = _patches_near(patches, a, b, reach_of_pair + most[a] + most[b])
     other = _patches_near(patches, b, a, reach_of_pair + most[a] + most[b])
     f, g = _products(patches, one, other, len(a), reach_of_pair + most[a] + most[b])
-    limit = np.deg2rad(options.angle) + patches.bend[f] + patches.bend[g] + MISSED_ANGLE
+    limit = np.deg2rad(options.angle) + MISSED_ANGLE + granted_to(patches, f, g, options)[1]
+    limit[fits(patches, f, g)] = WIDEST_ANGLE  # what a curved joint lacks is told
     cosine = -dot(patches.normal[f], patches.normal[g])
     keep = cosine >= np.cos(np.minimum(limit, WIDEST_ANGLE))
     f, g = f[keep], g[keep]
@@ -124,4 +157,14 @@ def _products(patches: Patches, one: Pairs, other: Pairs, count: int, margin: Fl
     return np.concatenate(found_f), np.concatenate(found_g)
 
 
-__all__ = ["Pairs", "block_boxes", "facing_patches", "near_blocks", "reach", "slack"]
+__all__ = [
+    "Pairs",
+    "block_boxes",
+    "facing_patches",
+    "fits",
+    "granted_to",
+    "most_slack",
+    "near_blocks",
+    "reach",
+    "warp_slack",
+]

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Assembly
-from drystone.detection.candidates import Pairs, slack
+from drystone.detection.candidates import Pairs, warp_slack
 from drystone.detection.interfaces import Interfaces
 from drystone.detection.options import DetectionOptions
 from drystone.detection.patches import Patches
@@ -113,7 +113,7 @@ class _Search:
         self._assembly = assembly
         self._patches = patches
         self._gap = options.gap
-        self._slack = slack(patches, options)
+        self._slack = warp_slack(patches, options)
         self._frame = frames_from_normals(patches.normal)
         self._wires: dict[int, _Wire] = {}
         self._regions: dict[int, Any] = {}

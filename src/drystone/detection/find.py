@@ -8,7 +8,13 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
-from drystone.detection.candidates import Pairs, block_boxes, facing_patches, near_blocks, slack
+from drystone.detection.candidates import (
+    Pairs,
+    block_boxes,
+    facing_patches,
+    most_slack,
+    near_blocks,
+)
 from drystone.detection.edgecontacts import edge_contacts
 from drystone.detection.freeform import merge_slivers
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
@@ -21,6 +27,7 @@ from drystone.detection.penetration import penetrations
 from drystone.detection.planes import planes_between, widths
 from drystone.detection.reasons import Missed, Reason
 from drystone.detection.report import ContactReport
+from drystone.detection.shortfall import Shortfall, shortfalls
 from drystone.geometry.arrays import Ints
 from drystone.geometry.coincidence import duplicates
 from drystone.geometry.parts import separate_parts
@@ -87,7 +94,7 @@ def find_contacts(
     check_friction(friction, 1)
     patches = patches_of(assembly)
     pairs = near_blocks(patches, options)
-    found, missed = _face_contacts(patches, pairs, options)
+    found, missed, short = _face_contacts(patches, pairs, options)
     found = merge_slivers(found, options.merge)
     near = _pairs_for_edges(patches, pairs, found, options)
     lines, undirected = edge_contacts(assembly, patches, near, options)
@@ -99,14 +106,14 @@ def find_contacts(
     found = joined([found, lines]).ordered()
     return Detection(
         found.contacts(patches.origin, friction),
-        _report(assembly, patches, pairs, found, missed, undirected, options),
+        _report(assembly, patches, pairs, found, missed, short, undirected, options),
     )
 
 
 def _face_contacts(
     patches: Patches, pairs: Pairs, options: DetectionOptions
-) -> tuple[Interfaces, list[Missed]]:
-    """Interfaces with an area, and near misses."""
+) -> tuple[Interfaces, list[Missed], tuple[Shortfall, ...]]:
+    """Interfaces with an area, near misses, and what curved joints lack."""
     f, g = facing_patches(patches, pairs, options)
     order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
     planes = planes_between(patches, f[order], g[order])
@@ -122,7 +129,8 @@ def _face_contacts(
         *dropped(patches, planes, near.select(~wide), found, Reason.SLIVER),
         *dropped(patches, planes, touching.select(hidden[touching.row]), found, Reason.HIDDEN),
     ]
-    return from_pieces(patches, planes, found, judgement.partial), missed
+    short = shortfalls(patches, planes, shared, found, judgement, options)
+    return from_pieces(patches, planes, found, judgement.partial), missed, short
 
 
 def _pairs_for_edges(
@@ -147,6 +155,7 @@ def _report(
     pairs: Pairs,
     found: Interfaces,
     missed: list[Missed],
+    short: tuple[Shortfall, ...],
     undirected: Ints,
     options: DetectionOptions,
 ) -> ContactReport:
@@ -154,7 +163,7 @@ def _report(
     touched[found.block_a] = touched[found.block_b] = True
     a, b = pairs
     together = np.isin(a * len(assembly) + b, found.block_a * len(assembly) + found.block_b)
-    most = np.maximum.reduceat(slack(patches, options), patches.first_patch[:-1])
+    most = np.maximum.reduceat(most_slack(patches, options), patches.first_patch[:-1])
     tolerance = options.gap * np.minimum(patches.size[a], patches.size[b]) + most[a] + most[b]
     return ContactReport(
         names=assembly.names,
@@ -171,6 +180,7 @@ def _report(
         clipped=found.clipped,
         merged=found.merged,
         missed=tuple(missed),
+        shortfalls=short,
         undirected=tuple((a, b) for a, b in undirected.tolist()),
         isolated=tuple(np.flatnonzero(~touched).tolist()),
         penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(together), tolerance),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.detection.candidates import slack
+from drystone.detection.candidates import granted_to
 from drystone.detection.interfaces import Interfaces, angles, from_pieces
 from drystone.detection.nearest import gaps
 from drystone.detection.options import DetectionOptions
@@ -52,11 +52,10 @@ class Judgement:
 def judge(patches: Patches, planes: Planes, shared: Pieces, options: DetectionOptions) -> Judgement:
     """Hold every overlap against the tolerances."""
     f, g = planes.f, planes.g
-    each = slack(patches, options)
-    granted = each[f] + each[g]
+    granted, turned = granted_to(patches, f, g, options)
     tolerance = options.gap * planes.size + granted
     angle = angles(patches, f, g)
-    limit = np.deg2rad(options.angle) + patches.bend[f] + patches.bend[g]
+    limit = np.deg2rad(options.angle) + turned
     corner_row = shared.corner_row
     gap = planes.gap_at(shared.corner, corner_row)
     if shared.count:

@@ -9,6 +9,9 @@ import numpy as np
 
 from drystone.errors import InputError
 
+LARGEST = {"gap": 0.5, "angle": 45.0, "warp": 0.5, "sliver": 0.5, "merge": 1.0, "search": 0.5}
+"""The largest value of each tolerance, chosen: beyond, blocks join across each other."""
+
 
 class EdgeContacts(StrEnum):
     """For which blocks contacts along an edge or in a corner are looked for.
@@ -71,15 +74,12 @@ class DetectionOptions:
     edges: EdgeContacts = EdgeContacts.ISOLATED
 
     def __post_init__(self) -> None:
-        for name, largest in (
-            ("gap", 0.5),
-            ("angle", 45.0),
-            ("warp", 0.5),
-            ("sliver", 0.5),
-            ("merge", 1.0),
-            ("search", 0.5),
-        ):
-            value = float(getattr(self, name))
+        for name, largest in LARGEST.items():
+            try:
+                value = float(getattr(self, name))
+            except (TypeError, ValueError) as error:
+                said = f"{name} is {getattr(self, name)!r}, not a number"
+                raise InputError(said, remedy=f"give 0 to {largest:g}") from error
             if not (np.isfinite(value) and 0.0 <= value <= largest):
                 raise InputError(f"{name} is {value}", remedy=f"give 0 to {largest:g}")
             object.__setattr__(self, name, value)
@@ -90,4 +90,4 @@ class DetectionOptions:
             raise InputError(f"edges is '{self.edges}'", remedy=f"one of {names}") from error
 
 
-__all__ = ["DetectionOptions", "EdgeContacts"]
+__all__ = ["LARGEST", "DetectionOptions", "EdgeContacts"]

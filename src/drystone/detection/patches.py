@@ -14,15 +14,13 @@ from drystone.detection.coplanar import (
     unit_rows,
     without_straight,
 )
+from drystone.detection.curvature import curvature
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints, cross, dot
 from drystone.geometry.halfedge import HalfEdges, half_edges, turn_angles
 from drystone.geometry.polygon import area_vectors, following, loop_means
 from drystone.geometry.polyhedron import Faces
 
-SMOOTH = np.deg2rad(35.0)
-"""[rad] Neighbouring faces that turn by less approximate a curved surface; chosen, a circle of
-eleven strips or more."""
 REENTRANT = np.deg2rad(0.5)
 """[rad] A block is convex when no edge turns inwards by more; chosen, above the noise of warped
 faces."""
@@ -51,7 +49,9 @@ class Patches:
     area : (p,) [m2]
     warp : (p,) [m], largest distance of a corner from the plane
     sag : (p,) [m], distance of the plane from the curved surface that the patch stands for
-    bend : (p,) [rad], angle between the plane and that surface, or the warped one
+    bend : (p,) [rad], angle between the plane and that surface
+    tilt : (p,) [rad], angle between the plane and the warped face
+    bulges, hollow : (p,) whether that surface curves outwards, or inwards, hereabouts
     convex : (p,) whether the patch is one convex polygon
     low, high : (p, 3) [m], bounding box
     first_patch : (n + 1,) patches of each block
@@ -72,6 +72,9 @@ class Patches:
     warp: Floats
     sag: Floats
     bend: Floats
+    tilt: Floats
+    bulges: Bools
+    hollow: Bools
     convex: Bools
     low: Floats
     high: Floats
@@ -127,7 +130,7 @@ def patches_of(assembly: Assembly) -> Patches:
     of_corner = np.repeat(np.arange(len(face), dtype=np.intp), np.diff(start))
     height = np.abs(dot(corner - centre[of_corner], normal[of_corner]))
     warp = np.maximum.reduceat(height, start[:-1])
-    sag, bend = _curvature(faces, edges, turn, group, area, np.diff(start) == 3)
+    curved = curvature(faces, edges, turn, group, area, np.diff(start) == 3)
     width = np.sqrt(np.where(area > 0.0, area, 1.0))
     first_face = np.searchsorted(faces.owner, np.arange(len(assembly)))
     return Patches(
@@ -140,8 +143,11 @@ def patches_of(assembly: Assembly) -> Patches:
         centre=centre,
         area=area,
         warp=warp,
-        sag=sag,
-        bend=bend + np.arctan2(2.0 * warp, width),
+        sag=curved.sag,
+        bend=curved.bend,
+        tilt=np.arctan2(2.0 * warp, width),
+        bulges=curved.bulges,
+        hollow=curved.hollow,
         convex=_convex_patches(corner, ring_start, ring_patch, normal, len(face)),
         low=np.minimum.reduceat(corner, start[:-1], axis=0),
         high=np.maximum.reduceat(corner, start[:-1], axis=0),
@@ -206,35 +212,6 @@ def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> 
     vertex = np.bincount(vertex_owner, minlength=count)
     one_surface: Bools = 2 * vertex - half + 2 * face == 4
     return one_surface & (reentrant == 0), one_surface
-
-
-def _curvature(
-    faces: Faces, edges: HalfEdges, turn: Floats, group: Ints, area: Floats, triangle: Bools
-) -> tuple[Floats, Floats]:
-    """Sag [m] and bend [rad] of each patch as a chord of a smooth surface.
-
-    A strip of width w that turns by t to its neighbours is a chord of a curve that it leaves by
-    w t / 8 in the middle and by the angle t / 2 at its edges. The narrower of two neighbours tells
-    the curve: a chamfer does not make a large face curved. Two triangles may be a warped
-    quadrilateral that the other side of the joint cuts along its other diagonal: there the surfaces
-    are w t apart in the middle, half of it for each (w the mean width of the triangle).
-    """
-    sag, bend = np.zeros(len(area)), np.zeros(len(area))
-    border = group[edges.face] != group[edges.face[edges.twin]]
-    smooth = np.flatnonzero(border & (edges.twin >= 0) & (np.abs(turn) < SMOOTH))
-    if len(smooth) == 0:
-        return sag, bend
-    here, there = group[edges.face[smooth]], group[edges.face[edges.twin[smooth]]]
-    along = faces.point[faces.loop[edges.after[smooth]]] - faces.point[faces.loop[smooth]]
-    length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
-    own = np.minimum(area[here] / length, np.sqrt(area[here]))
-    other = np.minimum(area[there] / length, np.sqrt(area[there]))
-    narrow = np.minimum(own, other)
-    share = narrow / np.where(own > 0.0, own, 1.0)
-    angle = np.abs(turn[smooth])
-    np.maximum.at(sag, here, narrow * angle * np.where(triangle[here], 0.5, 0.125))
-    np.maximum.at(bend, here, 0.5 * angle * share)
-    return sag, bend
 
 
 def _convex_patches(

@@ -12,6 +12,7 @@ from drystone.detection.advice import SHOWN, counted, listed, millimetres, sugge
 from drystone.detection.options import DetectionOptions
 from drystone.detection.penetration import Penetration
 from drystone.detection.reasons import Missed, Reason
+from drystone.detection.shortfall import Shortfall
 from drystone.geometry.arrays import Bools, Floats, Ints
 
 
@@ -42,6 +43,8 @@ class ContactReport:
         Number of pieces that were merged into the interface.
     missed
         Near misses.
+    shortfalls
+        Curved joints of which a part was not found.
     undirected
         Pairs that meet along parallel edges or in corners, where no direction can be told.
     isolated
@@ -70,6 +73,7 @@ class ContactReport:
     clipped: Bools
     merged: Ints
     missed: tuple[Missed, ...]
+    shortfalls: tuple[Shortfall, ...]
     undirected: tuple[tuple[int, int], ...]
     isolated: tuple[int, ...]
     penetrations: tuple[Penetration, ...]
@@ -109,6 +113,14 @@ class ContactReport:
                 f" {counted(int(many.sum()), 'interface')}"
             )
         lines += self._missed_lines()
+        lines += _first(
+            [
+                f"{100.0 * short.share:.2g} % of the curved joint of '{self.names[short.block_a]}'"
+                f" and '{self.names[short.block_b]}' is missed, {short.area:.3g} m2: its two sides"
+                " are meshed too differently"
+                for short in sorted(self.shortfalls, key=lambda joint: -joint.share)
+            ]
+        )
         if self.undirected:
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
             lines.append(
@@ -195,6 +207,16 @@ class ContactReport:
                     "joined": m.joined,
                 }
                 for m in self.missed
+            ],
+            "shortfalls": [
+                {
+                    "blocks": [name[short.block_a], name[short.block_b]],
+                    "area": short.area,
+                    "share": short.share,
+                    "gap": short.gap,
+                    "angle": short.angle,
+                }
+                for short in self.shortfalls
             ],
             "undirected": [[name[a], name[b]] for a, b in self.undirected],
             "isolated": [name[i] for i in self.isolated],
