@@ -16,8 +16,8 @@ from drystone.errors import FormatError, InputError
 from drystone.geometry.arrays import Floats, frozen_floats
 from drystone.io import format_of
 from drystone.io.files import PathLike, read_bytes
-from drystone.shells.patch import Patch
-from drystone.shells.sources import patch_from_function
+from drystone.shells.deviation import distances
+from drystone.shells.patch import Patch, check_patch
 from drystone.shells.tessellation import directed
 
 DEGREE = 3
@@ -31,6 +31,12 @@ CORNER_TURN = 20.0
 WELD = 1e-6
 """Vertices closer than this, by the size of the mesh, are one: formats such as STL repeat them."""
 
+FARTHEST_FIT = 0.05
+"""Largest distance of a mesh from its patch, by the size of the mesh, chosen: beyond it the corners
+are not where the surface has them, or the mesh is too coarse to tell its surface."""
+
+REMEDY = "give a finer mesh, name its corners, or use more control points"
+
 
 @dataclass(frozen=True, eq=False)
 class MeshFit:
@@ -39,13 +45,16 @@ class MeshFit:
     Attributes
     ----------
     patch
-    deviation_max, deviation_rms : [m] distance of the mesh's vertices from the patch
+    deviation_max, deviation_rms : [m]
+        Distance of the mesh from the patch, at its vertices and the middles of its edges and faces.
+    deviation_vertices : [m] largest distance of a vertex
     corners : (4, 3) [m] bottom left, bottom right, top right, top left
     """
 
     patch: Patch
     deviation_max: float
     deviation_rms: float
+    deviation_vertices: float
     corners: Floats
 
 
@@ -97,7 +106,8 @@ def patch_from_mesh(
     Raises
     ------
     InputError
-        The mesh is closed, has several borders, or no four corners.
+        The mesh is closed, has several borders, no four corners, or is farther from the patch than
+        a twentieth of its size.
 
     Notes
     -----
@@ -122,11 +132,26 @@ def patch_from_mesh(
         )
         return surface
 
-    distance = np.linalg.norm(point(u, v) - points, axis=1)
+    patch = Patch(point, name=name)
+    distance = distances(patch, np.column_stack([u, v, points]), loops)
+    farthest = float(distance.max())
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if not farthest <= FARTHEST_FIT * size:
+        raise InputError(
+            f"is up to {farthest:.3g} m from the patch fitted to it, more than "
+            f"{FARTHEST_FIT:.0%} of its size",
+            where=f"mesh '{name}'",
+            remedy=REMEDY,
+        )
+    try:
+        check_patch(patch)
+    except InputError as error:
+        raise InputError(error.what, where=f"mesh '{name}'", remedy=REMEDY) from error
     return MeshFit(
-        patch_from_function(point, name=name),
-        float(distance.max()),
+        patch,
+        farthest,
         float(np.sqrt((distance**2).mean())),
+        float(distance[: len(points)].max()),
         points[chosen],
     )
 

@@ -33,11 +33,32 @@ def net(rows=13, columns=13, triangles=False, seed=None):
 @pytest.mark.parametrize("triangles", [False, True])
 def test_a_patch_follows_a_mesh(triangles):
     fit = patch_from_mesh(*net(triangles=triangles))
-    assert fit.deviation_max < 1e-3
+    assert fit.deviation_vertices < 1e-3
     assert fit.deviation_rms <= fit.deviation_max
 
 
-def test_the_deviation_is_that_of_the_vertices():
+def test_the_deviation_is_that_of_the_faces_too():
+    """Flat faces are the sagitta of their chords off a barrel that goes through their vertices."""
+    fit = patch_from_mesh(*net())
+    radius = (0.25 * 36.0 + 4.0) / 4.0
+    half = np.arcsin(3.0 / radius) / 12.0
+    assert fit.deviation_max == pytest.approx(radius * (1.0 - np.cos(half)), rel=0.02)
+
+
+def test_a_mesh_too_coarse_to_tell_its_surface_is_refused():
+    with pytest.raises(
+        InputError, match=r"m from the patch fitted to it, more than 5%.*finer mesh"
+    ):
+        patch_from_mesh(*net(rows=3, columns=2), control=(10, 10))
+
+
+def test_corners_that_are_none_are_refused():
+    points, faces = net(rows=13, columns=13)
+    with pytest.raises(InputError, match=r"mesh 'mesh': is folded.*name its corners"):
+        patch_from_mesh(points, faces, corners=[0, 1, 2, 3], control=(4, 4))
+
+
+def test_a_dent_is_a_deviation():
     points, faces = net()
     dented = points.copy()
     dented[84] += [0.0, 0.0, 0.5]  # the middle one
@@ -71,7 +92,7 @@ def test_repeated_vertices_are_one():
     points, faces = net()
     soup = points[[i for face in faces for i in face]]
     loops = [tuple(range(4 * k, 4 * k + 4)) for k in range(len(faces))]
-    assert patch_from_mesh(soup, loops).deviation_max < 1e-3
+    assert patch_from_mesh(soup, loops).deviation_vertices < 1e-3
 
 
 def test_a_mesh_file_becomes_a_shell(tmp_path):
