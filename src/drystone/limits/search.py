@@ -231,7 +231,7 @@ class Search:
                 gaps.append((doubtful[-1], outside))
             low, high = max(gaps, key=lambda gap: abs(gap[1] - gap[0]))
             middle = 0.5 * (low + high)
-            if abs(high - low) <= width or middle in (low, high):
+            if abs(high - low) <= width * (1.0 + 1e-9) or middle in (low, high):
                 return inside, outside
             stands = self.stands(middle)
             if low == inside:
