@@ -6,6 +6,7 @@ import json
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -32,28 +33,27 @@ class Files:
     print: Path | None
     csv: Path | None
 
-    def write(self, plan: Plan, margins: Margins | None, waiting: Waiting) -> None:
-        """Write them."""
+    def write(self, plan: Plan, margins: Margins | None, waiting: Waiting) -> list[str]:
+        """Write them, all or none, and name them."""
         if not plan.steps:
-            return
-        waiting.stage("pictures", "writing")
-        if self.csv is not None:
-            from drystone.sequence import save_table
+            return []
+        from drystone.io.files import Job, write_together
 
-            save_table(plan, self.csv, margins)
+        jobs: list[Job] = []
         if self.html is not None or self.print is not None:
             from drystone.view import save_page
             from drystone.view.sequence import plan_scene, save_instructions
 
             if self.html is not None:
-                save_page(plan_scene(plan), self.html)
+                jobs.append((self.html, partial(save_page, plan_scene(plan))))
             if self.print is not None:
-                save_instructions(plan, self.print)
+                jobs.append((self.print, partial(save_instructions, plan)))
+        if self.csv is not None:
+            from drystone.sequence import save_table
 
-    def written(self, plan: Plan) -> list[str]:
-        """Their names."""
-        named = [str(path) for path in (self.html, self.print, self.csv) if path is not None]
-        return named if plan.steps else []
+            jobs.append((self.csv, partial(save_table, plan, margins=margins)))
+        waiting.stage("pictures", "writing")
+        return write_together(jobs)
 
 
 def plan(
@@ -161,13 +161,13 @@ def plan(
         swept = (
             sequence.sweep_friction(prepared.contacts, frictions, plan_at) if frictions else None
         )
-        files.write(found, measured, waiting)
+        written = files.write(found, measured, waiting)
     data = found.to_dict() | {
         "model": model,
         "notes": list(prepared.notes),
         "margins": None if measured is None else measured.to_dict(),
         "friction_sweep": None if swept is None else swept.rows(),
-        "files": files.written(found),
+        "files": written,
         "time_s": dict(waiting.time_s),
     }
     if as_json:

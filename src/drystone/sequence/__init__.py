@@ -13,8 +13,8 @@ from drystone.sequence.margins import (
     margins,
     sweep_friction,
 )
-from drystone.sequence.plan import Plan, Prop, Status, Step
 from drystone.sequence.planner import PlanOptions, plan
+from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.report import save_table, table_text
 from drystone.sequence.rules import Order, Rules
 from drystone.sequence.stages import Answer, Model, Stage

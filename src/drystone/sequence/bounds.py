@@ -17,10 +17,16 @@ from drystone.sequence.judges import balance
 from drystone.sequence.stages import Model, Stage, members
 
 RAYS = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-"""Directions on a friction cone whose sums are tried first: eight leave out 8 % of its width."""
+"""Directions about a friction cone that stand for it first."""
+
+ENCLOSING = 1.0 / np.cos(np.pi / len(RAYS))
+"""Friction by which sums of these directions hold all of the cone."""
 
 BALANCED = 1e-9
 """Unbalanced share of a load that is rounding."""
+
+FALLING = 1e-5
+"""One that is none: ten times what an interior point calls balanced."""
 
 
 class LocalBalance:
@@ -35,35 +41,40 @@ class LocalBalance:
         around = self.model.neighbours[block] & placed
         key = (block, around)
         if key not in self._known:
-            self._known[key] = (
-                self._rests(block, around)
-                or self._carried(block, around)
-                or self._balanced(block, around)
-            )
+            carried = self._rests(block, around) or self._carried(block, around)
+            self._known[key] = self._balanced(block, around) if carried is None else carried
         return self._known[key]
 
-    def _carried(self, block: int, around: int) -> bool:
-        """Whether forces along some rays of the friction cones balance it: yes is a proof."""
+    def _carried(self, block: int, around: int) -> bool | None:
+        """Whether forces along some rays about the friction cones balance it.
+
+        Rays on the cones that do are a proof; so are rays that enclose the cones and do not. None
+        where neither is the case.
+        """
         contacts, assembly = self.model.contacts, self.model.assembly
         sign = self._joints(block, around)[contacts.interface]
         corner = np.flatnonzero(sign)
+        size, wrench = assembly.size[block], self.model.load.wrench[block]
+        load = np.append(wrench[:3], wrench[3:] / size)
+        length = float(np.linalg.norm(load))
+        if not len(corner) or length == 0.0:
+            return length == 0.0
         frame = contacts.frame[contacts.interface[corner]] * sign[corner, None, None]
         slide = contacts.friction[contacts.interface[corner], None, None]
-        turn = np.stack([np.cos(RAYS), np.sin(RAYS)], axis=1)
-        ray = (frame[:, None, 0] + slide * (turn @ frame[:, 1:])).reshape(-1, 3)
-        size = assembly.size[block]
+        turn = np.stack([np.cos(RAYS), np.sin(RAYS)], axis=1) @ frame[:, 1:]
         arm = np.repeat((contacts.point[corner] - assembly.centroid[block]) / size, len(RAYS), 0)
-        load = np.append(
-            self.model.load.wrench[block, :3], self.model.load.wrench[block, 3:] / size
-        )
-        length = float(np.linalg.norm(load))
-        if not len(ray) or length == 0.0:
-            return length == 0.0
+
+        def unbalanced(wider: float) -> float:
+            ray = (frame[:, None, 0] + wider * slide * turn).reshape(-1, 3)
+            forces = np.concatenate([ray, np.cross(arm, ray)], axis=1).T
+            return float(nnls(forces, -load / length)[1])
+
         try:
-            _, rest = nnls(np.concatenate([ray, np.cross(arm, ray)], axis=1).T, -load / length)
+            if unbalanced(1.0) <= BALANCED:
+                return True
+            return None if unbalanced(ENCLOSING) <= FALLING else False
         except RuntimeError:  # it came to no end
-            return False
-        return float(rest) <= BALANCED
+            return None
 
     def _joints(self, block: int, around: int) -> Floats:
         """(m,) per interface: 1 where it presses the block along its normal, -1 against it."""

@@ -15,7 +15,7 @@ from drystone.errors import InputError
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.loads import LoadCase
 from drystone.progress import Progress
-from drystone.sequence.plan import Plan
+from drystone.sequence.plans import Plan
 from drystone.sequence.stages import Model, Stage, mask_of, members
 
 PlanAt: TypeAlias = Callable[[Contacts], Plan]

@@ -18,7 +18,7 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.exact import search_exactly
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.judges import Check, check_once
-from drystone.sequence.plan import Plan, Step
+from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
 from drystone.sequence.search import Search
 from drystone.sequence.stages import Answer, Model, Stage, mask_of, members

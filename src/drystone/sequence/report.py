@@ -7,7 +7,7 @@ import io
 
 from drystone.io.files import PathLike, write_bytes
 from drystone.sequence.margins import Margins
-from drystone.sequence.plan import Plan
+from drystone.sequence.plans import Plan
 
 COLUMNS = (
     "stage",

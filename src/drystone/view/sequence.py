@@ -12,7 +12,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.arrays import Floats, Ints
 from drystone.io.files import write_bytes
 from drystone.results import Result
-from drystone.sequence.plan import Plan, Status, Step
+from drystone.sequence.plans import Plan, Status, Step
 from drystone.sequence.stages import Answer, members
 from drystone.view.figure import draw
 from drystone.view.palette import State

@@ -70,6 +70,23 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     assert all(Path(name).stat().st_size > 200 for name in files)
 
 
+def test_a_folder_that_is_not_there_leaves_no_file_half_the_way(stack, tmp_path, capsys):
+    page, table = tmp_path / "plan.html", tmp_path / "nowhere" / "stages.csv"
+    page.write_text("before")
+    code = main(["plan", stack, "--html", str(page), "--csv", str(table)])
+    assert code == 2
+    assert "nowhere" in capsys.readouterr().err
+    assert page.read_text() == "before"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["plan.html", "stack.json"]
+
+
+def test_two_files_of_one_name_are_refused(stack, tmp_path, capsys):
+    page = str(tmp_path / "plan.html")
+    assert main(["plan", stack, "--html", page, "--print", page]) == 2
+    assert "named twice" in capsys.readouterr().err
+    assert not (tmp_path / "plan.html").exists()
+
+
 def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tmp_path, capsys):
     path = tmp_path / "leaning.json"
     blocks = (box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 1.0), (0.7, 0.0, 1.0), "top"))

@@ -18,7 +18,7 @@ def local(assembly: Assembly, friction: float) -> LocalBalance:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2, 0.5, 1.0])
-def test_forces_along_rays_balance_only_what_the_whole_cone_balances(friction):
+def test_rays_about_the_cones_say_nothing_else_than_the_cones_themselves(friction):
     found = local(arch(0.3, 9), friction)
     rng = np.random.default_rng(1)
     answers = []
@@ -27,8 +27,8 @@ def test_forces_along_rays_balance_only_what_the_whole_cone_balances(friction):
         for block in found.model.assembly.free.tolist():
             around = found.model.neighbours[block] & placed
             answers.append((found._carried(block, around), found._balanced(block, around)))
-    assert all(whole for rays, whole in answers if rays)
-    assert len(set(answers)) > 1 or friction == 0.0
+    assert all(rays is whole for rays, whole in answers if rays is not None)
+    assert {rays for rays, _ in answers} >= ({True, False} if friction else {False})
 
 
 def test_a_block_of_a_tower_rests_on_the_one_below_and_not_on_the_one_above():
