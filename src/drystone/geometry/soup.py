@@ -217,9 +217,10 @@ def _with_cavities(
     corner = stacked.point[stacked.loop]
     low, high = np.minimum.reduceat(corner, first), np.maximum.reduceat(corner, first)
     home = list(range(len(shells)))
-    for cavity in np.flatnonzero(volume < 0.0).tolist():
+    closed = _closed(stacked, len(shells))
+    for cavity in np.flatnonzero((volume < 0.0) & closed).tolist():
         around = ((low <= low[cavity]) & (high >= high[cavity])).all(axis=1)
-        around &= (volume > -volume[cavity]) & (heap[lead] == heap[lead[cavity]])
+        around &= closed & (volume > -volume[cavity]) & (heap[lead] == heap[lead[cavity]])
         for solid in np.flatnonzero(around)[np.argsort(volume[around])].tolist():
             around_it = fan_triangles(_of_shells(vertices, faces, [shells[solid]]))[0]
             middle = 0.5 * (low[cavity] + high[cavity])
@@ -230,6 +231,18 @@ def _with_cavities(
     for shell_faces, solid in zip(shells, home, strict=True):
         solids[solid].extend(shell_faces)
     return sorted((sorted(s) for s in solids.values()), key=lambda s: s[0])
+
+
+def _closed(stacked: Faces, count: int) -> Bools:
+    """Whether each body (count,) has faces in pairs at all its edges."""
+    length = np.diff(stacked.start)
+    after = stacked.loop[following(stacked.start)]
+    side = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)
+    key = np.column_stack([np.repeat(stacked.owner, length), side])
+    edge, uses = np.unique(key, axis=0, return_counts=True)
+    odd = np.bincount(edge[:, 0], uses % 2, minlength=count)
+    closed: Bools = odd == 0
+    return closed
 
 
 def _of_shells(vertices: Floats, faces: Sequence[Loop], shells: Sequence[Sequence[int]]) -> Faces:

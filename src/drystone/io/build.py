@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.errors import FormatError, InputError
 from drystone.geometry import coincidence, selfcontact
-from drystone.geometry.arrays import frozen_floats
+from drystone.geometry.arrays import Floats, frozen_floats
 from drystone.geometry.parts import separate_parts
 from drystone.io.draft import Draft, Model, Shape
 from drystone.io.units import scale_of
@@ -104,9 +105,11 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
     fixed: list[bool] = []
     defects: list[InputError] = []
     remarks: list[str] = []
-    for shape in draft.shapes:
+    for shape, plain in zip(draft.shapes, _plain(draft.shapes, scale), strict=True):
         try:
-            made, said = _in_parts(_block(shape, scale), split)
+            if isinstance(plain, InputError):
+                raise plain
+            made, said = _in_parts(plain, split)
         except InputError as error:
             defects.append(_located(error, path, shape))
             made, said = [None], []
@@ -141,7 +144,37 @@ def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]
     return made, [f"block '{block.name}' split into its {len(parts)} parts"]
 
 
-def _block(shape: Shape, scale: float) -> Block:
+def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
+    """The block of each shape, or what keeps it from being one.
+
+    Coincident vertices are merged where that closes it.
+    """
+    made: list[Block | InputError] = []
+    for shape in shapes:
+        try:
+            made.append(_block(shape, _scaled(shape, scale), shape.faces))
+        except InputError as error:
+            made.append(error)
+    opened = [i for i, one in enumerate(made) if isinstance(one, InputError) and _is_open(one)]
+    points = [_scaled(shapes[i], scale) for i in opened]
+    loops = [shapes[i].faces for i in opened]
+    welded = coincidence.weld_each(points, loops, SAME_PLACE)
+    for i, vertices, (faces, merged) in zip(opened, points, welded, strict=True):
+        if merged:
+            try:
+                said = f"{merged} coincident vertices merged"
+                made[i] = _block(shapes[i], vertices, faces, said)
+            except InputError as error:
+                made[i] = error
+    return made
+
+
+def _is_open(error: InputError) -> bool:
+    return "open mesh" in error.what
+
+
+def _scaled(shape: Shape, scale: float) -> Floats:
+    """Vertices (v, 3) [m], within bounds."""
     vertices = frozen_floats(shape.vertices, (None, 3), "vertices")
     if scale != 1.0:
         vertices = frozen_floats(vertices * scale, (None, 3), "vertices")
@@ -150,19 +183,13 @@ def _block(shape: Shape, scale: float) -> Block:
         raise InputError(
             f"a coordinate is {far:.3g} m", remedy=f"stay within {LARGEST_COORDINATE:g} m"
         )
-    faces = tuple(tuple(face) for face in shape.faces)
+    return vertices
 
-    def block(faces: tuple[tuple[int, ...], ...], *notes: str) -> Block:
-        repairs = (*shape.repairs, *notes)
-        return Block(vertices, faces, shape.name, shape.density, shape.metadata, repairs)
 
-    try:
-        return block(faces)
-    except InputError as error:
-        welded, merged = coincidence.weld(vertices, faces, SAME_PLACE)
-        if "open mesh" not in error.what or not merged:
-            raise
-    return block(welded, f"{merged} coincident vertices merged")
+def _block(shape: Shape, vertices: Floats, faces: Sequence[Sequence[int]], *notes: str) -> Block:
+    loops = tuple(tuple(face) for face in faces)
+    repairs = (*shape.repairs, *notes)
+    return Block(vertices, loops, shape.name, shape.density, shape.metadata, repairs)
 
 
 def _located(error: InputError, path: Path, shape: Shape) -> InputError:

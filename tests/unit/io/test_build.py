@@ -9,6 +9,8 @@ import pytest
 
 from drystone import io
 from drystone.errors import FormatError
+from drystone.geometry import coincidence
+from drystone.geometry.arrays import Floats
 from drystone.models import box
 
 CUBE = box((1.0, 1.0, 1.0))
@@ -154,3 +156,35 @@ def test_a_part_that_is_inside_out_does_not_eat_the_volume_of_the_other(tmp_path
     model = io.read(file(tmp_path, shape))
     assert model.assembly.volume == pytest.approx([2.25])
     assert "block 'pair': 1 of its shells turned" in model.notes
+
+
+def test_open_shapes_are_looked_through_for_coincident_vertices_in_one_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    searches: list[int] = []
+    search = coincidence.first_coincident
+
+    def counted(points: Floats, *others: Any) -> Any:
+        searches.append(len(points))
+        return search(points, *others)
+
+    loose = [block(f"l{i}", 2.0 * i, faces=[[0, 1, 2, 3]] * 3 + [[4, 5, 6, 7]]) for i in range(20)]
+    holed = [
+        block(f"h{i}", 2.0 * i, faces=[list(f) for f in CUBE.faces[1:]]) for i in range(20, 40)
+    ]
+    path = file(tmp_path, *loose, *holed)
+    monkeypatch.setattr(coincidence, "first_coincident", counted)
+    assert len(io.inspect(path).defects) == 40
+    assert len(searches) == 1
+
+
+def test_each_open_shape_is_closed_by_its_own_vertices(tmp_path: Path) -> None:
+    corners = [
+        [(CUBE.vertices + np.array([2.0 * i, 0.0, 0.0]))[k].tolist() for f in CUBE.faces for k in f]
+        for i in range(3)
+    ]
+    faces = [list(range(4 * k, 4 * k + 4)) for k in range(6)]
+    blocks = [block(f"b{i}", vertices=corner, faces=faces) for i, corner in enumerate(corners)]
+    built = io.inspect(file(tmp_path, *blocks, block("open", 9.0, faces=faces[:1] * 4)))
+    assert [one is None for one in built.blocks] == [False, False, False, True]
+    assert all(len(one.vertices) == 8 for one in built.blocks if one is not None)
