@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
 from drystone.geometry import polygon
-from drystone.geometry.arrays import Floats
+from drystone.geometry.arrays import Floats, cross, dot
 from drystone.io.files import PathLike, write_bytes
 from drystone.shells.build import Shell
 from drystone.shells.materialise import cell_faces
+from drystone.shells.tessellation import directed
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,9 @@ class ScheduleRow:
     bevel_deg
         Per side face the angle between it and the middle plane of the block; 90 is square.
     corner_deg
-        Per corner the angle inside the block between a side face and the next.
+        The angle inside the block between a side face and the next, at each edge that two of them
+        share: one per corner, in the order of the faces. With a register a bed has three faces:
+        their two edges are told as well, and a corner per face.
     """
 
     name: str
@@ -141,10 +145,22 @@ def _angles(shell: Shell, block: int, out: Floats) -> tuple[tuple[float, ...], t
     area = polygon.area_vectors(shell.pins.point[np.concatenate(sides)], start)
     normal = area / np.linalg.norm(area, axis=1, keepdims=True)
     bevel = 90.0 + np.rad2deg(np.arcsin(np.clip(normal @ out, -1.0, 1.0)))
-    after = np.roll(normal, -1, axis=0)
-    turn = np.arctan2(np.cross(normal, after) @ out, np.einsum("fi,fi->f", normal, after))
+    shared = _shared_edges(sides)
+    along = np.array([shell.pins.point[b] - shell.pins.point[a] for _, _, a, b in shared])
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    one, other = (normal[[edge[k] for edge in shared]] for k in (0, 1))
+    turn = np.arctan2(np.einsum("ei,ei->e", cross(one, other), along), dot(one, other))
     corner = 180.0 - np.rad2deg(turn)
     return tuple(_rounded(bevel)), tuple(_rounded(corner))
+
+
+def _shared_edges(sides: Sequence[Sequence[int]]) -> list[tuple[int, int, int, int]]:
+    """Faces and ends of the edges between two side faces: as the first face runs it, then by it."""
+    face_of = {edge: f for f, face in enumerate(sides) for edge in directed(face)}
+    shared = [
+        (f, face_of[b, a], a, b) for (a, b), f in face_of.items() if a < b and (b, a) in face_of
+    ]
+    return sorted(shared)
 
 
 def _rounded(angle: Floats) -> list[float]:

@@ -13,6 +13,7 @@ from drystone.shells import (
     barrel_vault,
     block_frame,
     build_shell,
+    dome,
     flat_faces,
     own_frame,
     sample_shell,
@@ -21,6 +22,7 @@ from drystone.shells import (
     write_schedule,
     write_unrolled,
 )
+from drystone.shells.materialise import cell_faces
 
 SHELL = build_shell(
     barrel_vault(6.0, 6.0, 2.0), Layout(courses=9, blocks=4, wedge=0.2), Body(thickness=0.3)
@@ -158,3 +160,30 @@ def test_triangles_in_a_file_enclose_the_blocks_of_the_schedule(tmp_path: Path, 
     assert again.names == assembly.names
     assert again.volume == pytest.approx(assembly.volume, rel=1e-5)
     assert again.centroid == pytest.approx(assembly.centroid, abs=1e-6)
+
+
+@pytest.mark.parametrize(("register_deg", "steps"), [(15.0, {75.0, 285.0}), (-10.0, {80.0, 280.0})])
+def test_corner_angles_of_a_stepped_bed_are_those_of_its_section(register_deg: float, steps):
+    """Both halves of a bed turn by the register: 90 less it and 270 more it at the step."""
+    body = Body(thickness=0.3, register_deg=register_deg)
+    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=9, blocks=4), body)
+    row = next(row for row in schedule(shell) if row.name == "c03-b01")
+    assert set(np.round(row.corner_deg, 5)) == {90.0, 180.0} | steps
+
+
+def test_corner_angles_are_those_between_the_faces():
+    """On a dome no side face is square to the block; compared with the angle of their planes."""
+    shell = build_shell(dome(3.0, 0.5), Layout(courses=4, blocks=8, wedge=0.2))
+    i = shell.assembly.index("c01-b03")
+    faces = cell_faces(shell.mesh, shell.pins, shell.mesh.cells[i])[2]
+    normal = []
+    for face in faces:
+        a, b, c = shell.pins.point[list(face[:3])]
+        normal.append(np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a)))
+    after = normal[1:] + normal[:1]
+    convex = [180.0 - np.rad2deg(np.arccos(n @ m)) for n, m in zip(normal, after, strict=True)]
+    row = schedule(shell)[shell.voussoirs.tolist().index(i)]
+    bent = np.where(
+        np.array(row.corner_deg) > 180.0, 360.0 - np.array(row.corner_deg), row.corner_deg
+    )
+    assert bent == pytest.approx(np.array(convex), abs=1e-5)

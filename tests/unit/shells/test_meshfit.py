@@ -54,7 +54,7 @@ def test_a_mesh_too_coarse_to_tell_its_surface_is_refused():
 
 def test_corners_that_are_none_are_refused():
     points, faces = net(rows=13, columns=13)
-    with pytest.raises(InputError, match=r"mesh 'mesh': is folded.*name its corners"):
+    with pytest.raises(InputError, match=r"from the patch fitted to it, .*name its corners"):
         patch_from_mesh(points, faces, corners=[0, 1, 2, 3], control=(4, 4))
 
 
