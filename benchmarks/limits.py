@@ -138,7 +138,7 @@ def shown(bracket: Bracket | None) -> str:
     if bracket.falls is None:
         return f"{bracket.stands:.5g} and more"
     apart = abs(bracket.falls - bracket.stands)
-    digits = max(0, int(np.ceil(-np.log10(apart) - 1e-6)) + 1)
+    digits = max(1, int(np.ceil(-np.log10(apart) - 1e-6)) + 1)
     return f"{bracket.stands:.{digits}f} .. {bracket.falls:.{digits}f}"
 
 
@@ -214,8 +214,15 @@ before:
 - **balances**: some contact forces balance the loads, with associative friction. A convex problem,
   necessary for standing; the figure of rigid-block limit analysis.
 - **some stiffness**: the full verdict. The forces arise without prestress for some contact
-  stiffness, sampled and, on models of up to 500 corners, searched for.
+  stiffness, sampled and searched for.
 - **uniform**: the same with uniform contact stiffness, as a discrete-element program would see it.
+
+Models of more than 500 corners are tried for rest with four friction laws only: with uniform
+stiffness joints that stick and then slip, and joints that yield from the first over one contact
+overlap; for some stiffness the same over ten overlaps and over a tenth of one. Their limits of rest
+are searched in steps of 1 % of the way to the limit of equilibrium unless `--width` says
+otherwise. Where no rest is found, uniform stiffness counts as falling; for some stiffness only a
+proof does, so that its bracket may reach to the limit of equilibrium.
 
 The convex limit comes first and is confirmed by a checked state on either side: forces below it, a
 mechanism above it. The verdict is then asked at the steps of a scan and bisected inside. Between
@@ -231,11 +238,11 @@ decide. Values beyond the first fall at which it stands again are reported as is
     drystone limit shrink model.obj
     drystone limit tolerance model.obj --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
 
-`shrink` finds the least share of the size of all joints that is needed; its inverse is a geometric
-safety factor. `tolerance` draws imperfect joints and gives the share that stands with a confidence
-interval. In Python these are `limit_tilt`, `tilt_sweep`, `limit_friction`, `limit_load`,
-`limit_thickness`, `limit_shrink`, `thrust_bounds` and `tolerance` in `drystone.limits`; each takes
-any check and any `concurrent.futures.Executor`.
+`shrink` finds the least share of the size of all joints that is needed; its inverse, which is told
+too, is a geometric safety factor. `tolerance` draws imperfect joints and gives the share that
+stands with a confidence interval. In Python these are `limit_tilt`, `tilt_sweep`, `limit_friction`,
+`limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and `tolerance` in
+`drystone.limits`; each takes any check and any `concurrent.futures.Executor`.
 """
 
 FINDINGS = """## Remarks
