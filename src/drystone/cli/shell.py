@@ -50,6 +50,7 @@ def shell(
             "(the bottom and those as low)."
         ),
     ] = None,
+    units: options.Units = None,
     courses: Annotated[int | None, typer.Option(help="Number of courses (12).")] = None,
     course_height: Annotated[float | None, typer.Option(help="Or their height in m.")] = None,
     partial: Annotated[
@@ -111,7 +112,9 @@ def shell(
     )
     with Waiting() as waiting:
         waiting.stage("read", "building the shell")
-        base = surface_of(Wanted(surface, span, length, rise, eye, keystone, supports, thickness))
+        base = surface_of(
+            Wanted(surface, span, length, rise, eye, keystone, supports, units, thickness)
+        )
         layout = Layout(
             courses=12 if courses is None and course_height is None else courses,
             height=course_height,

@@ -41,7 +41,7 @@ USED = {
     Kind.DOME: {"--span", "--eye", "--keystone"},
     Kind.FREE_EDGE: {"--span", "--length", "--rise"},
     Kind.THREE_VAULTS: {"--span", "--rise"},
-    None: {"--supports"},
+    None: {"--supports", "--units"},
 }
 """Options of the surface that each kind has; None is a mesh file."""
 
@@ -57,6 +57,7 @@ class Wanted:
     eye: float | None
     keystone: bool
     supports: str | None
+    units: str | None
     thickness: float | None
 
 
@@ -94,7 +95,7 @@ def surface(wanted: Wanted) -> Surface:
         )
     _refuse_unused(wanted, kind)
     if kind is None:
-        return _from_mesh(wanted.surface, wanted.supports)
+        return _from_mesh(wanted.surface, wanted.supports, wanted.units)
     span = SPAN if wanted.span is None else wanted.span
     shape, notes = _by_name(kind, wanted, span)
     return Surface(shape, span / 8.0, notes)
@@ -111,6 +112,7 @@ def _refuse_unused(wanted: Wanted, kind: Kind | None) -> None:
         _refuse(option, value is not None, kind)
     _refuse("--keystone", wanted.keystone, kind)
     _refuse("--supports", wanted.supports is not None, kind)
+    _refuse("--units", wanted.units is not None, kind)
 
 
 def _refuse(option: str, given: bool, kind: Kind | None) -> None:
@@ -146,10 +148,10 @@ def _by_name(kind: Kind, wanted: Wanted, span: float) -> tuple[Shape, tuple[str,
     return form.shape, (f"form found in {form.rounds} rounds, {form.height:.3f} m high",)
 
 
-def _from_mesh(path: str, supports: str | None) -> Surface:
+def _from_mesh(path: str, supports: str | None, units: str | None) -> Surface:
     from drystone import shells
 
-    fit = shells.patch_from_mesh(*shells.read_surface(path), name=Path(path).name)
+    fit = shells.patch_from_mesh(*shells.read_surface(path, units=units), name=Path(path).name)
     notes = [f"the mesh is up to {1e3 * fit.deviation_max:.3g} mm from the patch fitted"]
     if supports is None:
         sides = _foot(fit.patch)

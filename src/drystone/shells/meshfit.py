@@ -16,6 +16,7 @@ from drystone.errors import FormatError, InputError
 from drystone.geometry.arrays import Floats, frozen_floats
 from drystone.io import format_of
 from drystone.io.files import PathLike, read_bytes
+from drystone.io.units import scale_of
 from drystone.shells.deviation import distances
 from drystone.shells.patch import Patch, check_patch
 from drystone.shells.tessellation import directed
@@ -58,13 +59,23 @@ class MeshFit:
     corners: Floats
 
 
-def read_surface(path: PathLike) -> tuple[Floats, list[tuple[int, ...]]]:
+def read_surface(
+    path: PathLike, *, units: str | None = None
+) -> tuple[Floats, list[tuple[int, ...]]]:
     """Vertices (p, 3) [m] and faces of an open mesh, from any format that has faces.
+
+    Parameters
+    ----------
+    path
+    units
+        Of the numbers in the file: mm, cm, m, in or ft; left out, what the file says, else metres.
 
     Raises
     ------
     FormatError
         The file cannot be read.
+    InputError
+        The unit is not known.
     """
     chosen = format_of(path)
     if chosen.read is None:
@@ -78,7 +89,7 @@ def read_surface(path: PathLike) -> tuple[Floats, list[tuple[int, ...]]]:
         offset += len(points)
     if not faces:
         raise FormatError("holds no faces", where=str(path), remedy="export the surface as a mesh")
-    return np.concatenate(vertices), faces
+    return scale_of(units or draft.units or "m") * np.concatenate(vertices), faces
 
 
 def patch_from_mesh(

@@ -98,6 +98,13 @@ def test_assumed_supports_of_a_mesh_are_told(barrel_file: str, capsys: Capsys) -
     assert note in " ".join(capsys.readouterr().out.split())
 
 
+def test_the_numbers_of_a_mesh_file_have_a_unit(barrel_file: str, capsys: Capsys) -> None:
+    arguments = ["shell", barrel_file, "--courses", "9", "--blocks", "3"]
+    _, metres = answer(capsys, *arguments, "--thickness", "0.4")
+    _, feet = answer(capsys, *arguments, "--thickness", "0.12192", "--units", "ft")
+    assert feet["shell"]["volume"] == pytest.approx(0.3048**3 * metres["shell"]["volume"])
+
+
 def test_a_large_drift_is_a_note(capsys: Capsys) -> None:
     _, told = answer(
         capsys, "shell", "free-edge", "--courses", "12", "--width", "0.4", "--time-limit", "5"
@@ -135,6 +142,7 @@ def test_a_large_drift_is_a_note(capsys: Capsys) -> None:
         ("three-vaults --length 3", ["--length", "leave it out for 'three-vaults'"]),
         ("barrel --keystone", ["--keystone", "is for pavilion, dome"]),
         ("barrel --eye 1", ["--eye", "is for pavilion, dome"]),
+        ("barrel --units mm", ["--units", "is for mesh files"]),
         ("missing.obj --span 3", ["--span", "leave it out for a mesh file"]),
     ],
 )
