@@ -11,6 +11,7 @@ from drystone.detection.options import LARGEST
 from drystone.detection.reasons import Reason
 
 if TYPE_CHECKING:
+    from drystone.detection.reasons import Missed
     from drystone.detection.report import ContactReport
 
 SHOWN = 8
@@ -31,24 +32,49 @@ def suggestions(report: ContactReport) -> tuple[str, ...]:
                 pair = (miss.block_a, miss.block_b)
                 needed[pair] = min(miss.needed, needed.get(pair, np.inf))
         if needed:
-            value = _rounded_up(max(needed.values()), digits)
-            said.append(
-                f"raise {knob} from {getattr(report.options, knob):g} to {value:g}{unit}"
-                f" to join {counted(len(needed), 'more pair')}"
-            )
+            now = f"{getattr(report.options, knob):g}"
+            said.append(f"raise {knob} from {now} to {_steps(needed, digits, unit)}")
     said += _for_curved_joints(report)
-    if report.penetrations:
-        pairs = counted(len(report.penetrations), "pair")
-        said.append(f"{pairs} of blocks overlap: move them apart in the model")
+    said += _for_overlaps(report, apart)
     if report.parts:
         said.append("split separate parts into blocks (--split, drystone.repair.split_shells)")
-    explained = {i for pair in report.undirected for i in pair}
+    explained = {i for pair in (*report.undirected, *report.near_undirected) for i in pair}
     explained |= {i for p in report.penetrations for i in (p.block_a, p.block_b)}
     explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
     lost = [report.names[i] for i in report.isolated if i not in explained]
     if lost:
         said.append(f"nothing is near {listed(lost)}: is a block missing, or in other units?")
     return tuple(said)
+
+
+def _steps(needed: dict[tuple[int, int], float], digits: int, unit: str) -> str:
+    """The value that joins the first of several pairs, and the one that joins all."""
+    values = sorted(needed.values())
+    all_of_them = _rounded_up(values[-1], digits)
+    first = _rounded_up(values[0], digits)
+    joins = f"{all_of_them:g}{unit} to join {counted(len(values), 'more pair')}"
+    if first >= all_of_them:
+        return joins
+    at_once = sum(value <= first for value in values)
+    return f"{first:g}{unit} to join {counted(at_once, 'more pair')}, or to {joins}"
+
+
+def _for_overlaps(report: ContactReport, apart: list[Missed]) -> list[str]:
+    """What to do about blocks that stand in each other, or are there twice."""
+    said = []
+    twice = set(report.duplicates)
+    if twice:
+        pairs = counted(len(twice), "pair")
+        said.append(f"{pairs} of blocks are one block twice: remove one of the two")
+    joinable = {
+        (m.block_a, m.block_b)
+        for m in apart
+        if m.reason in (Reason.ANGLE, Reason.OVERLAP) and not np.isnan(m.needed)
+    }
+    deep = {(p.block_a, p.block_b) for p in report.penetrations} - twice - joinable
+    if deep:
+        said.append(f"{counted(len(deep), 'pair')} of blocks overlap: move them apart in the model")
+    return said
 
 
 def _for_curved_joints(report: ContactReport) -> list[str]:

@@ -16,6 +16,7 @@ from drystone.detection.candidates import (
     near_blocks,
 )
 from drystone.detection.edgecontacts import edge_contacts
+from drystone.detection.edgemisses import edge_misses
 from drystone.detection.freeform import merge_slivers
 from drystone.detection.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.misses import dropped, judge, misses
@@ -99,14 +100,17 @@ def find_contacts(
     near = _pairs_for_edges(patches, pairs, found, options)
     lines, undirected = edge_contacts(assembly, patches, near, options)
     by_edge = set(zip(lines.block_a.tolist(), lines.block_b.tolist(), strict=True))
+    named = by_edge | {(miss.block_a, miss.block_b) for miss in missed if not miss.joined}
+    named |= {(int(a), int(b)) for a, b in undirected}
+    beyond, open_ones = edge_misses(assembly, patches, _less(near, named), options)
     missed = [
         replace(miss, joined=miss.joined or (miss.block_a, miss.block_b) in by_edge)
-        for miss in missed
+        for miss in [*missed, *beyond]
     ]
     found = joined([found, lines]).ordered()
     return Detection(
         found.contacts(patches.origin, friction),
-        _report(assembly, patches, pairs, found, missed, short, undirected, options),
+        _report(assembly, patches, pairs, found, missed, short, undirected, open_ones, options),
     )
 
 
@@ -149,6 +153,14 @@ def _pairs_for_edges(
     return a[apart], b[apart]
 
 
+def _less(pairs: Pairs, known: set[tuple[int, int]]) -> Pairs:
+    """The pairs of which nothing is known yet."""
+    a, b = pairs
+    couples = zip(a.tolist(), b.tolist(), strict=True)
+    keep = np.array([couple not in known for couple in couples], dtype=bool)
+    return a[keep], b[keep]
+
+
 def _report(
     assembly: Assembly,
     patches: Patches,
@@ -157,6 +169,7 @@ def _report(
     missed: list[Missed],
     short: tuple[Shortfall, ...],
     undirected: Ints,
+    near_undirected: Ints,
     options: DetectionOptions,
 ) -> ContactReport:
     touched = np.zeros(len(assembly), dtype=bool)
@@ -182,6 +195,7 @@ def _report(
         missed=tuple(missed),
         shortfalls=short,
         undirected=tuple((a, b) for a, b in undirected.tolist()),
+        near_undirected=tuple((a, b) for a, b in near_undirected.tolist()),
         isolated=tuple(np.flatnonzero(~touched).tolist()),
         penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(together), tolerance),
         duplicates=_duplicates(assembly, patches, pairs),

@@ -28,18 +28,20 @@ class Missed:
     block_a, block_b
         Positions, a < b.
     face_a, face_b
-        Numbers of the faces in their blocks; the first where coplanar faces were merged.
+        Numbers of the faces in their blocks; the first where coplanar faces were merged, -1 for an
+        edge or a corner.
     reason
     gap : [m]
         Smallest distance over the shared area, negative where they overlap.
     angle : [deg]
     area : [m2]
-        Shared area in projection.
+        Shared area in projection; zero for an edge or a corner.
     needed
         What ``gap`` (for ``Reason.GAP`` and ``OVERLAP``) or ``angle`` [deg] (for ``ANGLE``) of the
         options would join them; NaN for other reasons.
     polygon : (c, 3) [m]
-        The shared area, halfway between the faces.
+        The shared area, halfway between the faces; a band across the gap where an edge nearly
+        touches, two points across it where a corner does.
     joined
         Whether the two blocks touch elsewhere.
     """

@@ -47,6 +47,8 @@ class ContactReport:
         Curved joints of which a part was not found.
     undirected
         Pairs that meet along parallel edges or in corners, where no direction can be told.
+    near_undirected
+        Pairs whose parallel edges or corners are near each other, beyond the gap.
     isolated
         Blocks that touch nothing.
     penetrations
@@ -75,6 +77,7 @@ class ContactReport:
     missed: tuple[Missed, ...]
     shortfalls: tuple[Shortfall, ...]
     undirected: tuple[tuple[int, int], ...]
+    near_undirected: tuple[tuple[int, int], ...]
     isolated: tuple[int, ...]
     penetrations: tuple[Penetration, ...]
     duplicates: tuple[tuple[int, int], ...]
@@ -124,12 +127,19 @@ class ContactReport:
         if self.undirected:
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
             lines.append(
-                f"{counted(len(shown), 'pair')} not joined, edge meets edge and the direction of"
-                f" contact is open: {listed(shown)}"
+                f"{counted(len(shown), 'pair')} not joined, edge meets edge or corner meets corner"
+                f" and the direction of contact is open: {listed(shown)}"
+            )
+        if self.near_undirected:
+            shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.near_undirected]
+            lines.append(
+                f"{counted(len(shown), 'pair')} not joined, edge near edge or corner near corner:"
+                f" {listed(shown)}"
             )
         if self.isolated:
             lines.append(
-                f"{counted(len(self.isolated), 'block')} touch nothing:"
+                f"{counted(len(self.isolated), 'block')}"
+                f" {'touches' if len(self.isolated) == 1 else 'touch'} nothing:"
                 f" {listed([self.names[i] for i in self.isolated])}"
             )
         deepest = sorted(self.penetrations, key=lambda pair: -pair.depth)
@@ -153,13 +163,19 @@ class ContactReport:
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
 
     def _missed_lines(self) -> list[str]:
-        apart: dict[Reason, set[tuple[int, int]]] = {}
+        apart: dict[Reason, dict[tuple[int, int], Missed]] = {}
         for miss in self.missed:
             if not miss.joined:
-                apart.setdefault(miss.reason, set()).add((miss.block_a, miss.block_b))
+                nearest = apart.setdefault(miss.reason, {})
+                pair = (miss.block_a, miss.block_b)
+                if pair not in nearest or _beyond(miss) < _beyond(nearest[pair]):
+                    nearest[pair] = miss
         lines = []
         for reason, pairs in apart.items():
-            shown = [f"{self.names[a]}-{self.names[b]}" for a, b in sorted(pairs)]
+            shown = [
+                f"{self.names[a]}-{self.names[b]}{_by_how_much(miss)}"
+                for (a, b), miss in sorted(pairs.items(), key=lambda item: item[0])
+            ]
             lines.append(f"{counted(len(pairs), 'pair')} not joined, {reason}: {listed(shown)}")
         beside = Counter(str(miss.reason) for miss in self.missed if miss.joined)
         lines += [
@@ -197,7 +213,7 @@ class ContactReport:
             "missed": [
                 {
                     "blocks": [name[m.block_a], name[m.block_b]],
-                    "faces": [m.face_a, m.face_b],
+                    "faces": [_face(m.face_a), _face(m.face_b)],
                     "reason": str(m.reason),
                     "gap": m.gap,
                     "angle": m.angle,
@@ -219,6 +235,7 @@ class ContactReport:
                 for short in self.shortfalls
             ],
             "undirected": [[name[a], name[b]] for a, b in self.undirected],
+            "near_undirected": [[name[a], name[b]] for a, b in self.near_undirected],
             "isolated": [name[i] for i in self.isolated],
             "penetrations": [
                 {"blocks": [name[p.block_a], name[p.block_b]], "depth": p.depth}
@@ -229,6 +246,20 @@ class ContactReport:
             "repairs": [{"block": name[i], "what": what} for i, what in self.repairs],
             "suggestions": list(self.suggestions()),
         }
+
+
+def _beyond(miss: Missed) -> float:
+    """By what a near miss is worse than another of its reason."""
+    return miss.angle if miss.reason is Reason.ANGLE else abs(miss.gap)
+
+
+def _by_how_much(miss: Missed) -> str:
+    """The distance or the angle that kept two faces apart."""
+    if miss.reason is Reason.ANGLE:
+        return f" ({miss.angle:.3g} degrees)"
+    if miss.reason in (Reason.GAP, Reason.OVERLAP):
+        return f" ({millimetres(abs(miss.gap))} mm)"
+    return ""
 
 
 def _face(number: Any) -> int | None:

@@ -79,21 +79,36 @@ def save_inspection(
 
 
 def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
-    """The areas that pairs of blocks nearly share, where they touch nowhere else."""
+    """What pairs of blocks nearly share, where they touch nowhere else."""
     missed = [miss.polygon for miss in report.missed if not miss.joined]
-    if not missed:
-        return ()
-    start = np.concatenate([[0], np.cumsum([len(polygon) for polygon in missed])])
-    return (
-        Layer(
-            "missed",
-            "near misses",
-            LayerKind.POLYGONS,
-            "missed",
-            np.concatenate(missed),
-            start=start.astype(np.intp),
-        ),
-    )
+    areas = [polygon for polygon in missed if len(polygon) > 2]
+    points = np.array([polygon for polygon in missed if len(polygon) == 2]).reshape(-1, 2, 3)
+    layers = []
+    if areas:
+        start = np.concatenate([[0], np.cumsum([len(polygon) for polygon in areas])])
+        layers.append(
+            Layer(
+                "missed",
+                "near misses",
+                LayerKind.POLYGONS,
+                "missed",
+                np.concatenate(areas),
+                start=start.astype(np.intp),
+            )
+        )
+    if len(points):
+        layers.append(
+            Layer(
+                "missed-points",
+                "near misses of corners",
+                LayerKind.LINES,
+                "missed",
+                points[:, 0],
+                points[:, 1] - points[:, 0],
+                width=2.0,
+            )
+        )
+    return tuple(layers)
 
 
 def _edge_layers(found: Detection) -> tuple[Layer, ...]:

@@ -7,10 +7,12 @@ import json
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly, Block
+from drystone.assembly import Assembly, Block, replace_block
 from drystone.detection import DetectionOptions, Reason, find_contacts, gap_sweep
 from drystone.errors import InputError
+from drystone.geometry.frames import rotation_about
 from drystone.models import box, concave, random_pack, tower
+from drystone.view.inspection import missed_layers
 
 SLAB = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
 
@@ -110,3 +112,77 @@ def test_sweep_shows_where_each_gap_closes() -> None:
 def test_sweep_without_a_gap_is_refused() -> None:
     with pytest.raises(InputError, match="gaps"):
         gap_sweep(tower(2), [])
+
+
+def on_edge(lift: float) -> Assembly:
+    """A unit cube on an edge above a slab."""
+    cube = box((1.0, 1.0, 1.0), (-0.5, -0.5, -0.5)).transformed(
+        rotation_about([1.0, 0.0, 0.0], 45.0), (0.0, 0.0, np.sqrt(0.5) + lift)
+    )
+    return Assembly((SLAB, replace_block(cube, name="cube")))
+
+
+def test_edge_that_nearly_touches_is_told_with_its_distance() -> None:
+    report = find_contacts(on_edge(0.008)).report
+    (miss,) = report.missed
+    assert (miss.reason, miss.gap) == (Reason.GAP, pytest.approx(0.008))
+    assert sorted(miss.polygon[:, 2].round(6).tolist()) == [0.0, 0.0, 0.008, 0.008]
+    assert any("too far apart: slab-cube (8 mm)" in line for line in report.summary())
+    assert report.suggestions() == ("raise gap from 0.005 to 0.0081 to join 1 more pair",)
+    joined = find_contacts(on_edge(0.008), options=DetectionOptions(gap=0.0081)).report
+    assert joined.pair_count == 1
+    assert joined.missed == ()
+
+
+def test_corner_that_nearly_touches_is_told_and_drawn() -> None:
+    turn = rotation_about([1.0, -1.0, 0.0], np.rad2deg(np.arctan(np.sqrt(2.0))))
+    cube = replace_block(box((1.0, 1.0, 1.0), (-0.5, -0.5, -0.5)).transformed(turn), name="cube")
+    model = Assembly((SLAB, cube.transformed(translation=(0.0, 0.0, 0.01 - cube.bounds[0, 2]))))
+    found = find_contacts(model)
+    (miss,) = found.report.missed
+    assert miss.polygon.shape == (2, 3)
+    assert json.loads(json.dumps(found.report.to_dict()))["missed"][0]["faces"][1] is None
+    assert [layer.key for layer in missed_layers(found.report)] == ["missed-points"]
+
+
+def test_blocks_near_each_other_with_parallel_edges_are_not_called_far() -> None:
+    one = box((1.0, 1.0, 1.0), name="one")
+    other = box((1.0, 1.0, 1.0), (1.01, 0.0, 1.01), "other")
+    report = find_contacts(Assembly((one, other))).report
+    assert report.near_undirected == ((0, 1),)
+    assert not any("nothing is near" in text for text in report.suggestions())
+
+
+def test_first_step_is_suggested_as_well_as_the_last() -> None:
+    cubes = [
+        box((1.0, 1.0, 1.0), (1.1 * i - 2.0, 0.0, gap), f"cube-{i}")
+        for i, gap in enumerate((0.0085, 0.037))
+    ]
+    assert find_contacts(Assembly((SLAB, *cubes))).report.suggestions() == (
+        "raise gap from 0.005 to 0.0086 to join 1 more pair, or to 0.038 to join 2 more pairs",
+    )
+
+
+def test_one_block_twice_is_to_be_removed_not_moved() -> None:
+    twin = replace_block(SLAB, name="twin")
+    assert find_contacts(Assembly((SLAB, twin))).report.suggestions() == (
+        "1 pair of blocks are one block twice: remove one of the two",
+    )
+
+
+def test_overlap_that_a_larger_angle_joins_is_not_to_be_moved_apart() -> None:
+    cube = box((1.0, 1.0, 1.0), (-0.5, -0.5, 0.0), "cube")
+    tilted = replace_block(cube.transformed(rotation_about([1.0, 0.0, 0.0], 4.0)), name="cube")
+    model = Assembly((SLAB, tilted))
+    options = DetectionOptions(edges="never")
+    report = find_contacts(model, options=options).report
+    assert report.penetrations != ()
+    (text,) = report.suggestions()
+    assert text.startswith("raise angle from 2 to 4")
+
+
+def test_one_isolated_block_touches_nothing() -> None:
+    cubes = (box((1.0, 1.0, 1.0), name="on"), box((1.0, 1.0, 1.0), (9.0, 0.0, 9.0), "off"))
+    assert (
+        "1 block touches nothing: off" in find_contacts(Assembly((SLAB, *cubes))).report.summary()
+    )
