@@ -18,15 +18,16 @@ from drystone.shells.courses import lay_courses
 from drystone.shells.extent import check_radius, mean_width
 from drystone.shells.fit import fit_cells
 from drystone.shells.joints import (
-    STRAIGHT_REMEDY,
     PlanarPins,
     drift_notes,
     planar_pins,
+    refuse_register_at_sides,
     refuse_warped,
+    special_remedy,
 )
 from drystone.shells.lengths import refuse_unless_positive
 from drystone.shells.materialise import Pins, cell_faces, make_blocks, vertex_thickness
-from drystone.shells.options import Body, Ground, Intrados, Layout
+from drystone.shells.options import Body, Ground, Layout
 from drystone.shells.overlap import refuse_overlaps
 from drystone.shells.patch import Side
 from drystone.shells.pattern import lay_pattern
@@ -160,6 +161,7 @@ def build_shell(
             where=f"shape '{shape.name}'",
             remedy="name the sides that it stands on",
         )
+    refuse_register_at_sides(shape, body)
     layouts = [layout] * len(shape.patches) if isinstance(layout, Layout) else list(layout)
     if len(layouts) != len(shape.patches):
         raise InputError(f"{len(layouts)} layouts for {len(shape.patches)} patches")
@@ -180,7 +182,7 @@ def build_shell(
     check_radius(shape, float(thickness.max()))
     width = mean_width(mesh)
     planar = planar_pins(mesh, thickness, width, body, progress)
-    refuse_warped(shape.name, planar, body)
+    refuse_warped(shape, planar, body)
     return _finish(shape, mesh, planar, moved / width, thickness, body)
 
 
@@ -220,9 +222,10 @@ def _finish(
         assembly = Assembly(tuple(blocks), fixed)
         refuse_overlaps(assembly, mesh, width)
     except InputError as error:
-        if body.intrados is not Intrados.STRAIGHT:
+        remedy = special_remedy(shape, body)
+        if remedy is None:
             raise
-        raise InputError(error.what, where=error.where, remedy=STRAIGHT_REMEDY) from error
+        raise InputError(error.what, where=error.where, remedy=remedy) from error
     return Shell(
         shape=shape,
         assembly=assembly,

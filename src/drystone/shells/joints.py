@@ -18,7 +18,9 @@ from drystone.shells.materialise import (
     raise_pins,
 )
 from drystone.shells.options import Body, Intrados
+from drystone.shells.patch import Side
 from drystone.shells.planarise import PlanarReport, planarise
+from drystone.shells.shape import Shape
 from drystone.shells.tessellation import Tessellation
 
 LARGE_DRIFT = 0.25
@@ -95,7 +97,39 @@ def planar_pins(
     return PlanarPins(pins, report, float(across.max()), int(drift.argmax()))
 
 
-def refuse_warped(shape_name: str, made: PlanarPins, body: Body) -> None:
+STRAIGHT_REMEDY = (
+    "planar inner faces need the wedge that the curvatures ask for (wedge=None; leave --wedge out) "
+    "and blocks no wider than twice their height, or joints that are not staggered; else leave "
+    "the inner faces as they are"
+)
+REGISTER_REMEDY = "leave the register out: surfaces of one patch, barrels and domes, take it"
+
+
+def special_remedy(shape: Shape, body: Body) -> str | None:
+    """What helps most likely where blocks do not fit; None where the sizes decide."""
+    if body.intrados is Intrados.STRAIGHT:
+        return STRAIGHT_REMEDY
+    return REGISTER_REMEDY if body.register_deg and shape.seams else None
+
+
+def refuse_register_at_sides(shape: Shape, body: Body) -> None:
+    """A step runs along a bed; where the beds of two patches meet at an angle it has no way on.
+
+    Raises
+    ------
+    InputError
+        There is a register, and a seam at which courses end.
+    """
+    sides = {edge.side for seam in shape.seams for edge in (seam.one, seam.other)}
+    if body.register_deg and sides & {Side.LEFT, Side.RIGHT}:
+        raise InputError(
+            "takes no register: its courses end at seams between patches",
+            where=f"shape '{shape.name}'",
+            remedy=REGISTER_REMEDY,
+        )
+
+
+def refuse_warped(shape: Shape, made: PlanarPins, body: Body) -> None:
     """Joints, and straight inner faces, are planar to 1e-6 of a block.
 
     Raises
@@ -104,20 +138,12 @@ def refuse_warped(shape_name: str, made: PlanarPins, body: Body) -> None:
         They are not, unless the options of planarising ask for less.
     """
     if made.report.warp_after > max(LARGEST_WARP, body.planar.tolerance):
-        straight = body.intrados is Intrados.STRAIGHT
+        what = "joints and inner faces" if body.intrados is Intrados.STRAIGHT else "joints"
         raise InputError(
-            f"{'joints and inner faces' if straight else 'joints'} stay "
-            f"{made.report.warp_after:.1e} of a block's width from planar",
-            where=f"shape '{shape_name}'",
-            remedy=STRAIGHT_REMEDY if straight else "use another wedge, or larger blocks",
+            f"{what} stay {made.report.warp_after:.1e} of a block's width from planar",
+            where=f"shape '{shape.name}'",
+            remedy=special_remedy(shape, body) or "use another wedge or register, or larger blocks",
         )
-
-
-STRAIGHT_REMEDY = (
-    "planar inner faces need the wedge that the curvatures ask for (wedge=None; leave --wedge out) "
-    "and blocks no wider than twice their height, or joints that are not staggered; else leave "
-    "the inner faces as they are"
-)
 
 
 def drift_notes(mesh: Tessellation, made: PlanarPins) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ from drystone.shells import (
     pavilion_vault,
     rectangular_plan,
     shape_volume,
+    three_legged_plan,
 )
 from drystone.shells.materialise import cell_faces
 from drystone.shells.planarise import warps
@@ -343,6 +344,20 @@ def test_joints_that_stay_warped_are_refused():
             FORM.shape,
             Layout(courses=6, width=1.0),
             Body(thickness=0.2, planar=PlanarOptions(projections=1, newton=0)),
+        )
+
+
+@pytest.mark.parametrize("shape", [cross_vault(), pavilion_vault()], ids=lambda shape: shape.name)
+def test_courses_that_end_at_seams_take_no_register(shape):
+    with pytest.raises(InputError, match=r"takes no register: its courses end at seams"):
+        build_shell(shape, Layout(courses=11, width=0.8), Body(thickness=0.2, register_deg=2.0))
+
+
+def test_a_register_that_does_not_fit_is_to_be_left_out():
+    form = find_form(three_legged_plan(), height=2.5)
+    with pytest.raises(InputError, match="leave the register out"):
+        build_shell(
+            form.shape, Layout(courses=5, width=1.3), Body(thickness=0.2, register_deg=10.0)
         )
 
 
