@@ -69,7 +69,7 @@ def shell(
     ] = None,
     thickness: Annotated[
         float | None,
-        typer.Option(help="Thickness in m (0.15 of the radius of a barrel, else the size by 30)."),
+        typer.Option(help="Thickness in m (0.075 of the span of a barrel, else the size by 30)."),
     ] = None,
     register: Annotated[
         float,
