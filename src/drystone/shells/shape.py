@@ -75,7 +75,8 @@ class Shape:
     Raises
     ------
     InputError
-        A folded patch, a seam whose sides are apart, or an edge of a patch that is not there.
+        A folded patch, a seam whose sides are apart, or an edge of a patch or side that is not
+        there.
     """
 
     patches: tuple[Patch, ...]
@@ -96,6 +97,12 @@ class Shape:
                 raise InputError(
                     f"a border stretch from {edge.start} to {edge.end} is not within 0 to 1",
                     where=f"shape '{self.name}', patch {edge.patch}, side {edge.side.value}",
+                )
+            if self.patches[edge.patch].closed and edge.side in (Side.LEFT, Side.RIGHT):
+                raise InputError(
+                    f"a closed patch has no side '{edge.side.value}'",
+                    where=f"shape '{self.name}', patch {edge.patch}",
+                    remedy="name its bottom or its top",
                 )
         for patch in self.patches:
             check_patch(patch)

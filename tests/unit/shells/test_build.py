@@ -361,6 +361,14 @@ def test_a_register_that_does_not_fit_is_to_be_left_out():
         )
 
 
+@pytest.mark.parametrize("side", [Side.LEFT, Side.RIGHT])
+def test_a_closed_patch_has_no_left_and_right(side):
+    with pytest.raises(InputError, match=f"a closed patch has no side '{side.value}'"):
+        dome().supported_on(Edge(0, side))
+    with pytest.raises(InputError, match=f"a closed patch has no side '{side.value}'"):
+        Shape(dome().patches * 2, seams=(Seam(Edge(0, side), Edge(1, side)),))
+
+
 def test_a_patch_may_not_be_there_twice():
     shape = Shape(barrel_vault().patches * 2, (), (Edge(0, Side.BOTTOM), Edge(1, Side.BOTTOM)))
     with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
