@@ -10,13 +10,9 @@ from drystone.shells.fabrication import (
     write_unrolled,
 )
 from drystone.shells.families import barrel_vault, cross_vault, dome, pavilion_vault
-from drystone.shells.formfinding import (
-    FormFound,
-    FormOptions,
-    find_form,
-)
+from drystone.shells.formfinding import FormFound, find_form
 from drystone.shells.meshfit import MeshFit, patch_from_mesh, read_surface
-from drystone.shells.options import Body, Ground, Intrados, Layout
+from drystone.shells.options import Body, FormOptions, Ground, Intrados, Layout
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.plans import rectangular_plan, three_legged_plan

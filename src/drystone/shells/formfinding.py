@@ -17,11 +17,11 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
-from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.loads import STANDARD_GRAVITY
 from drystone.shells.lengths import refuse_unless_positive
+from drystone.shells.options import FormOptions
 from drystone.shells.patch import Side
 from drystone.shells.shape import Shape
 from drystone.shells.sources import patch_from_grid
@@ -31,26 +31,6 @@ ROUNDS = 60
 
 SETTLED = 1e-10
 """Change of height, by the height, at which the form has settled."""
-
-
-@dataclass(frozen=True)
-class FormOptions:
-    """Options of form finding.
-
-    Attributes
-    ----------
-    rows, columns
-        Nodes of the net along u and v of each patch.
-    edge_density
-        Force density of bars on free edges, by that of the others: the higher, the straighter they
-        stay in plan.
-    density : [kg/m3]
-    """
-
-    rows: int = 25
-    columns: int = 25
-    edge_density: float = 8.0
-    density: float = DEFAULT_DENSITY
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +123,7 @@ def find_form(
     Raises
     ------
     InputError
-        No support, or a height or thickness that is not positive.
+        No support, supports on one line, or a height or thickness that is not positive.
 
     Examples
     --------
@@ -161,6 +141,7 @@ def find_form(
     if options.rows < 4 or options.columns < 4:
         raise InputError("a net needs four or more rows and columns")
     net = _net(plan, options)
+    _refuse_line(plan, net)
     point, load, scale, rounds = _balance(net, height, thickness, options)
     force_density = net.density * scale
     spread = point[net.bar[:, 1]] - point[net.bar[:, 0]]
@@ -182,6 +163,18 @@ def find_form(
         height=float(point[:, 2].max() - point[net.fixed, 2].min()),
         rounds=rounds,
     )
+
+
+def _refuse_line(plan: Shape, net: _Net) -> None:
+    """A net that hangs from one line only closes up on it."""
+    held = net.point[net.fixed] - net.point[net.fixed].mean(axis=0)
+    spread = np.linalg.svd(held, compute_uv=False)
+    if spread[1] <= 1e-6 * np.linalg.norm(np.ptp(net.point, axis=0)):
+        raise InputError(
+            "its supports lie on one line, over which no net can span",
+            where=f"shape '{plan.name}'",
+            remedy="support another side too",
+        )
 
 
 def _parameters(options: FormOptions) -> tuple[Floats, Floats]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import InputError
+from drystone.shells.lengths import refuse_unless_count
 from drystone.shells.materialise import Thickness
 from drystone.shells.planarise import PlanarOptions
 from drystone.shells.wedge import Wedge
@@ -103,3 +105,37 @@ class Body:
                 f"the register is {self.register_deg} degrees",
                 remedy=f"give -{LARGEST_REGISTER:g} to {LARGEST_REGISTER:g}",
             )
+
+
+@dataclass(frozen=True)
+class FormOptions:
+    """Options of form finding.
+
+    Attributes
+    ----------
+    rows, columns
+        Nodes of the net along u and v of each patch.
+    edge_density
+        Force density of bars on free edges, by that of the others: the higher, the straighter they
+        stay in plan.
+    density : [kg/m3]
+
+    Raises
+    ------
+    InputError
+        A density that is not positive, or a number of nodes that is not whole.
+    """
+
+    rows: int = 25
+    columns: int = 25
+    edge_density: float = 8.0
+    density: float = DEFAULT_DENSITY
+
+    def __post_init__(self) -> None:
+        for name, value in (("edge density", self.edge_density), ("density", self.density)):
+            if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
+                raise InputError(
+                    f"the {name} of a net is {value!r}", remedy="give a number above zero"
+                )
+        for name, count in (("rows", self.rows), ("columns", self.columns)):
+            refuse_unless_count(count, name)

@@ -3,6 +3,7 @@ import pytest
 
 from drystone.errors import InputError
 from drystone.shells import (
+    Edge,
     FormOptions,
     Side,
     find_form,
@@ -110,3 +111,23 @@ def test_a_plan_without_a_support_is_refused():
 def test_a_corner_of_the_plan_needs_a_column_of_the_net():
     with pytest.raises(InputError, match="odd number of columns"):
         find_form(three_legged_plan(), height=1.0, options=FormOptions(columns=24))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"density": 0.0}, "the density of a net is 0.0"),
+        ({"density": float("nan")}, "the density of a net is nan"),
+        ({"edge_density": -1.0}, "the edge density of a net is -1.0"),
+        ({"columns": 9.5}, "the number of columns is 9.5"),
+    ],
+)
+def test_a_net_has_densities_above_zero_and_enough_nodes(given, words):
+    with pytest.raises(InputError, match=words):
+        FormOptions(**given)
+
+
+def test_a_plan_held_on_one_side_carries_no_net():
+    plan = rectangular_plan(6.0, 5.0).supported_on(Edge(0, Side.BOTTOM))
+    with pytest.raises(InputError, match="supports lie on one line"):
+        find_form(plan, height=1.8)
