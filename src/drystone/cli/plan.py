@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -274,7 +273,11 @@ def _show(data: Mapping[str, Any], found: Plan) -> None:
             f"this order works down to friction {data['margins']['least_friction']:.3g}"
         )
     for row in data["friction_sweep"] or []:
-        console.print(f"friction {row['friction']:g}: {json.dumps(row)}")
+        if row["stands"]:
+            words = ", ".join(f"{row[kind]} {kind}" for kind in ("free", "held", "propped"))
+        else:
+            words = "does not stand when complete"
+        console.print(f"friction {row['friction']:g}: {words}")
     for note in data["notes"]:
         console.print(f"[yellow]note:[/] {escape(note)}")
     for name in data["files"]:

@@ -14,6 +14,7 @@ from drystone.contacts import Contacts
 from drystone.io.files import PathLike
 from drystone.loads import LoadCase
 from drystone.progress import Progress
+from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.exact import search_exactly
 from drystone.sequence.insertion import RemovalTest
@@ -29,6 +30,9 @@ EFFORT, LARGE = 800.0, 100.0
 """Checks without progress, times free blocks, before the planner gives in and holds or props, and
 the number of blocks beyond which it gives in sooner still. Chosen: 100 for 8 blocks, where most
 stages can be seen, 20 for a vault of 40, 13 for a dome of 60, none for one of 400."""
+
+LISTED = 6
+"""Falling blocks that a message names."""
 
 POLISHED = 8
 """Props of one stage that are tried one by one whether they are needed there."""
@@ -123,12 +127,10 @@ def plan(
     with Evaluator(model, executor=executor, checkpoint=checkpoint) as evaluator:
         complete = evaluator.answer(Stage(model.everything))
         if not complete.stands and not chosen.anyway:
-            falling = ", ".join(assembly.names[b] for b in complete.falling[:6])
             return Plan(
                 model,
                 complete,
-                message="the complete structure does not stand"
-                + (f": {falling} fall; {complete.message}" if falling else f"; {complete.message}"),
+                message=_refusal(complete, assembly.names),
                 solved=evaluator.solved,
                 solve_s=evaluator.solve_s,
             )
@@ -257,6 +259,24 @@ class _Planner:
             answer,
             tuple(during),
         )
+
+
+def _refusal(complete: Answer, names: Sequence[str]) -> str:
+    """Why nothing is planned."""
+    falling = complete.falling
+    if not falling:
+        words = ""
+    elif len(falling) == 1:
+        words = f": {names[falling[0]]} falls"
+    else:
+        more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
+        words = f": {', '.join(names[b] for b in falling[:LISTED])}{more} fall"
+    if complete.verdict is Verdict.UNSTABLE:
+        return f"the complete structure does not stand{words}; {complete.message}"
+    return (
+        f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "
+        "check (--thorough) tries more"
+    )
 
 
 def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]) -> str:

@@ -16,12 +16,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.bounds import LocalBalance
 from drystone.sequence.evaluation import Evaluator
+from drystone.sequence.hands import can_hold
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.judges import glances
 from drystone.sequence.rules import Bound
@@ -31,9 +30,6 @@ from drystone.sequence.states import Cost, Found, Node, SearchOptions
 LOOK = 0.1
 """What looking at a state costs that is settled without a check, in checks. Chosen: they are some
 ten times cheaper, but many."""
-
-STANDARD_GRAVITY = 9.81
-"""[m/s2], to compare what a hand holds with its payload."""
 
 
 class Search:
@@ -238,31 +234,7 @@ class Search:
 
     def can_hold(self, node: Node) -> bool:
         """Whether a group can be placed block by block, hands holding those that are in."""
-        if len(node.group) < 2 or node.parent is None:
-            return True
-        load, mass = self.model.load.wrench, self.model.assembly.mass
-        for stage in self.held_stages(node):
-            answer = self.evaluator.answer(stage._replace(glance=self.looks[0]))
-            if not answer.stands:
-                return False
-            for block in node.group:
-                if block not in answer.reaction:
-                    continue
-                weight = float(np.linalg.norm(load[block, :3])) / float(mass[block])
-                limit = self.bound.rules.payload * float(self.bound.lifters[block])
-                force = float(np.linalg.norm(answer.reaction[block][:3]))
-                if force > (1.0 + 1e-6) * limit * (weight or STANDARD_GRAVITY):
-                    return False
-        return True
-
-    def held_stages(self, node: Node) -> list[Stage]:
-        """Stages within a step, backwards: after each block but the last has left."""
-        placed = node.placed | mask_of(node.group)
-        out = []
-        for number, block in enumerate(node.group[:-1]):
-            placed &= ~(1 << block)
-            out.append(Stage(placed, node.props | mask_of(node.group[number + 1 :])))
-        return out
+        return can_hold(self.evaluator, self.bound, node, self.looks[0])
 
     def force(self, node: Node) -> Node:
         """One step further down from a stage that stands, with held blocks, else with props."""

@@ -242,7 +242,7 @@ class Model:
             return Answer(Verdict.UNSTABLE, "touches no support", tuple(moving))
         blocks = np.array(sorted([*moving, *held, *ground]), dtype=np.intp)
         resting = self.assembly.fixed[blocks] | np.isin(blocks, held)
-        some = self.assembly.subset(blocks.tolist()).with_fixed(np.flatnonzero(resting).tolist())
+        some = Assembly(tuple(self.assembly.blocks[b] for b in blocks.tolist()), resting)
         contacts, corner = self._contacts_of(blocks, resting)
         load = LoadCase(self.load.wrench[blocks], self.load.name)
         if part.glance:
@@ -254,11 +254,13 @@ class Model:
         falling = tuple(int(blocks[i]) for i in result.falling)
         if result.verdict is not Verdict.STABLE or result.force is None:
             return Answer(result.verdict, result.message, falling)
-        unloaded = LoadCase(np.zeros_like(load.wrench))
-        pressing, _ = unbalanced_wrench(some, contacts, unloaded, result.force)
-        pressing[:, 3:] *= some.size[:, None]
-        place = np.searchsorted(blocks, held)
-        reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
+        reaction = {}
+        if held:
+            unloaded = LoadCase(np.zeros_like(load.wrench))
+            pressing, _ = unbalanced_wrench(some, contacts, unloaded, result.force)
+            pressing[:, 3:] *= some.size[:, None]
+            place = np.searchsorted(blocks, held)
+            reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
         used = _friction_used(contacts, result.force)
         force = np.array(result.force)
         shift = result.displacement

@@ -70,6 +70,11 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     assert all(Path(name).stat().st_size > 200 for name in files)
 
 
+def test_a_person_reads_the_counts_of_a_sweep(stack, capsys):
+    assert main(["plan", stack, "--sweep", "0.5"]) == 0
+    assert "friction 0.5: 3 free, 0 held, 0 propped" in capsys.readouterr().out
+
+
 def test_a_folder_that_is_not_there_leaves_no_file_half_the_way(stack, tmp_path, capsys):
     page, table = tmp_path / "plan.html", tmp_path / "nowhere" / "stages.csv"
     page.write_text("before")
@@ -92,7 +97,7 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
     blocks = (box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 1.0), (0.7, 0.0, 1.0), "top"))
     io.write(Assembly(blocks, np.array([True, False])), path)
     assert main(["plan", str(path)]) == 1
-    assert "does not stand" in capsys.readouterr().out
+    assert "does not stand: top falls;" in capsys.readouterr().out
     code, data = answer(capsys, str(path), "--anyway")
     assert code == 1
     assert data["counts"]["propped"] == 1
