@@ -16,6 +16,8 @@ def check(
     subject: Subject,
     seismic: loading.Seismic = None,
     gap: options.Gap = None,
+    angle: options.Angle = None,
+    edges: options.Edges = None,
     find_contacts: options.FindContacts = False,
     split: options.Split = False,
     html: options.Html = None,
@@ -44,6 +46,8 @@ def check(
             waiting,
             seismic=seismic,
             gap=gap,
+            angle=angle,
+            edges=edges,
             find_contacts=find_contacts,
             split=split,
         )

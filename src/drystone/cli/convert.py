@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from drystone.cli import options, output
 from drystone.cli.session import found, warnings_of
 from drystone.cli.waiting import Waiting
+from drystone.errors import InputError
+
+if TYPE_CHECKING:
+    from drystone.io.formats import Format
 
 
 def convert(
@@ -30,6 +35,9 @@ def convert(
         bool, typer.Option("--contacts", help="Find the contacts and write them too.")
     ] = False,
     friction: options.Friction = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Write over the model itself.")
+    ] = False,
     as_json: options.Json = False,
 ) -> int:
     """Write a model in another format, and say what that format has no place for."""
@@ -38,6 +46,13 @@ def convert(
     from drystone import io  # the program starts fast: work is imported when there is some
 
     chosen = io.format_of(target, to)
+    _refuse_other_suffix(target, chosen)
+    if not overwrite and Path(target).resolve() == Path(model).resolve():
+        raise InputError(
+            "the model would be written over itself",
+            where=f"'{target}'",
+            remedy="name another file, or add --overwrite",
+        )
     with Waiting() as waiting:
         waiting.stage("read", f"reading {model}")
         read = io.read(model, units=units, split=split)
@@ -74,3 +89,18 @@ def convert(
     if chosen.loses:
         console.print(f"[dim]this format has no place for {chosen.loses}[/]")
     return 0
+
+
+def _refuse_other_suffix(target: str, chosen: Format) -> None:
+    """Refuse a file whose suffix says another format than the one that is asked for."""
+    from drystone.io.registry import FORMATS
+
+    suffix = Path(target).suffix.lower()
+    known = {each for one in FORMATS for each in one.suffixes}
+    if chosen.suffixes and suffix in known - set(chosen.suffixes):
+        stem = Path(target).stem
+        raise InputError(
+            f"'{target}' does not end like {chosen.title}",
+            where="--to",
+            remedy=f"leave --to out, or write {stem}{chosen.suffixes[0]}",
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,10 +11,13 @@ import typer
 from drystone.cli import options, output, verdict
 from drystone.cli.session import found
 from drystone.cli.waiting import Waiting
+from drystone.errors import InputError
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.detection import Detection, GapSweep
+    from drystone.geometry.arrays import Floats
+    from drystone.io.build import Built
 
 LISTED = 20
 """Blocks shown without --all."""
@@ -25,6 +28,8 @@ def inspect(
     supports: options.Supports = None,
     units: options.Units = None,
     gap: options.Gap = None,
+    angle: options.Angle = None,
+    edges: options.Edges = None,
     split: options.Split = False,
     sweep: Annotated[
         bool, typer.Option("--sweep", help="Count the contacts for many gap tolerances.")
@@ -52,20 +57,24 @@ def inspect(
     with Waiting() as waiting:
         waiting.stage("read", f"reading {model}")
         built = io.inspect(model, units=units, split=split)
-        assembly = built.assembly
-        if assembly is not None and supports is not None:
-            assembly = io.supports.select(assembly, supports)
+        assembly, notes = _usable(built, supports)
         report = swept = None
         written: list[str] = []
-        notes = list(built.notes)
         if assembly is not None:
-            contacts, report = found(assembly, None, waiting, gap)
+            contacts, report = found(assembly, None, waiting, gap, angle, edges)
             swept = _swept(assembly, waiting) if sweep else None
-            written = _draw(assembly, Detection(contacts, report), swept, files, waiting)
-        else:
-            notes.append("contacts are found, and drawn, once the defects are mended")
+            detection = Detection(contacts, report)
+            written = _draw(assembly, detection, swept, built.bare, files, waiting)
     blocks = [block for block in built.blocks if block is not None]
-    fixed = built.fixed if assembly is None else assembly.fixed.tolist()
+    held = (
+        set()
+        if assembly is None
+        else {name for name, at in zip(assembly.names, assembly.fixed.tolist(), strict=True) if at}
+    )
+    fixed = [
+        was if assembly is None or block is None else block.name in held
+        for block, was in zip(built.blocks, built.fixed, strict=True)
+    ]
     data: dict[str, Any] = {
         "model": model,
         "blocks": [
@@ -103,6 +112,31 @@ def inspect(
     return 2 if built.defects else 0
 
 
+def _usable(built: Built, supports: str | None) -> tuple[Assembly | None, list[str]]:
+    """The blocks in which contacts can be looked for, with their supports, and what to note."""
+    from drystone.io import supports as chosen
+
+    assembly, notes = built.assembly, list(built.notes)
+    if assembly is not None:
+        return assembly if supports is None else chosen.select(assembly, supports), notes
+    assembly = built.usable
+    if assembly is None:
+        notes.append("contacts are found, and drawn, once the defects are mended")
+        return None, notes
+    rest = len(built.blocks) - len(assembly)
+    left_out = f"{rest} {'block' if rest == 1 else 'blocks'} left out" if rest else "as they are"
+    notes.append(
+        f"contacts are found among the {len(assembly)} blocks that can be used, {left_out}:"
+        " mend the defects first"
+    )
+    if supports is not None:
+        try:
+            assembly = chosen.select(assembly, supports)
+        except InputError as error:
+            notes.append(f"--supports waits for the defects: {error}")
+    return assembly, notes
+
+
 def _swept(assembly: Assembly, waiting: Waiting) -> GapSweep:
     from drystone.detection import gap_sweep
 
@@ -114,6 +148,7 @@ def _draw(
     assembly: Assembly,
     found: Detection,
     swept: GapSweep | None,
+    bare: Sequence[Floats],
     files: verdict.Files,
     waiting: Waiting,
 ) -> list[str]:
@@ -122,8 +157,8 @@ def _draw(
         return []
     from drystone import view
 
-    page = partial(view.save_inspection, assembly, found, sweep=swept)
-    scene = view.inspection_scene(assembly, found)
+    page = partial(view.save_inspection, assembly, found, sweep=swept, bare=bare)
+    scene = view.inspection_scene(assembly, found, bare)
     shown = [layer.key for layer in scene.stages[0].layers]
     figure = partial(view.save_figure, scene, layers=shown)
     return verdict.write(files.jobs(page, figure), waiting)

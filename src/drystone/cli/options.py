@@ -44,6 +44,17 @@ Gap: TypeAlias = Annotated[
     float | None,
     typer.Option(help="Largest gap of a joint, relative to the size of the smaller block (0.005)."),
 ]
+Angle: TypeAlias = Annotated[
+    float | None,
+    typer.Option(help="Largest angle in degrees between faces that make a joint (2)."),
+]
+Edges: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        help="Contacts along edges and in corners: for 'isolated' blocks only, which touch "
+        "nothing else, 'always' or 'never' (isolated)."
+    ),
+]
 FindContacts: TypeAlias = Annotated[
     bool,
     typer.Option("--find-contacts", help="Find contacts anew where the file brings some."),

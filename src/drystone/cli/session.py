@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drystone.cli.loading import combined, loaded
 from drystone.cli.options import gravity_vector, positive
@@ -57,6 +57,8 @@ def prepare(
     units: str | None,
     gravity: str | None,
     gap: float | None = None,
+    angle: float | None = None,
+    edges: str | None = None,
     find_contacts: bool = False,
     split: bool = False,
     loads: Sequence[str] | None = None,
@@ -90,7 +92,7 @@ def prepare(
     contacts, report = None if find_contacts else model.contacts, None
     notes = list(model.notes)
     if contacts is None:
-        contacts, report = found(assembly, friction, waiting, gap)
+        contacts, report = found(assembly, friction, waiting, gap, angle, edges)
         notes += warnings_of(report)
         if friction is None:
             contacts, said = with_own_friction(assembly, contacts)
@@ -145,20 +147,27 @@ def with_density(assembly: Assembly, density: float) -> Assembly:
 
 
 def found(
-    assembly: Assembly, friction: float | None, waiting: Waiting, gap: float | None = None
+    assembly: Assembly,
+    friction: float | None,
+    waiting: Waiting,
+    gap: float | None = None,
+    angle: float | None = None,
+    edges: str | None = None,
 ) -> tuple[Contacts, ContactReport]:
     """The contacts of an assembly and the report of the search.
 
     Raises
     ------
     InputError
-        The gap is not a number between zero and one half.
+        The gap is not a number between zero and one half, the angle not one between zero and 45
+        degrees, or edges not one of its words.
     """
     from drystone.contacts import DEFAULT_FRICTION
     from drystone.detection import DetectionOptions, find_contacts
 
     waiting.stage("detect", "finding contacts")
-    options = DetectionOptions() if gap is None else DetectionOptions(gap=gap)
+    asked: dict[str, Any] = {"gap": gap, "angle": angle, "edges": edges}
+    options = DetectionOptions(**{key: value for key, value in asked.items() if value is not None})
     detection = find_contacts(
         assembly, friction=DEFAULT_FRICTION if friction is None else friction, options=options
     )

@@ -30,6 +30,8 @@ def settle(
     subject: Subject,
     seismic: loading.Seismic = None,
     gap: options.Gap = None,
+    angle: options.Angle = None,
+    edges: options.Edges = None,
     find_contacts: options.FindContacts = False,
     split: options.Split = False,
     compliance: Annotated[
@@ -58,6 +60,8 @@ def settle(
             waiting,
             seismic=seismic,
             gap=gap,
+            angle=angle,
+            edges=edges,
             find_contacts=find_contacts,
             split=split,
             moves=moves,

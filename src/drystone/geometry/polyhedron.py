@@ -255,6 +255,15 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
     return [loop[::-1] if turn[f] else loop for f, loop in enumerate(faces)], turned
 
 
+def open_faces(faces: Sequence[Loop]) -> list[int]:
+    """Faces with an edge that no other face uses."""
+    users: dict[Edge, list[int]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        for a, b in zip(loop, (*loop[1:], *loop[:1]), strict=True):
+            users[min(a, b), max(a, b)].append(f)
+    return sorted({used[0] for used in users.values() if len(used) == 1})
+
+
 def face_components(faces: Sequence[Loop]) -> list[list[int]]:
     """Faces grouped into parts connected through shared vertices."""
     parent: dict[int, int] = {}

@@ -88,8 +88,11 @@ def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
         )
     if open_edges:
         shown = _edges_text(open_edges, used)
+        at = polyhedron.open_faces(faces)
+        more = f" and {len(at) - 4} more" if len(at) > 4 else ""
         raise InputError(
-            f"open mesh: {len(open_edges)} edges have one face only ({shown})",
+            f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
+            f" {'face' if len(at) == 1 else 'faces'} {', '.join(map(str, at[:4]))}{more}",
             remedy="close the holes or merge coincident vertices",
         )
     if not consistent:

@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.errors import FormatError, InputError
-from drystone.geometry import coincidence, selfcontact
+from drystone.geometry import coincidence, polyhedron, selfcontact
 from drystone.geometry.arrays import Floats, frozen_floats
 from drystone.geometry.parts import separate_parts
 from drystone.io.draft import Draft, Model, Shape
@@ -41,12 +41,15 @@ class Built:
     defects
         One error per fault, in order.
     notes
+    bare
+        Faces (c, 3) [m] of open meshes, beside which another is missing.
     """
 
     blocks: tuple[Block | None, ...]
     fixed: tuple[bool, ...]
     defects: tuple[InputError, ...]
     notes: tuple[str, ...]
+    bare: tuple[Floats, ...] = ()
 
     @cached_property
     def assembly(self) -> Assembly | None:
@@ -55,6 +58,18 @@ class Built:
             return None
         blocks = tuple(block for block in self.blocks if block is not None)
         return Assembly(blocks, np.array(self.fixed, dtype=bool))
+
+    @cached_property
+    def usable(self) -> Assembly | None:
+        """Of the blocks that could be made, the first of each name; ``None`` without any."""
+        first: dict[str, tuple[Block, bool]] = {}
+        for block, held in zip(self.blocks, self.fixed, strict=True):
+            if block is not None:
+                first.setdefault(block.name, (block, held))
+        if not first:
+            return None
+        blocks, fixed = zip(*first.values(), strict=True)
+        return Assembly(blocks, np.array(fixed, dtype=bool))
 
 
 def build(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Model:
@@ -105,6 +120,7 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
     fixed: list[bool] = []
     defects: list[InputError] = []
     remarks: list[str] = []
+    bare: list[Floats] = []
     for shape, plain in zip(draft.shapes, _plain(draft.shapes, scale), strict=True):
         try:
             if isinstance(plain, InputError):
@@ -112,6 +128,8 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
             made, said = _in_parts(plain, split)
         except InputError as error:
             defects.append(_located(error, path, shape))
+            if _is_open(error):
+                bare += _faces_at_holes(shape, scale)
             made, said = [None], []
         blocks += made
         fixed += [shape.fixed] * len(made)
@@ -122,7 +140,9 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
     defects += _duplicate_defects(good, path)
     sized = _size_notes(good, units or draft.units)
     notes = (*draft.notes, *overruled, *remarks, *_repair_notes(good), *sized)
-    return Built(tuple(blocks), tuple(fixed), tuple(defects), tuple(map(printable, notes)))
+    return Built(
+        tuple(blocks), tuple(fixed), tuple(defects), tuple(map(printable, notes)), tuple(bare)
+    )
 
 
 def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]:
@@ -167,6 +187,13 @@ def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
             except InputError as error:
                 made[i] = error
     return made
+
+
+def _faces_at_holes(shape: Shape, scale: float) -> list[Floats]:
+    """Corners (c, 3) [m] of the faces beside which another is missing."""
+    vertices = _scaled(shape, scale)
+    loops = [tuple(face) for face in shape.faces]
+    return [vertices[list(loops[i])] for i in polyhedron.open_faces(loops)]
 
 
 def _is_open(error: InputError) -> bool:

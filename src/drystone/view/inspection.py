@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from os import PathLike
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.geometry.arrays import Floats
 from drystone.io.files import write_bytes
 from drystone.view.page import page_text
 from drystone.view.palette import State
@@ -16,7 +18,7 @@ from drystone.view.staging import interface_layers
 from drystone.view.sweep import sweep_panel
 
 
-def inspection_scene(assembly: Assembly, found: Detection) -> Scene:
+def inspection_scene(assembly: Assembly, found: Detection, bare: Sequence[Floats] = ()) -> Scene:
     """A scene with the interfaces, and near misses between blocks that do not touch in orange.
 
     Parameters
@@ -24,6 +26,8 @@ def inspection_scene(assembly: Assembly, found: Detection) -> Scene:
     assembly
     found
         Its contacts and their report.
+    bare
+        Faces (c, 3) [m] of open meshes, at their holes.
 
     Examples
     --------
@@ -39,6 +43,7 @@ def inspection_scene(assembly: Assembly, found: Detection) -> Scene:
         *interface_layers(found.contacts, visible=True),
         *_edge_layers(found),
         *missed_layers(found.report),
+        *_polygon_layer("defects", "faces at holes", "tension", bare),
     )
     message = "; ".join(found.report.summary())
     stage = Stage("contacts", "", message, state, layers=layers)
@@ -50,6 +55,7 @@ def save_inspection(
     found: Detection,
     path: str | PathLike[str],
     sweep: GapSweep | None = None,
+    bare: Sequence[Floats] = (),
 ) -> None:
     """Write the page of :func:`inspection_scene`, with the curve of a sweep beside it.
 
@@ -61,6 +67,8 @@ def save_inspection(
         Written to a temporary name beside it and renamed.
     sweep
         Number of pairs against the gap tolerance.
+    bare
+        Faces (c, 3) [m] of open meshes, at their holes.
 
     Examples
     --------
@@ -74,7 +82,7 @@ def save_inspection(
     True
     """
     aside = "" if sweep is None else sweep_panel(sweep, found.report.options.gap)
-    text = page_text(inspection_scene(assembly, found), aside)
+    text = page_text(inspection_scene(assembly, found, bare), aside)
     write_bytes(path, text.encode("utf-8"))
 
 
@@ -83,19 +91,7 @@ def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
     missed = [miss.polygon for miss in report.missed if not miss.joined]
     areas = [polygon for polygon in missed if len(polygon) > 2]
     points = np.array([polygon for polygon in missed if len(polygon) == 2]).reshape(-1, 2, 3)
-    layers = []
-    if areas:
-        start = np.concatenate([[0], np.cumsum([len(polygon) for polygon in areas])])
-        layers.append(
-            Layer(
-                "missed",
-                "near misses",
-                LayerKind.POLYGONS,
-                "missed",
-                np.concatenate(areas),
-                start=start.astype(np.intp),
-            )
-        )
+    layers = list(_polygon_layer("missed", "near misses", "missed", areas))
     if len(points):
         layers.append(
             Layer(
@@ -109,6 +105,17 @@ def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
             )
         )
     return tuple(layers)
+
+
+def _polygon_layer(
+    key: str, label: str, colour: str, polygons: Sequence[Floats]
+) -> tuple[Layer, ...]:
+    """Polygons (c, 3) in one colour; no layer where there are none."""
+    if not polygons:
+        return ()
+    start = np.concatenate([[0], np.cumsum([len(polygon) for polygon in polygons])])
+    corner = np.concatenate(polygons)
+    return (Layer(key, label, LayerKind.POLYGONS, colour, corner, start=start.astype(np.intp)),)
 
 
 def _edge_layers(found: Detection) -> tuple[Layer, ...]:

@@ -174,5 +174,30 @@ def test_inspect_lists_every_defect_and_exits_2(
     code, out, _ = answer(capsys, "inspect", str(path), "--html", str(page))
     assert code == 2
     assert out.count("defect:") == 2
+    assert "found among the 1 blocks that can be used, 2 blocks left out" in " ".join(out.split())
+    assert "faces at holes" in page.read_text(encoding="utf-8")
+
+
+def test_contacts_among_good_blocks_are_found_beside_defective_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "model.json"
+    blocks = [block(), block("b", 1.0), block("open", 4.0, faces=FACES[1:])]
+    path.write_text(json.dumps({"blocks": blocks}), encoding="utf-8")
+    code, out, _ = answer(capsys, "inspect", str(path), "--supports", "open", "--json")
+    told = json.loads(out)
+    assert code == 2
+    assert told["contacts"]["pairs"] == 1
+    (defect,) = told["defects"]
+    assert "of faces " in defect["what"]
+    assert any("--supports waits" in note for note in told["notes"])
+
+
+def test_nothing_is_looked_for_without_a_good_block(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps({"blocks": [block(faces=FACES[1:])]}), encoding="utf-8")
+    code, out, _ = answer(capsys, "inspect", str(path))
+    assert code == 2
     assert "once the defects are mended" in out
-    assert not page.exists()

@@ -11,7 +11,7 @@ import pytest
 from drystone import io
 from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
-from drystone.models import arch, box, incline, tower
+from drystone.models import arch, box, incline, prism, tower
 from drystone.view.palette import ROLE_COLOUR
 
 Capsys = pytest.CaptureFixture[str]
@@ -287,3 +287,20 @@ def test_names_from_files_cannot_talk_to_the_terminal(tmp_path: Path, capsys: Ca
     out, err = capsys.readouterr()
     assert "\x1b" not in out + err
     assert "?[31m[bold]evil?" in out
+
+
+def test_angle_and_edges_of_the_search_are_options(tmp_path: Path, capsys: Capsys) -> None:
+    slab = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
+    wedge = prism([(0.0, 0.0), (1.0, 0.05), (1.0, 1.0), (0.0, 1.0)], (0.0, 1.0), "wedge")
+    model = file(tmp_path, Assembly((slab, wedge), np.array([True, False])))
+    _, told = answer(capsys, "inspect", model)
+    assert {one["kind"] for one in told["contacts"]["interfaces"]} == {"line"}
+    _, told = answer(capsys, "inspect", model, "--angle", "4")
+    assert {one["kind"] for one in told["contacts"]["interfaces"]} == {"area"}
+    _, told = answer(capsys, "inspect", model, "--edges", "never")
+    assert told["contacts"]["interfaces"] == []
+    code, _ = answer(capsys, "check", model, "--angle", "4", "--edges", "always")
+    assert code in (0, 1)
+    for wrong, remedy in ((("--angle", "90"), "give 0 to 45"), (("--edges", "x"), "always")):
+        assert main(["inspect", model, *wrong]) == 2
+        assert remedy in capsys.readouterr().err

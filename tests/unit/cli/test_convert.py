@@ -68,3 +68,20 @@ def test_bad_input_writes_nothing(
     assert words in err
     assert err.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == ["tower.json"]
+
+
+def test_a_model_is_not_written_over_itself_unasked(tmp_path: Path) -> None:
+    path = tmp_path / "tower.obj"
+    io.write(tower(2), path)
+    before = path.read_bytes()
+    assert main(["convert", str(path), str(tmp_path / "." / "tower.obj")]) == 2
+    assert path.read_bytes() == before
+    assert main(["convert", str(path), str(path), "--overwrite"]) == 0
+
+
+def test_a_suffix_of_another_format_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "tower.json"
+    io.write(tower(2), path)
+    assert main(["convert", str(path), str(tmp_path / "x.glb"), "--to", "stl"]) == 2
+    assert not (tmp_path / "x.glb").exists()
+    assert main(["convert", str(path), str(tmp_path / "x.data"), "--to", "stl"]) == 0
