@@ -68,6 +68,8 @@ def equal_overlap(
     gap = statics.displacement(start.motion)[:, 0]
     total = float(start.force[:, 0].sum())
     mean = float(-(start.force[:, 0] * gap).sum()) / total if total > 0.0 else 1.0
+    if not mean > 0.0:
+        return EqualOverlap(start, False, 0)
     spring = mean * normal_stiffness(statics)
     reach = SlipLength(statics.friction, slip * corner_load(statics) / spring)
     options = RestOptions(ground=1e-10, tolerance=1e-9, iteration_limit=40, warm_relaxation=1e-2)

@@ -23,6 +23,7 @@ from drystone.formulations.corner_forces import (
 )
 from drystone.geometry.arrays import Floats
 from drystone.solvers.conic import (
+    Cones,
     ConicOptions,
     ConicSolution,
     ConicStatus,
@@ -208,6 +209,34 @@ def solve_extreme_force(
     empty = sparse.csc_matrix((width, width))
     raw = solve_conic(empty, price.ravel(), rows.matrix, right, rows.cones, options)
     return _unpacked(raw, columns, statics.corner_count, rows.balance)
+
+
+def project_on_mechanisms(statics: Statics) -> EquilibriumSolution | None:
+    """The virtual velocity nearest to the loads at which no corner resists; None if that fails.
+
+    ::
+
+        minimise  1/2 |v - p|^2   subject to   dn >= mu |dt| at every corner,  (dn, dt) = A' v
+
+    It is zero where forces balance the loads. Otherwise it is a mechanism on which the loads do
+    the work ``|v|^2``, and ``p - v`` is the nearest load that can be balanced (Moreau 1962: the
+    cones of mechanisms and of balanced loads are polar).
+    """
+    k, size = statics.corner_count, 6 * statics.free_count
+    rows = statics.matrix_transposed
+    scale = np.ones((k, 3))
+    scale[:, 1:] = statics.friction[:, None]
+    raw = solve_conic(
+        np.ones(size),
+        -statics.load.ravel(),
+        -(sparse.diags(scale.ravel()) @ rows),
+        np.zeros(3 * k),
+        Cones(second_order=(3,) * k),
+        ConicOptions(tolerance=1e-10),
+    )
+    if raw.status is not ConicStatus.SOLVED:
+        return None
+    return EquilibriumSolution(np.zeros((k, 3)), np.zeros(k), raw.x.reshape(-1, 6), raw)
 
 
 def _unpacked(raw: ConicSolution, columns: Columns, k: int, balance: int) -> EquilibriumSolution:

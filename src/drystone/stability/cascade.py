@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drystone.errors import InputError
 from drystone.formulations import compliance
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
@@ -18,7 +19,7 @@ from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import (
     FALLING_SHARE,
-    checked_mechanism,
+    found_mechanism,
     free_acceleration,
     is_first_motion,
     moving_blocks,
@@ -66,6 +67,14 @@ class CheckOptions:
     seed: int = 0
     time_limit_s: float = float("inf")
 
+    def __post_init__(self) -> None:
+        if self.samples < 0 or self.search_tries < 0:
+            raise InputError("numbers of tries cannot be negative", remedy="give 0 or more")
+        if not 0.0 < self.evenness <= 1.0:
+            raise InputError(f"evenness is {self.evenness}", remedy="give more than 0, at most 1")
+        if not self.time_limit_s >= 0.0:
+            raise InputError(f"the time limit is {self.time_limit_s} s", remedy="give 0 or more")
+
 
 class Cascade:
     """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion."""
@@ -78,7 +87,7 @@ class Cascade:
         self.progress = progress
         self.clock = clock
         self.iterations = 0
-        self.level = False
+        self.level = self.balances = False
         self.attempts = Attempts(problem, clock)
 
     def run(self) -> Result:
@@ -86,9 +95,6 @@ class Cascade:
         problem = self.problem
         if problem.statics.free_count == 0:
             return self._nothing_free()
-        dropped = self._free_fall()
-        if dropped is not None:
-            return dropped
         self._report("rest state", 0)
         attempts = self.attempts
         uniform = attempts.attempt(compliance.uniform(problem.statics))
@@ -109,6 +115,9 @@ class Cascade:
             attempts.attempt(sample)
         if attempts.standing:
             return self._stable(uniform)
+        dropped = self._free_fall()
+        if dropped is not None:
+            return dropped
         self._report("search", 2 + self.options.samples)
         found = self._search()
         if found is not None:
@@ -120,7 +129,8 @@ class Cascade:
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, although
-        forces that nothing provides could hold it.
+        forces that nothing provides could hold it. Asked only where no springs come to rest:
+        several such blocks side by side may sag, turn and carry each other as a flat arch.
         """
         problem = self.problem
         acceleration = free_acceleration(problem)
@@ -150,9 +160,8 @@ class Cascade:
             options=ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s),
         )
         self.iterations += balance.raw.iterations
-        if balance.raw.status is ConicStatus.SOLVED:
-            return None
-        mechanism = checked_mechanism(self.problem, balance)
+        self.balances = balance.raw.status is ConicStatus.SOLVED
+        mechanism = None if self.balances else found_mechanism(self.problem, balance)
         if mechanism is None:
             return None
         return self._unstable("no contact forces can balance the loads", mechanism)
@@ -233,11 +242,13 @@ class Cascade:
             moving = (share > FALLING_SHARE * share.max())[:, None]
             motion = problem.mechanism(np.where(moving, state.motion, 0.0))
             if is_first_motion(problem, motion):
-                return self._unstable(
-                    "forces could balance the loads, but only prestress would bring them "
-                    "about: it starts to move",
-                    motion,
-                )
+                words = "it starts to move"
+                if self.balances:
+                    words = (
+                        "forces could balance the loads, but only prestress would bring them "
+                        f"about: {words}"
+                    )
+                return self._unstable(words, motion)
         words = "the time was up" if self.clock.late() else "more samples may help"
         return self._answer(
             Verdict.UNDECIDED,

@@ -146,6 +146,8 @@ def _glue(statics: Statics, stiffness: float) -> Compliance:
 
 
 def _words(needy: list[str], unheld: set[str]) -> str:
+    if not needy:
+        return "the time was up before the blocks that need help were known"
     shown = ", ".join(needy[:5]) + (f" and {len(needy) - 5} more" if len(needy) > 5 else "")
     stuck = [name for name in needy if name in unheld]
     if not stuck:

@@ -9,7 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.checks import block_speed, mechanism_defects, point_motion
 from drystone.contacts import Contacts
-from drystone.formulations.equilibrium import EquilibriumSolution
+from drystone.formulations.equilibrium import EquilibriumSolution, project_on_mechanisms
 from drystone.geometry.arrays import Bools, Floats
 from drystone.stability.problem import Problem
 
@@ -42,6 +42,19 @@ def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats
     motion = problem.mechanism(solution.multiplier / largest)
     violation, power = mechanism_defects(problem.assembly, problem.contacts, problem.load, motion)
     return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
+
+
+def found_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats | None:
+    """The mechanism of an equilibrium that was not found, from the multiplier or solved for.
+
+    Close to the limit the multiplier of a failed program may miss the tolerance; the projection of
+    the loads onto the cone of mechanisms does not.
+    """
+    mechanism = checked_mechanism(problem, solution)
+    if mechanism is not None:
+        return mechanism
+    projected = project_on_mechanisms(problem.statics)
+    return None if projected is None else checked_mechanism(problem, projected)
 
 
 def moving_blocks(assembly: Assembly, mechanism: Floats) -> tuple[int, ...]:

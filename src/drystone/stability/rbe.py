@@ -18,7 +18,7 @@ from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem
-from drystone.stability.proofs import checked_mechanism, moving_blocks
+from drystone.stability.proofs import found_mechanism, moving_blocks
 
 BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
@@ -127,7 +127,7 @@ def solve_rbe(
         if max(residuals.equilibrium, residuals.tension) <= BALANCE_TOLERANCE:
             verdict, message = Verdict.EQUILIBRIUM_EXISTS, "some contact forces balance the loads"
     else:
-        mechanism = checked_mechanism(problem, solution)
+        mechanism = found_mechanism(problem, solution)
         if mechanism is not None:
             verdict, message = Verdict.UNSTABLE, "no contact forces can balance the loads"
         if chosen.tension:

@@ -1,9 +1,19 @@
 """Rest with given friction laws: a yes is a proof, a no says nothing."""
 
+import itertools
+
 import numpy as np
 import pytest
 
-from drystone import InputError, LoadCase, Verdict, find_contacts, models
+from drystone import (
+    Assembly,
+    CheckOptions,
+    InputError,
+    LoadCase,
+    Verdict,
+    find_contacts,
+    models,
+)
 from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.solvers.conic import ConicSolution, ConicStatus
 from drystone.stability import RBEOptions, check, solve_rbe, try_rest
@@ -98,3 +108,48 @@ def test_a_certificate_of_any_size_is_a_mechanism():
     for size in (1e-200, 1.0, 1e200):
         claim = EquilibriumSolution(np.zeros((0, 3)), np.zeros(0), size * scaled, raw)
         assert checked_mechanism(problem, claim) == pytest.approx(found.mechanism, rel=1e-6)
+
+
+def flat_arch(voussoirs):
+    """Cubes in a row between two piers, their joints vertical."""
+    at = np.linspace(-2.0, 2.0, voussoirs + 1)
+    spans = [(-3.0, -2.0), (2.0, 3.0), *itertools.pairwise(at)]
+    blocks = [
+        models.prism([(a, 0.0), (b, 0.0), (b, 1.0), (a, 1.0)], (0.0, 1.0), f"block-{i}")
+        for i, (a, b) in enumerate(spans)
+    ]
+    return Assembly(tuple(blocks), np.arange(len(blocks)) < 2)
+
+
+@pytest.mark.parametrize("voussoirs", [2, 3, 4])
+@pytest.mark.parametrize("tilt", [0.0, 1e-6])
+def test_a_flat_arch_sags_until_its_voussoirs_carry_each_other(voussoirs, tilt):
+    arch = flat_arch(voussoirs)
+    contacts = find_contacts(arch, friction=2.0).contacts
+    found = check(arch, contacts, LoadCase.tilt(arch, (0.0, 1.0, 0.0), tilt))
+    assert found.verdict is Verdict.STABLE
+
+
+@pytest.mark.parametrize("friction", [0.3, 2.0, 1e4])
+def test_a_single_block_between_two_piers_falls(friction):
+    wedged = flat_arch(1)
+    contacts = find_contacts(wedged, friction=friction).contacts
+    assert check(wedged, contacts).verdict is Verdict.UNSTABLE
+
+
+@pytest.mark.parametrize("friction", [0.5, 0.6, 0.7])
+def test_that_nothing_balances_is_proved_where_the_multiplier_is_too_coarse(friction):
+    shelf = models.shelf()
+    contacts = find_contacts(shelf, friction=friction).contacts
+    found = solve_rbe(shelf, contacts, options=RBEOptions.feasibility())
+    assert found.verdict is Verdict.UNSTABLE
+    assert "no contact forces" in check(shelf, contacts).message
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"samples": -1}, {"evenness": 0.0}, {"evenness": 1.5}, {"time_limit_s": float("nan")}],
+)
+def test_options_out_of_range_are_refused(wrong):
+    with pytest.raises(InputError):
+        CheckOptions(**wrong)
