@@ -121,9 +121,9 @@ def _tips_apart(courses: Courses, course: int, below: Floats) -> Courses:
 
 
 def _numbers(blocks: int | Sequence[int], count: int, where: str) -> list[int]:
-    if isinstance(blocks, int):
-        return [blocks] * count
-    numbers = [int(b) for b in blocks]
+    numbers = np.atleast_1d(np.asarray(blocks, dtype=np.intp)).tolist()
+    if np.ndim(blocks) == 0:
+        return numbers * count
     if len(numbers) != count:
         raise InputError(f"{len(numbers)} numbers of blocks for {count} courses", where=where)
     return numbers

@@ -11,7 +11,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats
-from drystone.shells.lengths import refuse_unless_positive
+from drystone.shells.lengths import numbers, refuse_unless_positive
 from drystone.shells.patch import Patch
 
 MOST_COURSES = 5_000
@@ -133,7 +133,7 @@ def lay_courses(
     points = patch.point(np.linspace(0.0, 1.0, TABLE_U)[:, None], v[None, :])
     length = np.linalg.norm(np.diff(points, axis=0), axis=2).sum(axis=0)
     if heights is not None:
-        relative = np.asarray(heights, dtype=np.float64)
+        relative = np.atleast_1d(numbers(heights, "heights of courses", where)).ravel()
         count = len(relative)
     elif height is not None:
         refuse_unless_positive(where, course_height=height)

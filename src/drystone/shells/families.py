@@ -32,8 +32,9 @@ def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = No
     InputError
         A length that is not positive, or a rise above half the span.
     """
+    refuse_unless_positive(span=span, length=length)
     rise = 0.5 * span if rise is None else rise
-    refuse_unless_positive(span=span, length=length, rise=rise)
+    refuse_unless_positive(rise=rise)
     if rise > 0.5 * span * (1.0 + 1e-12):
         raise InputError(
             f"the rise {rise} m is more than half the span", remedy=f"give {0.5 * span} m or less"

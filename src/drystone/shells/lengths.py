@@ -1,11 +1,17 @@
-"""Lengths and counts that make sense."""
+"""Lengths, counts and numbers that make sense."""
 
 from __future__ import annotations
 
 import math
 from numbers import Integral, Real
 
+import numpy as np
+
 from drystone.errors import InputError
+from drystone.geometry.arrays import Floats
+
+LONGEST = 40
+"""Characters of a wrong value that an error repeats."""
 
 
 def refuse_unless_positive(where: str = "", **metres: float) -> None:
@@ -37,6 +43,24 @@ def refuse_unless_count(value: object, name: str, where: str = "") -> None:
         raise InputError(
             f"the number of {name} is {value!r}", where=where, remedy="give a whole number"
         )
+
+
+def numbers(values: object, what: str, where: str = "") -> Floats:
+    """Values as an array of numbers.
+
+    Raises
+    ------
+    InputError
+        They are none, or ragged.
+    """
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        told = repr(values)
+        told = told if len(told) <= LONGEST else f"{told[:LONGEST]}..."
+        raise InputError(
+            f"{what} must be numbers, got {told}", where=where, remedy="give numbers, evenly nested"
+        ) from error
 
 
 def _is_number(value: object) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,6 +17,7 @@ from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.triangulate import triangulate
+from drystone.shells.lengths import numbers
 from drystone.shells.tessellation import DirectedEdge, Tessellation, directed
 
 Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
@@ -62,11 +64,11 @@ def vertex_thickness(mesh: Tessellation, thickness: Thickness) -> Floats:
         Not positive, not finite, or of another length.
     """
     if callable(thickness):
-        values = np.asarray(thickness(mesh.point), dtype=np.float64)
-    elif isinstance(thickness, (int, float)):
+        values = numbers(thickness(mesh.point), "thicknesses")
+    elif isinstance(thickness, Real):
         values = np.full(len(mesh.point), float(thickness))
     else:
-        each = np.asarray(thickness, dtype=np.float64)
+        each = numbers(thickness, "thicknesses")
         courses = int(mesh.course.max()) + 1
         if each.shape not in ((courses,), (courses - 1,)):
             raise InputError(

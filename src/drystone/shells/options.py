@@ -6,6 +6,10 @@ import enum
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from numbers import Real
+from typing import Any
+
+import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import InputError
@@ -50,6 +54,11 @@ class Layout:
     wedge
         Shift of bed-joint corners towards the neighbouring course, by its height. None takes it
         from the curvatures of the surface, for planar inner faces.
+
+    Raises
+    ------
+    InputError
+        A number of courses or blocks that is not whole.
     """
 
     courses: int | None = None
@@ -60,6 +69,15 @@ class Layout:
     width: float | None = None
     staggered: bool = True
     wedge: Wedge | None = 0.0
+
+    def __post_init__(self) -> None:
+        for name, count in (("courses", self.courses), ("partial courses", self.partial)):
+            if count is not None:
+                refuse_unless_count(count, name)
+        blocks: Any = self.blocks
+        for number in blocks if isinstance(blocks, (Sequence, np.ndarray)) else (blocks,):
+            if blocks is not None:
+                refuse_unless_count(number, "blocks")
 
 
 LARGEST_REGISTER = 35.0
@@ -88,7 +106,7 @@ class Body:
     Raises
     ------
     InputError
-        A register out of range.
+        A register out of range, or a value of another type.
     """
 
     thickness: Thickness | None = None
@@ -100,6 +118,15 @@ class Body:
     planar: PlanarOptions = field(default_factory=PlanarOptions)
 
     def __post_init__(self) -> None:
+        for name, value, kind in (
+            ("intrados", self.intrados, Intrados),
+            ("ground", self.ground, Ground),
+        ):
+            if not isinstance(value, kind):
+                known = ", ".join(f"{kind.__name__}.{each.name}" for each in kind)
+                raise InputError(f"the {name} is {value!r}", remedy=f"give one of {known}")
+        if not isinstance(self.register_deg, Real):
+            raise InputError(f"the register is {self.register_deg!r}", remedy="give degrees")
         if not abs(self.register_deg) <= LARGEST_REGISTER:
             raise InputError(
                 f"the register is {self.register_deg} degrees",

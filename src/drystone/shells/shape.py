@@ -91,6 +91,12 @@ class Shape:
             raise InputError("a shape needs a patch")
         edges = [e for seam in self.seams for e in (seam.one, seam.other)]
         for edge in (*edges, *self.supports, *self.keystone):
+            if not isinstance(edge, Edge):
+                raise InputError(
+                    f"a border stretch is {edge!r}",
+                    where=f"shape '{self.name}'",
+                    remedy="give Edge(patch, side)",
+                )
             if not 0 <= edge.patch < len(self.patches):
                 raise InputError(f"there is no patch {edge.patch}", where=f"shape '{self.name}'")
             if not (0.0 <= edge.low < edge.high <= 1.0):

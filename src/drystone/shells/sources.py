@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.shells.lengths import numbers
 from drystone.shells.patch import Patch, check_patch
 
 Curve: TypeAlias = Callable[[Floats], Any]
@@ -157,7 +158,7 @@ def patch_from_grid(
     InputError
         Fewer than two rows or columns, or a folded patch.
     """
-    points = np.asarray(grid, dtype=np.float64)
+    points = numbers(grid, "points of a control grid", f"patch '{name}'")
     if points.ndim != 3 or points.shape[2] != 3 or min(points.shape[:2]) < 2:
         raise InputError(
             f"the control grid has shape {points.shape}",

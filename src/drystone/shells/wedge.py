@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from numbers import Real
 from typing import TypeAlias
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats, Ints
 from drystone.shells.courses import Courses
+from drystone.shells.lengths import numbers
 from drystone.shells.patch import line_curvatures
 
 Wedge: TypeAlias = float | Sequence[float] | Callable[[Floats, Floats], Floats]
@@ -44,14 +46,15 @@ def wedge_amount(
     if wedge is None:
         return _flat_wedge(courses, lines, v, line)
     share = lines[np.arange(len(v)), line]
+    where = f"patch '{courses.patch.name}'"
     if callable(wedge):
-        amount = np.asarray(wedge(courses.parameter(share, v), v), dtype=np.float64)
+        amount = numbers(wedge(courses.parameter(share, v), v), "wedges", where)
         if amount.shape != v.shape:
             raise InputError(f"the wedge function gave shape {amount.shape} for {len(v)} corners")
-    elif isinstance(wedge, (int, float)):
+    elif isinstance(wedge, Real):
         amount = np.full(len(v), float(wedge))
     else:
-        values = np.asarray(wedge, dtype=np.float64)
+        values = numbers(wedge, "wedges", where)
         if values.shape != (courses.count - 1,):
             raise InputError(
                 f"{values.size} wedges for {courses.count - 1} bed lines between courses"
@@ -60,7 +63,7 @@ def wedge_amount(
     if not np.isfinite(amount).all():
         raise InputError(
             f"the wedge is {amount[~np.isfinite(amount)][0]}",
-            where=f"patch '{courses.patch.name}'",
+            where=where,
             remedy=f"give numbers from -{LARGEST_WEDGE} to {LARGEST_WEDGE}",
         )
     bad = np.abs(amount) > LARGEST_WEDGE

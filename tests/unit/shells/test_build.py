@@ -21,6 +21,7 @@ from drystone.shells import (
     dome,
     find_form,
     patch_from_function,
+    patch_from_grid,
     pavilion_vault,
     rectangular_plan,
     shape_volume,
@@ -416,3 +417,41 @@ def test_impossible_families_are_refused():
         pavilion_vault(2.0, 2.0)
     with pytest.raises(InputError, match="span is nan"):
         cross_vault(float("nan"))
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Layout(courses="9", blocks=4), "number of courses is '9'; give a whole number"),
+        (lambda: Layout(courses=9.5, blocks=4), "number of courses is 9.5"),
+        (lambda: Layout(courses=9, blocks=4.5), "number of blocks is 4.5"),
+        (lambda: Layout(courses=2, blocks=[4, 4.5]), "number of blocks is 4.5"),
+        (lambda: Layout(courses=9, blocks=4, partial=0.5), "number of partial courses is 0.5"),
+        (lambda: Body(register_deg="x"), "the register is 'x'"),
+        (lambda: Body(intrados="straight"), "the intrados is 'straight'.*Intrados.STRAIGHT"),
+        (lambda: barrel_vault().supported_on("left"), "a border stretch is 'left'"),
+        (lambda: patch_from_grid([[[0, 0, 0], [1, 0, 0]], [[0, 1, 0]]]), "control grid.*numbers"),
+        (lambda: build_shell(barrel_vault(), [None]), "a layout is None"),
+        (lambda: built(wedge="a"), "wedges must be numbers, got 'a'"),
+        (lambda: built(wedge=lambda u, v: "a"), "wedges must be numbers, got 'a'"),
+        (lambda: built(thickness="x"), "thicknesses must be numbers, got 'x'"),
+        (lambda: built(thickness=[0.3, "x"]), "thicknesses must be numbers"),
+        (lambda: built(courses=None, heights=["a", 1]), "heights of courses must be numbers"),
+        (lambda: built(blocks=None, width="x"), "the block width is 'x'"),
+    ],
+)
+def test_a_value_of_another_type_is_named(make, words):
+    with pytest.raises(InputError, match=words) as caught:
+        make()
+    assert "\n" not in str(caught.value)
+
+
+def built(thickness=0.4, **layout):
+    return build_shell(
+        barrel_vault(), Layout(**{"courses": 9, "blocks": 4} | layout), Body(thickness=thickness)
+    )
+
+
+def test_numbers_of_numpy_are_numbers():
+    shell = built(np.float32(0.4), courses=np.int64(9), blocks=np.int32(4))
+    assert len(shell.voussoirs) == len(built().voussoirs)
