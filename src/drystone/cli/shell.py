@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 
 SUFFIXES = (".json", ".obj")
+BLOCK_SUFFIXES = ("obj", "stl", "ply", "glb", "3dm", "json")
+"""Formats of the files of single blocks."""
 
 
 def shell(
@@ -87,6 +89,10 @@ def shell(
     block_files: Annotated[
         str | None, typer.Option(help="Folder for a file per block in its own frame.")
     ] = None,
+    block_format: Annotated[
+        str | None,
+        typer.Option(help=f"Of these files: {', '.join(BLOCK_SUFFIXES)} (obj)."),
+    ] = None,
     html: options.Html = None,
     png: options.Png = None,
     time_limit: options.TimeLimit = None,
@@ -103,6 +109,7 @@ def shell(
     model_path = _path(out, "--out", SUFFIXES)
     schedule_path = _path(schedule, "--schedule", (".csv",))
     unrolled_path = _path(unrolled, "--unrolled", (".svg", ".dxf"))
+    suffix = _block_suffix(block_format, block_files)
     from drystone.shells import Body, Intrados, Layout, build_shell
 
     body = Body(
@@ -129,7 +136,7 @@ def shell(
         load = weight(made.assembly, None)
         prepared = Prepared(made.assembly, contacts, load, report, tuple(notes))
         result = verdict.solve(prepared, waiting, time_limit)
-        written = _write(made, model_path, schedule_path, unrolled_path, block_files)
+        written = _write(made, model_path, schedule_path, unrolled_path, block_files, suffix)
         pictures.write(result, waiting)
     data = verdict.content(result, prepared, waiting.time_s, base.shape.name, pictures)
     data["files"] = [*written, *data["files"]]
@@ -176,6 +183,21 @@ def _path(text: str | None, option: str, suffixes: tuple[str, ...]) -> Path | No
     return None if text is None else options.output_path(text, option, suffixes)
 
 
+def _block_suffix(block_format: str | None, block_files: str | None) -> str:
+    chosen = "obj" if block_format is None else block_format.lower().removeprefix(".")
+    if chosen not in BLOCK_SUFFIXES:
+        raise InputError(
+            f"is '{block_format}'",
+            where="--block-format",
+            remedy=f"give one of {', '.join(BLOCK_SUFFIXES)}",
+        )
+    if block_format is not None and block_files is None:
+        raise InputError(
+            "is for --block-files", where="--block-format", remedy="name a folder with that"
+        )
+    return f".{chosen}"
+
+
 def _partial(text: str) -> int | None:
     if text == "auto":
         return None
@@ -193,6 +215,7 @@ def _write(
     schedule: Path | None,
     unrolled: Path | None,
     block_files: str | None,
+    suffix: str,
 ) -> list[str]:
     from drystone import io, shells
 
@@ -205,6 +228,6 @@ def _write(
         shells.write_unrolled(made, unrolled)
     written += [str(path) for path in (out, schedule, unrolled) if path is not None]
     if block_files is not None:
-        shells.write_blocks(made, block_files)
+        shells.write_blocks(made, block_files, suffix=suffix)
         written.append(f"{block_files} ({len(made.voussoirs)} files)")
     return written

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.errors import InputError
+from drystone.errors import FormatError, InputError
 from drystone.geometry import polygon
 from drystone.geometry.arrays import Floats
 from drystone.io import write
@@ -66,7 +66,14 @@ def write_blocks(shell: Shell, folder: PathLike, *, suffix: str = ".obj") -> lis
         The format is not known or the folder cannot be written.
     """
     target = Path(folder)
-    target.mkdir(parents=True, exist_ok=True)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FormatError(
+            f"the folder cannot be made: {error.strerror}",
+            where=str(target),
+            remedy="choose a place that exists and that you may write to",
+        ) from error
     paths = []
     for i in shell.voussoirs.tolist():
         block = own_frame(shell, i)

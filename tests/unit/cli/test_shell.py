@@ -45,6 +45,24 @@ def test_shell_builds_checks_and_writes(tmp_path: Path, capsys: Capsys) -> None:
     assert len(list(folder.iterdir())) == 32
 
 
+def test_files_of_single_blocks_have_the_format_asked_for(tmp_path: Path, capsys: Capsys) -> None:
+    folder = tmp_path / "blocks"
+    answer(capsys, *DOME, "--block-files", str(folder), "--block-format", "stl")
+    assert {path.suffix for path in folder.iterdir()} == {".stl"}
+    (block,) = io.read(folder / "c01-b03.stl").assembly.blocks
+    assert block.name == "c01-b03"
+    assert np.abs(block.centroid).max() < 1e-9
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path, capsys: Capsys) -> None:
+    taken = tmp_path / "taken"
+    taken.write_text("a file")
+    assert main([*DOME, "--block-files", str(taken / "blocks")]) == 2
+    err = capsys.readouterr().err
+    assert "taken/blocks: the folder cannot be made: Not a directory" in err
+    assert err.count("\n") == 1
+
+
 def test_shell_tells_a_person_what_was_built(capsys: Capsys) -> None:
     assert main(list(DOME)) == 0
     out = capsys.readouterr().out
@@ -142,6 +160,8 @@ def test_a_large_drift_is_a_note(capsys: Capsys) -> None:
         ("three-vaults --length 3", ["--length", "leave it out for 'three-vaults'"]),
         ("barrel --keystone", ["--keystone", "is for pavilion, dome"]),
         ("barrel --eye 1", ["--eye", "is for pavilion, dome"]),
+        ("barrel --block-files x --block-format doc", ["--block-format", "give one of obj, stl"]),
+        ("barrel --block-format stl", ["--block-format", "is for --block-files"]),
         ("barrel --units mm", ["--units", "is for mesh files"]),
         ("missing.obj --span 3", ["--span", "leave it out for a mesh file"]),
     ],
