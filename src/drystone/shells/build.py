@@ -34,7 +34,7 @@ from drystone.shells.pattern import lay_pattern
 from drystone.shells.planarise import PlanarReport
 from drystone.shells.shape import Shape
 from drystone.shells.supports import add_ground, springers
-from drystone.shells.tessellation import Tessellation
+from drystone.shells.tessellation import Tessellation, directed
 from drystone.shells.weld import weld
 
 
@@ -247,21 +247,45 @@ def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
     """What each block does.
 
     Springers stand on supports; keystones close an eye, or are the middle course of a patch that
-    stands on its bottom and its top; the last course of a closed patch is its ring.
+    stands on its bottom and its top; a ring is around an eye, open or closed by one.
     """
+    ring = _around_openings(mesh)
     last = [int(mesh.course[mesh.of_patch == k].max()) for k in range(len(shape.patches))]
     stood = {(edge.patch, edge.side) for edge in shape.supports}
     spans = [{(k, Side.BOTTOM), (k, Side.TOP)} <= stood for k in range(len(shape.patches))]
     roles = []
-    for name, course, patch, stands in zip(
-        mesh.names, mesh.course.tolist(), mesh.of_patch.tolist(), springer.tolist(), strict=True
+    for cell, (name, course, patch, stands) in enumerate(
+        zip(
+            mesh.names, mesh.course.tolist(), mesh.of_patch.tolist(), springer.tolist(), strict=True
+        )
     ):
         if name == "keystone" or (spans[patch] and 2 * course == last[patch]):
             roles.append("keystone")
         elif stands:
             roles.append("springer")
-        elif shape.patches[patch].closed and course == last[patch]:
+        elif cell in ring:
             roles.append("ring")
         else:
             roles.append("voussoir")
     return roles
+
+
+def _around_openings(mesh: Tessellation) -> set[int]:
+    """Cells around an eye: on a closed run of border no part of which is supported."""
+    closing = [c for c, name in enumerate(mesh.names) if name == "keystone"]
+    cell_of = {
+        edge: c for c, cell in enumerate(mesh.cells) if c not in closing for edge in directed(cell)
+    }
+    after = {b: a for a, b in cell_of if (b, a) not in cell_of}  # the border, opening on its left
+    supported = set(mesh.supported)
+    around: set[int] = set()
+    while after:
+        start, vertex = next(iter(after.items()))
+        del after[start]
+        run = [(vertex, start)]
+        while vertex in after:
+            run.append((after[vertex], vertex))
+            vertex = after.pop(vertex)
+        if vertex == start and not supported & set(run):
+            around.update(cell_of[edge] for edge in run)
+    return around

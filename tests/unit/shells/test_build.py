@@ -446,6 +446,16 @@ def test_a_value_of_another_type_is_named(make, words):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("keystone", [True, False])
+def test_the_blocks_around_the_eye_of_a_pavilion_are_its_ring(keystone):
+    shell = build_shell(pavilion_vault(keystone=keystone), Layout(courses=5, width=1.0))
+    role = [block.metadata["role"] for block in shell.assembly.blocks]
+    top = [i for i in shell.voussoirs if shell.mesh.course[i] == 4]
+    assert [role[i] for i in top] == ["ring"] * len(top)
+    assert role.count("ring") == len(top)
+    assert role.count("keystone") == keystone
+
+
 def built(thickness=0.4, **layout):
     return build_shell(
         barrel_vault(), Layout(**{"courses": 9, "blocks": 4} | layout), Body(thickness=thickness)
