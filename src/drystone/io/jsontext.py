@@ -37,7 +37,11 @@ def parse(data: bytes, path: Path) -> Field:
             remedy="export it again" if end else "correct it there",
         ) from error
     except (ValueError, RecursionError) as error:
-        what = "is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        what = str(error)
+        if isinstance(error, RecursionError):
+            what = "it is nested too deeply"
+        elif not isinstance(error, _TwiceError):  # the only other one: too long for an integer
+            what = "a whole number has thousands of digits"
         raise FormatError(f"is no JSON that can be used: {what}", where=str(path)) from error
     return Field(value, "", path).object()
 

@@ -186,7 +186,7 @@ def write(model: Model, path: Path) -> None:
     lines = ["# drystone, metres"]
     offset = 1
     for block in model.assembly.blocks:
-        name = " ".join(block.name.split())
+        name = NEWLINE.sub(" ", block.name)
         lines.append(f"o {name}")
         lines += ["v " + " ".join(map(repr, point)) for point in block.vertices.tolist()]
         lines += ["f " + " ".join(str(i + offset) for i in face) for face in block.faces]

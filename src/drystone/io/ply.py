@@ -10,6 +10,7 @@ faces.
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,10 @@ from drystone.io.heap import Heap, in_double, shape_of, shapes_of
 from drystone.io.jsontext import Field, parse
 
 MARK = "drystone block "
+END = re.compile(rb"[\r\n][ \t]*end_header")
+"""On a line of its own: a block may be called so."""
+LONGEST_HEADER = 2**20
+"""[bytes], chosen: far more than there are tables to tell of."""
 TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),
@@ -96,9 +101,10 @@ def read(data: bytes, path: Path) -> Draft:
 
 
 def _header(data: bytes, path: Path) -> Header:
-    end = data.find(b"end_header")
+    ending = END.search(data, 0, LONGEST_HEADER)
+    end = -1 if ending is None else ending.end() - len(b"end_header")
     stop = data.find(b"\n", end)
-    if not data.startswith(b"ply") or end < 0 or end > 2**20:
+    if not data.startswith(b"ply") or end < 0:
         raise FormatError("is not a PLY file", where=str(path), remedy="export it again")
     size = stop + 1 if stop >= 0 else len(data)
     try:

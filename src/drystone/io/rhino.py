@@ -217,6 +217,13 @@ def write(model: Model, path: Path) -> None:
             made.Name = layer.rpartition("::")[2]
             layers[layer] = file.Layers.Add(made)
         attributes = rhino3dm.ObjectAttributes()
+        if any(character < " " for character in block.name):
+            raise FormatError(
+                f"block '{block.name}' has a control character in its name, for which 3dm has no"
+                " place",
+                where=str(path),
+                remedy="rename it without tabs and line ends",
+            )
         attributes.Name = block.name
         attributes.LayerIndex = layers[layer]
         attributes.SetUserString("support", "true" if fixed else "false")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly
+from drystone.assembly import Assembly, replace_block
 from drystone.detection import DetectionOptions, contacts_from_mesh, find_contacts, regroup
 from drystone.errors import InputError
 from drystone.geometry.frames import rotation_about
@@ -135,3 +135,17 @@ def test_broken_mesh_is_refused(faces: list[tuple[int, ...]]) -> None:
 def test_joint_of_a_block_with_itself_is_refused() -> None:
     with pytest.raises(InputError, match="two blocks"):
         contacts_from_mesh(tower(2), 0, 0, np.zeros((3, 3)), [(0, 1, 2)])
+
+
+def test_mesh_away_from_its_blocks_is_refused_with_the_distance() -> None:
+    far = np.array([(0.0, 0, 8), (1, 0, 8), (1, 1, 8)])
+    with pytest.raises(InputError, match="face 0 is 7 m away from block 'block-0'"):
+        contacts_from_mesh(tower(2), 0, 1, far, [(0, 1, 2)])
+
+
+def test_strongly_warped_face_of_a_mesh_is_refused() -> None:
+    cube = box((1.0, 1.0, 1.0))
+    warped = np.array([(0.0, 0, 0), (1, 0, 1), (1, 1, 0), (0, 1, 1)])
+    model = Assembly((replace_block(cube, name="a"), replace_block(cube, name="b")))
+    with pytest.raises(InputError, match=r"a corner lies 0\.5 m from its plane"):
+        contacts_from_mesh(model, 0, 1, warped, [(0, 1, 2, 3)])

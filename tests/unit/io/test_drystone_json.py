@@ -404,3 +404,10 @@ def saved(array: Any, **options: Any) -> bytes:
 def test_archives_are_not_trusted(tmp_path: Path, data: bytes, words: str) -> None:
     with pytest.raises(FormatError, match=words):
         io.read(with_archive(tmp_path, data))
+
+
+def test_a_number_of_thousands_of_digits_is_told_in_plain_words(tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    path.write_text('{"blocks": [' + "9" * 5000 + "]}", encoding="utf-8")
+    with pytest.raises(FormatError, match="a whole number has thousands of digits"):
+        io.read(path)

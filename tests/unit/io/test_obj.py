@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import io
+from drystone.assembly import Assembly, replace_block
 from drystone.errors import FormatError
 from drystone.models import arch, concave, tower, vault
 
@@ -156,3 +157,13 @@ def test_lengths_are_in_the_unit_that_is_named(tmp_path: Path, units: str, volum
 def test_a_number_of_very_many_digits_is_refused_at_once(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="not three numbers"):
         load(tmp_path, f"v 0 0 {'9' * 200_000}-\n")
+
+
+def test_spaces_between_the_words_of_a_name_are_kept(tmp_path: Path) -> None:
+    model = tower(2)
+    blocks = [
+        replace_block(model.blocks[0], name="a b"),
+        replace_block(model.blocks[1], name="a  b"),
+    ]
+    io.write(Assembly(tuple(blocks)), tmp_path / "model.obj")
+    assert io.read(tmp_path / "model.obj").assembly.names == ("a b", "a  b")

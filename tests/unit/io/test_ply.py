@@ -136,3 +136,9 @@ def test_our_own_comments_are_checked(tmp_path: Path) -> None:
         load(tmp_path, data.replace(line + b"\n", b""))
     with pytest.raises(FormatError, match=r"comment\[1\].*'density' is missing"):
         load(tmp_path, data.replace(line, b'comment drystone block {"name": "a", "fixed": true}'))
+
+
+def test_a_block_called_like_the_end_of_the_header_comes_back(tmp_path: Path) -> None:
+    model = Assembly((replace_block(CUBE, name="end_header"),))
+    io.write(model, tmp_path / "model.ply")
+    assert io.read(tmp_path / "model.ply").assembly.names == ("end_header",)

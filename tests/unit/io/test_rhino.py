@@ -234,3 +234,11 @@ def test_without_rhino3dm_the_extra_is_named(
         io.read(path)
     with pytest.raises(MissingDependency, match=r"drystone\[cad\]"):
         io.write(Assembly((box((1, 1, 1)),)), path)
+
+
+@needs_rhino
+@pytest.mark.parametrize("name", ["a\tb", "a\nb", "a\0b"])
+def test_names_that_would_be_lost_are_refused(tmp_path: Path, name: str) -> None:
+    model = Assembly((replace_block(box((1.0, 1.0, 1.0)), name=name),))
+    with pytest.raises(FormatError, match="control character"):
+        io.write(model, tmp_path / "model.3dm")
