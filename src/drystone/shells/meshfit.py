@@ -191,7 +191,14 @@ def _welded(
 def _border(loops: list[list[int]], name: str) -> list[int]:
     """The border's vertices in order, the mesh on their left."""
     after: dict[int, int] = {}
-    edges = {(a, b) for loop in loops for a, b in directed(loop)}
+    runs = [edge for loop in loops for edge in directed(loop)]
+    edges = set(runs)
+    if len(edges) < len(runs):
+        raise InputError(
+            "neighbouring faces look different ways, or three meet at an edge",
+            where=f"mesh '{name}'",
+            remedy="turn its faces one way, and leave one surface",
+        )
     for a, b in edges:
         if (b, a) not in edges:
             if a in after:
@@ -206,9 +213,11 @@ def _border(loops: list[list[int]], name: str) -> list[int]:
         run.append(after[run[-1]])
     if len(run) != len(after):
         raise InputError(
-            "the mesh has several borders or faces that look different ways",
+            "the mesh has several borders: a hole, or it closes to a ring as a dome does, which "
+            "a mesh may not",
             where=f"mesh '{name}'",
-            remedy="close its holes, turn its faces one way",
+            remedy="close its holes; for a ring use patch_from_grid with closed=True, or cut the "
+            "mesh open from border to border",
         )
     return run
 

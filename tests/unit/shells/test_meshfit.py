@@ -121,6 +121,21 @@ def test_a_mesh_with_a_hole_is_refused():
         patch_from_mesh(points, faces[:70] + faces[71:])
 
 
+def test_a_mesh_that_closes_to_a_ring_is_told_from_turned_faces():
+    angle, height = np.meshgrid(np.arange(12) * np.pi / 6.0, [0.0, 0.5, 1.0])
+    points = np.stack([np.cos(angle), np.sin(angle), height], axis=-1).reshape(-1, 3)
+    faces = [
+        (12 * i + j, 12 * i + (j + 1) % 12, 12 * i + 12 + (j + 1) % 12, 12 * i + 12 + j)
+        for i in range(2)
+        for j in range(12)
+    ]
+    with pytest.raises(InputError, match=r"closes to a ring.*patch_from_grid with closed=True"):
+        patch_from_mesh(points, faces)
+    flat, loops = net()
+    with pytest.raises(InputError, match="faces look different ways"):
+        patch_from_mesh(flat, [loops[0][::-1], *loops[1:]])
+
+
 def test_a_round_mesh_needs_its_corners_named():
     angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
     rim = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
