@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from drystone.geometry import boxes, clip, planar
-from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.arrays import Floats, Ints, dot
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.polygon import area_vectors
 
@@ -30,6 +30,8 @@ that meet in a corner are none."""
 STRAIGHT = 1e-6
 """Corners nearer to each other, or to the line of their neighbours, relative to the size of a
 facet, are one."""
+BATCH = 20_000
+"""Pairs of facets looked at in one go, chosen: bounds the memory to some 100 MB."""
 
 Joining = Callable[["Facet", "Facet"], float | None]
 """The price of joining two neighbours; ``None`` where they must stay apart."""
@@ -80,29 +82,50 @@ def neighbours(facets: Sequence[Facet], size: float) -> dict[tuple[int, int], fl
     """Length [m] of the common edge of each pair of neighbours (i < j)."""
     low = np.array([f.point.min(axis=0) for f in facets]) - CLOSE * size
     high = np.array([f.point.max(axis=0) for f in facets]) + CLOSE * size
-    common: dict[tuple[int, int], float] = {}
-    for i, j in zip(*(x.tolist() for x in boxes.overlapping(low, high)), strict=True):
-        length = common_edge(facets[i], facets[j], size)
-        if length > 0.0:
-            common[i, j] = length
-    return common
+    one, other = boxes.overlapping(low, high)
+    length = common_edges(facets, one, other, size)
+    found = np.flatnonzero(length > 0.0)
+    pairs = zip(one[found].tolist(), other[found].tolist(), strict=True)
+    return dict(zip(pairs, length[found].tolist(), strict=True))
 
 
-def common_edge(one: Facet, other: Facet, size: float) -> float:
-    """Length [m] along which two facets continue each other smoothly, zero if they do not."""
-    if one.normal @ other.normal < CREASE:
-        return 0.0
-    mean = one.normal + other.normal
-    frame = frames_from_normals(mean[None] / np.sqrt(mean @ mean))[0]
-    first, second = (_flat(facet.point, one.point[0], frame) for facet in (one, other))
-    lengths = []
-    for mine, theirs in ((first, second), (second, first)):
-        near = shapely.buffer(theirs, CLOSE * size, join_style="mitre")
-        shared = planar.overlay(shapely.intersection, shapely.boundary(mine), near)
-        lengths.append(float(shapely.length(shared)))
-    shortest = min(float(shapely.length(first)), float(shapely.length(second)))
-    length = min(lengths) - 2.0 * CLOSE * size  # the ends of the neighbouring edges
-    return length if length > ALONG * shortest else 0.0
+def common_edges(facets: Sequence[Facet], one: Ints, other: Ints, size: float) -> Floats:
+    """Length (q,) [m] along which pairs of facets continue each other, zero if they do not.
+
+    Each pair is seen along its mean normal.
+    """
+    length = np.zeros(len(one))
+    normal = np.array([facet.normal for facet in facets]).reshape(-1, 3)
+    corner = np.concatenate([np.zeros((0, 3)), *(facet.point for facet in facets)])
+    count = np.array([len(facet.point) for facet in facets], dtype=np.intp)
+    start = np.cumsum(count) - count
+    smooth = np.flatnonzero(dot(normal[one], normal[other]) >= CREASE)
+    for begin in range(0, len(smooth), BATCH):
+        pair = smooth[begin : begin + BATCH]
+        i, j = one[pair], other[pair]
+        mean = normal[i] + normal[j]
+        frame = frames_from_normals(mean / np.sqrt(dot(mean, mean))[:, None])
+        origin = corner[start[i]]
+        first, second = (_seen(corner, start[each], count[each], origin, frame) for each in (i, j))
+        shared = np.full(len(pair), np.inf)
+        for mine, theirs in ((first, second), (second, first)):
+            near = shapely.buffer(theirs, CLOSE * size, join_style="mitre")
+            common = planar.overlay(shapely.intersection, shapely.boundary(mine), near)
+            shared = np.minimum(shared, shapely.length(common))
+        shortest = np.minimum(shapely.length(first), shapely.length(second))
+        shared -= 2.0 * CLOSE * size  # the ends of the neighbouring edges
+        length[pair] = np.where(shared > ALONG * shortest, shared, 0.0)
+    return length
+
+
+def _seen(
+    corner: Floats, start: Ints, count: Ints, origin: Floats, frame: Floats
+) -> planar.Regions:
+    """Polygons (q,), each from ``count`` corners, in the planes of frames (q, 3, 3)."""
+    row, place = boxes.expand(start, count)
+    local = corner[place] - origin[row]
+    flat = np.einsum("lij,lj->li", frame[row, 1:], local)
+    return planar.valid(shapely.polygons(shapely.linearrings(flat, indices=row)))
 
 
 def united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Facet | None:
@@ -262,7 +285,7 @@ def _flat(point: Floats, origin: Floats, frame: Floats) -> Any:
 
 __all__ = [
     "Facet",
-    "common_edge",
+    "common_edges",
     "divide_to_count",
     "facets_of",
     "join_by_angle",

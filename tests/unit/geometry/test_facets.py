@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 
-from drystone.geometry import facets
+from drystone.geometry import facets, planar
 from drystone.geometry.facets import Facet
 
 
@@ -37,6 +38,12 @@ def arc(count: int, angle: float) -> list[Facet]:
     return facets.facets_of(np.array(point).reshape(-1, 3), 4 * np.arange(count + 1, dtype=np.intp))
 
 
+def common_edge(one: Facet, other: Facet, size: float) -> float:
+    """Common edge of one pair."""
+    length = facets.common_edges([one, other], np.array([0]), np.array([1]), size)
+    return float(length[0])
+
+
 def test_facets_know_their_normal_area_and_width() -> None:
     (facet,) = facets.facets_of(
         np.array([[0, 0, 1.0], [4, 0, 1], [4, 1, 1], [0, 1, 1]]), np.array([0, 4])
@@ -48,16 +55,32 @@ def test_facets_know_their_normal_area_and_width() -> None:
 
 def test_common_edge_has_its_length() -> None:
     one, two = row(0.0, 1.0, 3.0)
-    assert facets.common_edge(one, two, 1.0) == pytest.approx(1.0, abs=0.01)
+    assert common_edge(one, two, 1.0) == pytest.approx(1.0, abs=0.01)
 
 
 def test_facets_that_meet_in_a_corner_or_at_a_crease_are_no_neighbours() -> None:
     one = level((0, 0), (1, 0), (1, 1), (0, 1))
-    assert facets.common_edge(one, level((1, 1), (2, 1), (2, 2), (1, 2)), 1.0) == 0.0
+    assert common_edge(one, level((1, 1), (2, 1), (2, 2), (1, 2)), 1.0) == 0.0
     steep = facets.facets_of(
         np.array([[1.0, 0, 0], [1, 1, 0], [1, 1, 1], [1, 0, 1]]), np.array([0, 4])
     )[0]
-    assert facets.common_edge(one, steep, 1.0) == 0.0
+    assert common_edge(one, steep, 1.0) == 0.0
+
+
+def test_all_neighbours_are_looked_at_in_one_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[int] = []
+    overlay = planar.overlay
+
+    def counted(operation: Any, one: Any, other: Any) -> Any:
+        calls.append(len(one))
+        return overlay(operation, one, other)
+
+    monkeypatch.setattr(planar, "overlay", counted)
+    cells = [
+        level((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)) for i in range(8) for j in range(8)
+    ]
+    assert len(facets.neighbours(cells, 1.0)) == 2 * 7 * 8
+    assert len(calls) == 2
 
 
 def test_slivers_go_into_their_neighbours() -> None:
