@@ -19,9 +19,9 @@ from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import (
     FALLING_SHARE,
+    first_motion,
     found_mechanism,
     free_acceleration,
-    is_first_motion,
     moving_blocks,
     unpressed,
 )
@@ -238,10 +238,8 @@ class Cascade:
     def _first_motion(self) -> Result:
         problem = self.problem
         for state in self.attempts.falling_states():
-            share = problem.ground_share(state.ground)
-            moving = (share > FALLING_SHARE * share.max())[:, None]
-            motion = problem.mechanism(np.where(moving, state.motion, 0.0))
-            if is_first_motion(problem, motion):
+            motion = first_motion(problem, state)
+            if motion is not None:
                 words = "it starts to move"
                 if self.balances:
                     words = (

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.checks import block_speed, mechanism_defects, point_motion
+from drystone.checks import block_speed, check_forces, mechanism_defects, point_motion
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import EquilibriumSolution, project_on_mechanisms
+from drystone.formulations.rest import RestState
 from drystone.geometry.arrays import Bools, Floats
 from drystone.stability.problem import Problem
 
@@ -63,11 +64,29 @@ def moving_blocks(assembly: Assembly, mechanism: Floats) -> tuple[int, ...]:
     return tuple(int(i) for i in np.flatnonzero(speed > FALLING_SHARE * speed.max(initial=0.0)))
 
 
-def is_first_motion(problem: Problem, motion: Floats) -> bool:
-    """Whether a motion (n, 6) is admissible from rest: no gap closes and the loads do work."""
+def first_motion(problem: Problem, state: RestState) -> Floats | None:
+    """The motion (n, 6) with which a state on weak ground springs begins to fall, if it is one.
+
+    The ground carries what the contacts do not, ``g M q = p + A f``: an acceleration. Checked from
+    points and cross products: that equation, friction in its cone and against the slide, no pull;
+    and of the blocks that move, that no gap closes and that the loads do work.
+    """
+    share = problem.ground_share(state.ground)
+    moving = (share > FALLING_SHARE * share.max())[:, None]
+    motion = problem.mechanism(np.where(moving, state.motion, 0.0))
+    residuals = check_forces(
+        problem.assembly,
+        problem.contacts,
+        problem.load,
+        problem.force(state.force),
+        problem.displacement(state.motion),
+        prop=-problem.wrench(state.ground),
+    )
+    left = (residuals.equilibrium, residuals.tension, residuals.cone, residuals.alignment)
     closing = replace(problem.contacts, friction=np.zeros(problem.contacts.count))
     violation, power = mechanism_defects(problem.assembly, closing, problem.load, motion)
-    return violation <= WITNESS_TOLERANCE and power > 0.0
+    admissible = violation <= WITNESS_TOLERANCE and power > 0.0
+    return motion if admissible and max(left) <= WITNESS_TOLERANCE else None
 
 
 def free_acceleration(problem: Problem) -> Floats:

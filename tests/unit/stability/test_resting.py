@@ -14,11 +14,13 @@ from drystone import (
     find_contacts,
     models,
 )
+from drystone.formulations.compliance import uniform
 from drystone.formulations.equilibrium import EquilibriumSolution
+from drystone.formulations.rest import RestOptions, RestState, find_rest
 from drystone.solvers.conic import ConicSolution, ConicStatus
 from drystone.stability import RBEOptions, check, solve_rbe, try_rest
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import checked_mechanism
+from drystone.stability.proofs import checked_mechanism, first_motion
 
 ARCH = models.arch(0.15)
 JOINTS = find_contacts(ARCH, friction=0.9).contacts
@@ -153,3 +155,35 @@ def test_that_nothing_balances_is_proved_where_the_multiplier_is_too_coarse(fric
 def test_options_out_of_range_are_refused(wrong):
     with pytest.raises(InputError):
         CheckOptions(**wrong)
+
+
+def test_a_motion_that_the_joints_resist_is_no_first_motion():
+    """A block that stands on a slope, said to slide down: no gap closes and gravity does work."""
+    block = models.incline(10.0)
+    problem = Problem.build(block, find_contacts(block, friction=0.6).contacts, None)
+    statics = problem.statics
+    slide = statics.load.copy()
+    slide[:, 3:] = 0.0
+    normal = statics.frame[0, 0]
+    slide[:, :3] -= (slide[:, :3] @ normal)[:, None] * normal
+    claim = RestState(
+        slide,
+        np.zeros(statics.corner_count),
+        np.zeros((statics.corner_count, 3)),
+        np.zeros(statics.corner_count),
+        slide,
+        0.0,
+        True,
+        0,
+    )
+    assert first_motion(problem, claim) is None
+
+
+def test_the_first_motion_of_a_block_that_slides_is_the_slide():
+    block = models.incline(35.0)
+    problem = Problem.build(block, find_contacts(block, friction=0.6).contacts, None)
+    system = problem.system
+    state = find_rest(system, uniform(problem.statics), RestOptions(ground=1e-7, tolerance=1e-7))
+    motion = first_motion(problem, state)
+    assert motion is not None
+    assert motion[-1, 2] < 0.0
