@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
 from os import PathLike
 
@@ -45,7 +46,9 @@ def inspection_scene(assembly: Assembly, found: Detection, bare: Sequence[Floats
         *missed_layers(found.report),
         *_polygon_layer("defects", "faces at holes", "tension", bare),
     )
-    message = "; ".join(found.report.summary())
+    count_line, *rest = found.report.summary()
+    advice = [f"suggestion: {text}" for text in found.report.suggestions()]
+    message = "; ".join([count_line, *advice, *(line for line in rest if line not in advice)])
     stage = Stage("contacts", "", message, state, layers=layers)
     return Scene(assembly, found.contacts, (stage,), f"drystone: {count}")
 
@@ -57,7 +60,7 @@ def save_inspection(
     sweep: GapSweep | None = None,
     bare: Sequence[Floats] = (),
 ) -> None:
-    """Write the page of :func:`inspection_scene`, with the curve of a sweep beside it.
+    """Write the page of :func:`inspection_scene`, with the report and a sweep's curve beside it.
 
     Parameters
     ----------
@@ -81,9 +84,17 @@ def save_inspection(
     >>> "plateau from 1e-05 to 0.001" in page.read_text(encoding="utf-8")
     True
     """
-    aside = "" if sweep is None else sweep_panel(sweep, found.report.options.gap)
+    aside = _report_panel(found.report)
+    if sweep is not None:
+        aside += "\n" + sweep_panel(sweep, found.report.options.gap)
     text = page_text(inspection_scene(assembly, found, bare), aside)
     write_bytes(path, text.encode("utf-8"))
+
+
+def _report_panel(report: ContactReport) -> str:
+    """HTML with the whole report: the line above the picture is cut where it is long."""
+    lines = "".join(f"<p>{html.escape(line)}</p>" for line in report.summary())
+    return f"    <fieldset><legend>Contact search</legend>{lines}</fieldset>"
 
 
 def missed_layers(report: ContactReport) -> tuple[Layer, ...]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, tower
-from drystone.view import inspection_scene, page_text
+from drystone.view import inspection_scene, page_text, save_inspection
 
 SLAB = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
 
@@ -35,3 +37,15 @@ def test_line_contacts_are_drawn_as_lines() -> None:
     lines = next(layer for layer in layers if layer.key == "lines")
     assert lines.vector is not None
     np.testing.assert_allclose(np.linalg.norm(lines.vector, axis=1), 1.0)
+
+
+def test_the_whole_report_stands_beside_the_picture(tmp_path: Path) -> None:
+    cubes = [box((1.0, 1.0, 1.0), (1.1 * i - 2.0, 0.0, 0.009 + 0.01 * i), f"c{i}") for i in (0, 1)]
+    model = Assembly((SLAB, *cubes))
+    found = find_contacts(model)
+    save_inspection(model, found, tmp_path / "page.html")
+    _, panel = (tmp_path / "page.html").read_text(encoding="utf-8").split("Contact search", 1)
+    for line in found.report.summary():
+        assert f"<p>{line}</p>" in panel
+    message = inspection_scene(model, found).stages[0].message
+    assert message.split("; ")[1] == f"suggestion: {found.report.suggestions()[0]}"
