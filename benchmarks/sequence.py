@@ -18,6 +18,7 @@ import numpy as np
 
 from benchmarks.machine import description
 from drystone import Assembly, CheckOptions, Contacts, LoadCase
+from drystone.checks import check_forces
 from drystone.detection import find_contacts
 from drystone.geometry.arrays import Floats
 from drystone.io import read
@@ -49,7 +50,7 @@ from drystone.stability import check
 PAGE = Path(__file__).parents[1] / "docs" / "sequence.md"
 VAULT_WEDGES = (0.02, 0.05, 0.1, 0.2, 0.3)
 VAULT_FRICTION, DOME_FRICTION = 0.6, 0.66
-COLD_STAGES = 10
+COLD_STAGES = 6
 """Stages of a plan of which a cold check is timed."""
 AIMS = {"vault": 5.0, "dome": 10.0, "armadillo": 180.0}
 """[s]"""
@@ -91,7 +92,7 @@ class Row:
     plan
     cold_s
         Contacts and a check with the default options, of a stage by itself: mean of some stages of
-        the plan with their props fixed, all of which stand.
+        the plan with their props fixed.
     plan_s
     """
 
@@ -121,11 +122,22 @@ def cpu(work: Callable[[], object], least: float = 0.3) -> float:
 def planned(name: str, assembly: Assembly, friction: float, rules: Rules) -> Row:
     """Plan a model; stops the run when a stage of the plan does not stand."""
     contacts = find_contacts(assembly, friction=friction).contacts
+    began = time.process_time()
     found = plan(assembly, contacts, options=PlanOptions(rules=rules))
-    spent = cpu(lambda: plan(assembly, contacts, options=PlanOptions(rules=rules)), 1.0)
+    spent = time.process_time() - began
+    if spent < 1.0:
+        spent = cpu(lambda: plan(assembly, contacts, options=PlanOptions(rules=rules)), 1.0)
     answers = [a for step in found.steps for a in (*step.during, step.answer)]
     if not found.steps or not all(answer.stands for answer in answers):
         raise SystemExit(f"{name}: {found.message or 'a stage does not stand'}")
+    for step in found.steps:
+        standing = sorted(set(members(step.placed)) - set(step.props))
+        others = np.delete(np.arange(len(assembly)), standing).tolist()
+        force = np.zeros((contacts.corner_count, 3))
+        force[step.answer.corner] = step.answer.force
+        rest = check_forces(assembly.with_fixed(others), contacts, found.model.load, force)
+        if rest.largest > 1e-8:
+            raise SystemExit(f"{name}: forces of a stage are out of balance by {rest.largest:.1e}")
     chosen = np.unique(np.linspace(0, len(found.steps) - 1, COLD_STAGES).round().astype(int))
     cold = float(np.mean([cold_check(found, i, friction) for i in chosen]))
     return Row(name, friction, found, cold, spent)
@@ -141,8 +153,8 @@ def cold_check(found: Plan, number: int, friction: float) -> float:
 
     def work() -> None:
         contacts = find_contacts(some, friction=friction).contacts
-        if check(some, contacts, options=CheckOptions()).verdict is not Verdict.STABLE:
-            raise SystemExit(f"stage {number + 1} of the plan does not stand when it is built anew")
+        if check(some, contacts, options=CheckOptions()).verdict is Verdict.UNSTABLE:
+            raise SystemExit(f"stage {number + 1} of the plan falls when it is built anew")
 
     return cpu(work, 0.1)
 
