@@ -63,6 +63,8 @@ def plan(
     units: options.Units = None,
     gravity: options.Gravity = None,
     gap: options.Gap = None,
+    angle: options.Angle = None,
+    edges: options.Edges = None,
     loads: loading.Loads = None,
     order: Annotated[
         str,
@@ -138,7 +140,7 @@ def plan(
     with Waiting() as waiting:
         prepared = prepare(
             model, waiting, supports=supports, friction=friction, density=density, units=units,
-            gravity=gravity, gap=gap, loads=loads,
+            gravity=gravity, gap=gap, angle=angle, edges=edges, loads=loads,
         )  # fmt: skip
         from drystone import sequence
 

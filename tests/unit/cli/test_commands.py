@@ -301,6 +301,9 @@ def test_angle_and_edges_of_the_search_are_options(tmp_path: Path, capsys: Capsy
     assert told["contacts"]["interfaces"] == []
     code, _ = answer(capsys, "check", model, "--angle", "4", "--edges", "always")
     assert code in (0, 1)
+    for command in ("settle", "plan"):
+        assert main([command, model, "--angle", "90"]) == 2
+        assert "give 0 to 45" in capsys.readouterr().err
     for wrong, remedy in ((("--angle", "90"), "give 0 to 45"), (("--edges", "x"), "always")):
         assert main(["inspect", model, *wrong]) == 2
         assert remedy in capsys.readouterr().err
