@@ -42,7 +42,7 @@ def suggestions(report: ContactReport) -> tuple[str, ...]:
     explained |= {i for p in report.penetrations for i in (p.block_a, p.block_b)}
     explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
     lost = [report.names[i] for i in report.isolated if i not in explained]
-    if lost:
+    if lost and len(report.names) > 1:
         said.append(f"nothing is near {listed(lost)}: is a block missing, or in other units?")
     return tuple(said)
 

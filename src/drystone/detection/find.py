@@ -100,7 +100,8 @@ def find_contacts(
     near = _pairs_for_edges(patches, pairs, found, options)
     lines, undirected = edge_contacts(assembly, patches, near, options)
     by_edge = set(zip(lines.block_a.tolist(), lines.block_b.tolist(), strict=True))
-    named = by_edge | {(miss.block_a, miss.block_b) for miss in missed if not miss.joined}
+    told = [miss for miss in missed if not np.isnan(miss.needed)]
+    named = by_edge | {(miss.block_a, miss.block_b) for miss in told}
     named |= {(int(a), int(b)) for a, b in undirected}
     beyond, open_ones = edge_misses(assembly, patches, _less(near, named), options)
     missed = [

@@ -186,3 +186,17 @@ def test_one_isolated_block_touches_nothing() -> None:
     assert (
         "1 block touches nothing: off" in find_contacts(Assembly((SLAB, *cubes))).report.summary()
     )
+
+
+def test_tilted_block_above_another_is_told_the_gap_that_joins_it() -> None:
+    cube = box((1.0, 1.0, 1.0), (-0.5, -0.5, 0.0)).transformed(rotation_about([1.0, 0.0, 0.0], 8.0))
+    lifted = cube.transformed(translation=(0.0, 0.0, 0.02 - cube.bounds[0, 2]))
+    model = Assembly((SLAB, replace_block(lifted, name="cube")))
+    report = find_contacts(model).report
+    (text,) = report.suggestions()
+    assert text == "raise gap from 0.005 to 0.021 to join 1 more pair"
+    assert find_contacts(model, options=DetectionOptions(gap=0.021)).report.pair_count == 1
+
+
+def test_single_block_is_not_asked_for_company() -> None:
+    assert find_contacts(Assembly((SLAB,))).report.suggestions() == ()
