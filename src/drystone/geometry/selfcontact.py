@@ -20,7 +20,7 @@ TOUCH = 1e-9
 SIDE = 2.0
 """An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
 the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
-BATCH = 2_000
+BATCH = 500
 """Edges or vertices compared at a time with all faces near them, chosen: bounds the memory."""
 
 MOST_PAIRS = 20_000_000
