@@ -379,3 +379,8 @@ def test_blocks_of_very_different_sizes_touch() -> None:
     small = box((1.0, 1.0, 1.0), name="small")
     found = find_contacts(Assembly((ground, small), np.array([True, False])))
     assert found.contacts.area == pytest.approx([1.0])
+
+
+def test_tolerance_that_is_no_number_is_named() -> None:
+    with pytest.raises(InputError, match="gap is 'a', not a number"):
+        DetectionOptions(gap="a")  # type: ignore[arg-type]
