@@ -18,7 +18,8 @@ import numpy as np
 
 from drystone.formulations.compliance import Compliance, corner_load, normal_stiffness
 from drystone.formulations.friction import SlipLength
-from drystone.formulations.rest import RestOptions, RestState, find_rest
+from drystone.formulations.rest import find_rest
+from drystone.formulations.rest_state import RestOptions, RestState
 from drystone.formulations.tangent import TangentSystem
 
 SPRING_LEFT = 1e-7

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 from drystone.checks import check_forces
 from drystone.formulations.compliance import Compliance
-from drystone.formulations.rest import RestOptions, RestState, Start, find_rest, start_from
+from drystone.formulations.rest import find_rest
+from drystone.formulations.rest_state import RestOptions, RestState, Start, start_from
 from drystone.geometry.arrays import Floats
 from drystone.results import Residuals
 from drystone.stability.problem import Clock, Problem

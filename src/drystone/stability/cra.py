@@ -13,7 +13,8 @@ from drystone.contacts import Contacts
 from drystone.formulations import compliance
 from drystone.formulations.coupled import equal_overlap
 from drystone.formulations.improvement import improve
-from drystone.formulations.rest import RestOptions, find_rest
+from drystone.formulations.rest import find_rest
+from drystone.formulations.rest_state import RestOptions
 from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Verdict

@@ -12,7 +12,8 @@ from drystone.checks import check_forces
 from drystone.contacts import Contacts
 from drystone.formulations import compliance
 from drystone.formulations.compliance import Compliance
-from drystone.formulations.rest import RestOptions, find_rest
+from drystone.formulations.rest import find_rest
+from drystone.formulations.rest_state import RestOptions
 from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
 from drystone.stability.attempts import TO_REST

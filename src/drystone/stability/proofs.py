@@ -10,7 +10,7 @@ from drystone.assembly import Assembly
 from drystone.checks import block_speed, check_forces, mechanism_defects, point_motion
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import EquilibriumSolution, project_on_mechanisms
-from drystone.formulations.rest import RestState
+from drystone.formulations.rest_state import RestState
 from drystone.geometry.arrays import Bools, Floats
 from drystone.stability.problem import Problem
 

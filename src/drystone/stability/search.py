@@ -12,7 +12,8 @@ from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState, StepOptions, improve
-from drystone.formulations.rest import RestOptions, find_rest
+from drystone.formulations.rest import find_rest
+from drystone.formulations.rest_state import RestOptions
 from drystone.geometry.arrays import Bools, Floats
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem

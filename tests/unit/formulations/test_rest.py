@@ -6,7 +6,8 @@ import pytest
 from drystone import LoadCase, find_contacts
 from drystone.assembly import Assembly
 from drystone.formulations import compliance
-from drystone.formulations.rest import RestOptions, _Path, find_rest
+from drystone.formulations.rest import _Path, find_rest
+from drystone.formulations.rest_state import RestOptions
 from drystone.models import arch, box, shelf, tower
 from drystone.stability.problem import Problem
 

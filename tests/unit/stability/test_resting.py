@@ -16,7 +16,8 @@ from drystone import (
 )
 from drystone.formulations.compliance import uniform
 from drystone.formulations.equilibrium import EquilibriumSolution
-from drystone.formulations.rest import RestOptions, RestState, find_rest
+from drystone.formulations.rest import find_rest
+from drystone.formulations.rest_state import RestOptions, RestState
 from drystone.solvers.conic import ConicSolution, ConicStatus
 from drystone.stability import RBEOptions, check, solve_rbe, try_rest
 from drystone.stability.problem import Problem
