@@ -11,7 +11,8 @@ from drystone.shells.fabrication import (
 )
 from drystone.shells.families import barrel_vault, cross_vault, dome, pavilion_vault
 from drystone.shells.formfinding import FormFound, find_form
-from drystone.shells.meshfit import MeshFit, patch_from_mesh, read_surface
+from drystone.shells.meshfile import read_surface
+from drystone.shells.meshfit import MeshFit, patch_from_mesh
 from drystone.shells.options import Body, FormOptions, Ground, Intrados, Layout
 from drystone.shells.patch import Patch, Side
 from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise

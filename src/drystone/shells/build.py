@@ -26,7 +26,7 @@ from drystone.shells.joints import (
     special_remedy,
 )
 from drystone.shells.lengths import refuse_unless_positive
-from drystone.shells.materialise import Pins, cell_faces, make_blocks, vertex_thickness
+from drystone.shells.materialise import Pins, cell_faces, make_blocks
 from drystone.shells.options import Body, Ground, Layout
 from drystone.shells.overlap import refuse_overlaps
 from drystone.shells.patch import Side
@@ -35,6 +35,7 @@ from drystone.shells.planarise import PlanarReport
 from drystone.shells.shape import Shape
 from drystone.shells.supports import add_ground, springers
 from drystone.shells.tessellation import Tessellation, directed
+from drystone.shells.thickness import vertex_thickness
 from drystone.shells.weld import weld
 
 

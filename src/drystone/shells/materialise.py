@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,12 +16,7 @@ from drystone.geometry.arrays import Floats, Ints
 from drystone.geometry.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.triangulate import triangulate
-from drystone.shells.lengths import numbers
 from drystone.shells.tessellation import DirectedEdge, Tessellation, directed
-
-Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
-"""[m]: one for all, one per course, or a function of points (k, 3) on the middle surface."""
-
 
 LEAST_COSINE = 0.5
 """Of the angle between a vertex's normal and the flat cells around it, chosen: beyond 60 degrees a
@@ -53,39 +47,6 @@ class Pins:
     def of(self, vertex: int) -> range:
         """Points of one vertex, intrados first."""
         return range(int(self.start[vertex]), int(self.start[vertex + 1]))
-
-
-def vertex_thickness(mesh: Tessellation, thickness: Thickness) -> Floats:
-    """(v,) [m] thickness at each vertex; per course, the mean of the cells that meet there.
-
-    Raises
-    ------
-    InputError
-        Not positive, not finite, or of another length.
-    """
-    if callable(thickness):
-        values = numbers(thickness(mesh.point), "thicknesses")
-    elif isinstance(thickness, Real):
-        values = np.full(len(mesh.point), float(thickness))
-    else:
-        each = numbers(thickness, "thicknesses")
-        courses = int(mesh.course.max()) + 1
-        if each.shape not in ((courses,), (courses - 1,)):
-            raise InputError(
-                f"{each.size} thicknesses for {courses} courses", remedy="give one per course"
-            )
-        per_cell = each[np.minimum(mesh.course, len(each) - 1)]
-        values = vertex_means(mesh, per_cell)
-    if values.shape != (len(mesh.point),):
-        raise InputError(f"the thickness has shape {values.shape} for {len(mesh.point)} corners")
-    if not (np.isfinite(values) & (values > 0.0)).all():
-        k = int(np.flatnonzero(~(np.isfinite(values) & (values > 0.0)))[0])
-        raise InputError(
-            f"the thickness is {values[k]}",
-            where=f"corner at {np.round(mesh.point[k], 3).tolist()}",
-            remedy="give metres above zero",
-        )
-    return values
 
 
 def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:

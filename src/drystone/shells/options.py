@@ -14,8 +14,8 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import InputError
 from drystone.shells.lengths import refuse_unless_count
-from drystone.shells.materialise import Thickness
 from drystone.shells.planarise import PlanarOptions
+from drystone.shells.thickness import Thickness
 from drystone.shells.wedge import Wedge
 
 
