@@ -99,8 +99,8 @@ def planar_pins(
 
 STRAIGHT_REMEDY = (
     "planar inner faces need the wedge that the curvatures ask for (wedge=None; leave --wedge out) "
-    "and blocks no wider than twice their height, or joints that are not staggered; else leave "
-    "the inner faces as they are"
+    "or none (0) where the surface is bent both ways, and blocks no wider than twice their height; "
+    "else leave the inner faces as they are"
 )
 REGISTER_REMEDY = "leave the register out: surfaces of one patch, barrels and domes, take it"
 
