@@ -95,6 +95,9 @@ class Cascade:
         problem = self.problem
         if problem.statics.free_count == 0:
             return self._nothing_free()
+        dropped = self._free_fall()
+        if dropped is not None:
+            return dropped
         self._report("rest state", 0)
         attempts = self.attempts
         uniform = attempts.attempt(compliance.uniform(problem.statics))
@@ -115,9 +118,6 @@ class Cascade:
             attempts.attempt(sample)
         if attempts.standing:
             return self._stable(uniform)
-        dropped = self._free_fall()
-        if dropped is not None:
-            return dropped
         self._report("search", 2 + self.options.samples)
         found = self._search()
         if found is not None:
@@ -128,9 +128,8 @@ class Cascade:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
-        corner feel none, at whatever friction: a block between two vertical walls falls, although
-        forces that nothing provides could hold it. Asked only where no springs come to rest:
-        several such blocks side by side may sag, turn and carry each other as a flat arch.
+        corner feel none, at whatever friction: a block between two vertical walls falls, and so do
+        several in a row, although forces that nothing provides could hold them.
         """
         problem = self.problem
         acceleration = free_acceleration(problem)

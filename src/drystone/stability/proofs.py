@@ -25,6 +25,10 @@ WITNESS_TOLERANCE = 1e-5
 """The same for a first motion, which the compliance of the contacts blurs by about the weakness of
 the ground springs, 1e-7, times the stiffness of the structure."""
 
+APPROACH = 1e-3
+"""A corner is pressed when free blocks approach it by more than this share of their speed: it then
+overlaps by as much of the way that they go, and the source bounds slides by a thousand overlaps."""
+
 FALLING_SHARE = 1e-3
 """A block falls when it moves, or leans on the ground springs, more than this share of the one that
 does so most."""
@@ -121,7 +125,7 @@ def unpressed(assembly: Assembly, contacts: Contacts, acceleration: Floats) -> B
     while falling.any():
         opening = np.where(falling[b], away_b, 0.0) - np.where(falling[a], away_a, 0.0)
         reach = np.maximum(np.where(falling[a], speed[a], 0.0), np.where(falling[b], speed[b], 0.0))
-        approach = opening < -1e-12 * reach
+        approach = opening < -APPROACH * reach
         pressed = np.zeros(len(assembly), dtype=bool)
         pressed[a[approach]] = pressed[b[approach]] = True
         if not (falling & pressed).any():

@@ -15,7 +15,7 @@ from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
-from drystone.stability.proofs import FALLING_SHARE
+from drystone.stability.proofs import FALLING_SHARE, free_acceleration, unpressed
 
 
 def try_rest(
@@ -70,7 +70,7 @@ def try_rest(
     if problem.statics.free_count == 0:
         verdict, message, residuals = Verdict.STABLE, "every block is fixed", Residuals()
         force, displacement = np.zeros((contacts.corner_count, 3)), np.zeros((len(assembly), 6))
-    else:
+    elif not _falls_freely(problem, slips, brief, clock):
         scaled = None if start is None else _scaled(problem, start)
         found = _first_standing(attempts, slips, brief, scaled)
         if found is not None:
@@ -122,3 +122,14 @@ def _first_standing(
         if found.stands:
             return found
     return None
+
+
+def _falls_freely(
+    problem: Problem, slips: Sequence[float | None], brief: bool, clock: Clock
+) -> bool:
+    """Whether some blocks press on nothing and the others do without them."""
+    falling = unpressed(problem.assembly, problem.contacts, free_acceleration(problem))
+    if not falling.any():
+        return False
+    others = problem.without(falling)
+    return others is None or _first_standing(Attempts(others, clock), slips, brief) is not None
