@@ -47,7 +47,7 @@ def _git(*arguments: str) -> str:
 def description() -> str:
     """Versions, CPU, commit and how busy the machine was, in one sentence each."""
     packages = ", ".join(
-        f"{name} {version(name)}" for name in ("numpy", "scipy", "shapely", "clarabel", "highspy")
+        f"{name} {version(name)}" for name in ("numpy", "scipy", "shapely", "clarabel")
     )
     busy = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     return (
