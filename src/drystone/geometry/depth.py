@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.geometry import boxes, solid
-from drystone.geometry.arrays import Floats, Ints, dot
+from drystone.geometry.arrays import Bools, Floats, Ints, dot
 from drystone.geometry.polygon import following
 from drystone.geometry.polyhedron import Faces
 from drystone.geometry.triangulate import triangulate
@@ -41,7 +41,15 @@ class _Sides:
     direction: Floats  # (s, 3)
 
 
-def depths(faces: Faces, a: Ints, b: Ints, least: Floats, direction: Floats) -> Floats:
+def depths(
+    faces: Faces,
+    a: Ints,
+    b: Ints,
+    least: Floats,
+    direction: Floats,
+    *,
+    edges_only: Bools | None = None,
+) -> Floats:
     """How far the deepest point on an edge of the one lies below the surface of the other.
 
     Parameters
@@ -55,6 +63,8 @@ def depths(faces: Faces, a: Ints, b: Ints, least: Floats, direction: Floats) -> 
     direction : (p, 3) unit
         Along which the two overlap by little: edges that do not get that far are passed over, so
         that this decides the time taken and nothing else.
+    edges_only : (p,), optional
+        Pairs that cannot share a space with all its corners on both surfaces: none is looked for.
 
     Returns
     -------
@@ -88,7 +98,7 @@ def depths(faces: Faces, a: Ints, b: Ints, least: Floats, direction: Floats) -> 
             side, point = _candidates(bodies, sides)
             deep = _depth_of_points(bodies, sides, side, point)
             np.maximum.at(depth, part[side], deep)
-    left = np.flatnonzero(depth <= least)
+    left = np.flatnonzero(depth <= least if edges_only is None else (depth <= least) & ~edges_only)
     depth[left] = _middle_depth(bodies, _Sides(a[left], b[left], least[left], direction[left]))
     return np.where(depth > least, depth, 0.0)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from drystone.assembly import Assembly
 from drystone.errors import InputError
@@ -37,7 +38,7 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> Non
         There are such pairs: the surface crosses itself, or comes closer to itself than the shell
         is thick, or a block is bent so far that it grows into its neighbour.
     """
-    a, b, depth = overlaps(assembly.faces, TOLERANCE * width)
+    a, b, depth = overlaps(assembly.faces, TOLERANCE * width, _meeting(mesh))
     if len(a) == 0:
         return
     ground = np.array([name.startswith("ground-") for name in mesh.names])
@@ -61,11 +62,22 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> Non
     )
 
 
-def overlaps(faces: Faces, least: float) -> tuple[Ints, Ints, Floats]:
+def _meeting(mesh: Tessellation) -> Ints:
+    """Pairs of blocks that share a vertex of the surface, as ``first * number + second``."""
+    size = [len(cell) for cell in mesh.cells]
+    vertex = np.concatenate([np.asarray(cell, dtype=np.intp) for cell in mesh.cells])
+    row = np.repeat(np.arange(len(size)), size)
+    within = sparse.csr_matrix((np.ones(len(vertex)), (row, vertex)))
+    pairs = sparse.coo_matrix(within @ within.T)
+    return pairs.row.astype(np.intp) * len(size) + pairs.col
+
+
+def overlaps(faces: Faces, least: float, meeting: Ints) -> tuple[Ints, Ints, Floats]:
     """Pairs of bodies, first before second, that stand in each other deeper than ``least`` [m].
 
     Most neighbours are parted by a plane square to the line between their middles, or along the
-    faces with which they look at each other; the depth of the others is measured.
+    faces with which they look at each other; the depth of the others is measured. Blocks that meet
+    on the surface are not copies of each other: only their edges are looked at.
 
     Returns
     -------
@@ -89,7 +101,8 @@ def overlaps(faces: Faces, least: float) -> tuple[Ints, Ints, Floats]:
             direction = normal[_facing(normal, first_face, (a, b)[facing], direction)]
         near = _overlap(corner, first, a, b, direction) > least
         a, b, direction = a[near], b[near], direction[near]
-    depth = depths(faces, a, b, np.full(len(a), least), direction)
+    beside = np.isin(a * (int(faces.owner[-1]) + 1) + b, meeting)
+    depth = depths(faces, a, b, np.full(len(a), least), direction, edges_only=beside)
     deep = depth > 0.0
     return a[deep], b[deep], depth[deep]
 
