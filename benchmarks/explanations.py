@@ -17,9 +17,10 @@ EXPLANATIONS: dict[tuple[str, str], str] = {
     ),
     ("type-b x mu 0.84", "3DEC"): (
         "at the limit both front corners slide with all their friction, tan(tilt) = "
-        "(2 mu + 0.9625) / 1.666 or 57.77 degrees; beyond it only joints that overlap more than "
-        "ten times as much at one corner as at another hold the wedge (checked states at 58.0 and "
-        "at 59.5), and 3DEC keeps the history of its friction."
+        "(2 mu + 0.9625) / 1.666 or 57.77 degrees; beyond it only joints that overlap several "
+        "times as much at one corner as at another hold the wedge (checked states with overlaps "
+        "of 1 to 20 at 58.0 and at 59.5). 3DEC adds friction up along the way, which no state of "
+        "eq. 5.6 does; that this is why was not tested."
     ),
     ("type-b xy30 mu 0.84", "3DEC"): (
         "as about x: the two corners at the front slide with all their friction; from 62 degrees "

@@ -51,9 +51,10 @@ class CheckOptions:
         many random motions, divided by the number of free blocks.
     evenness
         Least overlap of a pressing corner, by the largest, in a state that the search may answer
-        with; 1 is eq. 5.6. Chosen: 0.6 reaches the limit that 3DEC gave for each small model
-        of Kao 2023 where equal overlaps do not, and adds little elsewhere; with a third planks jam
-        at twice the angle, with a twentieth almost any wedge holds.
+        with; 1 is eq. 5.6. Chosen: of the small models of Kao 2023 all but one wedge reach the
+        limit that 3DEC gave (docs/validation.md), which equal overlaps miss by 8 degrees on
+        another; with a third a plank holds at 8 degrees that should slide at 5, with a twentieth
+        that one wedge holds beyond its limit.
     seed
         Of the random stiffness distributions.
     time_limit_s
