@@ -9,6 +9,7 @@ Kao et al. 2022, section 3.
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,6 +100,7 @@ def solve_equilibrium(
     tension: bool = False,
     rule: FrictionRule = FrictionRule.PLUS,
     options: ConicOptions | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> EquilibriumSolution:
     """Solve RBE.
 
@@ -113,6 +115,8 @@ def solve_equilibrium(
     rule
         Matters with tension only.
     options
+    stop
+        Asked at every step of the interior point; here and below.
     """
     chosen = weights if weights is not None else Weights()
     k = statics.corner_count
@@ -135,7 +139,7 @@ def solve_equilibrium(
             price[-1] = chosen.friction
         linear = np.tile(price, k)
     right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
-    raw = solve_conic(quadratic, linear, rows.matrix, right, rows.cones, options)
+    raw = solve_conic(quadratic, linear, rows.matrix, right, rows.cones, options, stop=stop)
     return _unpacked(raw, columns, k, rows.balance)
 
 
@@ -145,6 +149,7 @@ def solve_load_factor(
     *,
     cone: FrictionCone,
     options: ConicOptions | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> FactorSolution:
     """The largest factor of a live load on top of the load of ``statics`` that can be balanced.
 
@@ -159,6 +164,7 @@ def solve_load_factor(
         Scaled as ``statics.load`` is.
     cone
     options
+    stop
 
     Notes
     -----
@@ -175,7 +181,8 @@ def solve_load_factor(
     cost = np.zeros(width)
     cost[-1] = -1.0
     right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
-    raw = solve_conic(sparse.csc_matrix((width, width)), cost, matrix, right, rows.cones, options)
+    empty = sparse.csc_matrix((width, width))
+    raw = solve_conic(empty, cost, matrix, right, rows.cones, options, stop=stop)
     forces = _unpacked(raw, columns, k, rows.balance)
     factor = {
         ConicStatus.SOLVED: float(raw.x[-1]),
@@ -211,7 +218,9 @@ def solve_extreme_force(
     return _unpacked(raw, columns, statics.corner_count, rows.balance)
 
 
-def project_on_mechanisms(statics: Statics) -> EquilibriumSolution | None:
+def project_on_mechanisms(
+    statics: Statics, *, stop: Callable[[], bool] | None = None
+) -> EquilibriumSolution | None:
     """The virtual velocity nearest to the loads at which no corner resists; None if that fails.
 
     ::
@@ -233,6 +242,7 @@ def project_on_mechanisms(statics: Statics) -> EquilibriumSolution | None:
         np.zeros(3 * k),
         Cones(second_order=(3,) * k),
         ConicOptions(tolerance=1e-10),
+        stop=stop,
     )
     if raw.status is not ConicStatus.SOLVED:
         return None

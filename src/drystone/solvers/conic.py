@@ -8,6 +8,7 @@ Source of the method: Goulart and Chen 2024 (Clarabel).
 from __future__ import annotations
 
 import enum
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,6 +87,8 @@ def solve_conic(
     right: Floats,
     cones: Cones,
     options: ConicOptions | None = None,
+    *,
+    stop: Callable[[], bool] | None = None,
 ) -> ConicSolution:
     """Solve a conic program.
 
@@ -98,6 +101,9 @@ def solve_conic(
     cones
         Of the r rows, in the order of :class:`Cones`.
     options
+    stop
+        Asked at every step, where Clarabel (from 0.11) can be; True ends the program as FAILED.
+        What it raises, and a Ctrl-C meanwhile, is raised from here at the next step.
     """
     chosen = options if options is not None else ConicOptions()
     settings = clarabel.DefaultSettings()
@@ -129,7 +135,7 @@ def solve_conic(
         kinds,
         settings,
     )
-    raw = solver.solve()
+    raw = _watched(solver, stop)
     name = str(raw.status)
     if name in ("Solved", "AlmostSolved"):
         status = ConicStatus.SOLVED
@@ -147,3 +153,34 @@ def solve_conic(
         f"clarabel {clarabel.__version__}",
         name,
     )
+
+
+def _watched(solver: Any, stop: Callable[[], bool] | None) -> Any:
+    """The end of a solver that asks at every step whether to go on.
+
+    Clarabel prints and forgets what its callback raises, so nothing may leave it. A signal is
+    handled at the first Python instruction that follows it, which in a function comes before any
+    ``try``; a generator is resumed inside the one that it stopped in.
+    """
+    raised: list[BaseException] = []
+
+    def answers() -> Generator[bool, object, None]:
+        answer = False
+        while True:
+            try:
+                yield answer
+                answer = bool(raised) or (stop is not None and stop())
+            except GeneratorExit:
+                return
+            except BaseException as error:  # raised again below
+                raised.append(error)
+                answer = True
+
+    asking = answers()
+    next(asking)
+    if hasattr(solver, "set_termination_callback"):
+        solver.set_termination_callback(asking.send)
+    raw = solver.solve()
+    if raised:
+        raise raised[0]
+    return raw

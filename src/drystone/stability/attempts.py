@@ -86,7 +86,7 @@ class Attempts:
     standing, falling
         What proves that it stands, and what shows it falling; other tries show nothing.
     tried
-        Number of stiffness distributions.
+        Number of stiffness distributions; one that was broken off is not among them.
     iterations
         Newton steps so far.
     checking_s : [s]
@@ -114,16 +114,18 @@ class Attempts:
         A brief one is given up at the first trouble. A start is the scaled motion (n, 6) of a
         neighbouring rest state.
         """
-        self.tried += not again
         near = None if start is None else start_from(self.problem.system, springs, start)
         state = self._rest(springs, AT_ONCE if brief else TO_REST, near)
         share = self.problem.ground_share(state.ground)
         over = share.max() >= 0.5 or (brief and not (state.converged and share.max() < FALLS_FROM))
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
+        falls = state.converged and share.max() > FALLS_FROM
+        if not again and (candidate.stands or falls or not self.clock.late()):
+            self.tried += 1
         if candidate.stands:
             self.standing.append(candidate)
-        elif state.converged and share.max() > FALLS_FROM:
+        elif falls:
             self.falling.append(Falling(state, springs, candidate.force, candidate.residuals))
         return candidate
 

@@ -89,6 +89,7 @@ class Cascade:
         self.clock = clock
         self.iterations = 0
         self.level = self.balances = False
+        self.stage = "free fall"
         self.attempts = Attempts(problem, clock)
 
     def run(self) -> Result:
@@ -102,7 +103,7 @@ class Cascade:
         self._report("rest state", 0)
         attempts = self.attempts
         uniform = attempts.attempt(compliance.uniform(problem.statics))
-        if not uniform.stands:
+        if not uniform.stands and not self.clock.late():
             self._report("equilibrium", 1)
             impossible = self._impossible()
             if impossible is not None:
@@ -158,10 +159,13 @@ class Cascade:
             self.problem.statics,
             cone=FrictionCone.exact(),
             options=ConicOptions(gap=ANY_FORCES, time_limit_s=self.clock.left_s),
+            stop=self.clock.late,
         )
         self.iterations += balance.raw.iterations
         self.balances = balance.raw.status is ConicStatus.SOLVED
-        mechanism = None if self.balances else found_mechanism(self.problem, balance)
+        if self.balances:
+            return None
+        mechanism = found_mechanism(self.problem, balance, self.clock.late)
         if mechanism is None:
             return None
         return self._unstable("no contact forces can balance the loads", mechanism)
@@ -172,7 +176,7 @@ class Cascade:
         Overlaps about as large as each other are asked for: with any overlap at any corner almost
         every wedge can be held by forces that only prestress brings about.
         """
-        if not self.options.search:
+        if not self.options.search or self.clock.late():
             return None
         look = Search(
             self.problem,
@@ -215,6 +219,9 @@ class Cascade:
             words = f"stands for all {tried} contact stiffnesses tried"
         else:
             words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
+        left = 1 + self.options.samples - tried
+        if self.clock.reason and left > 0:
+            words += f"; {self.clock.reason} before {left} more could be tried"
         best = uniform if uniform.stands else self.attempts.standing[0]
         return self._answer(
             Verdict.STABLE,
@@ -247,12 +254,14 @@ class Cascade:
                         f"about: {words}"
                     )
                 return self._unstable(words, motion)
-        words = "the time was up" if self.clock.late() else "more samples may help"
-        return self._answer(
-            Verdict.UNDECIDED,
-            f"no rest state in {self.attempts.tried} stiffness distributions, and no proof that "
-            f"there is none; {words}",
-        )
+        tried = self.attempts.tried
+        those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
+        words = f"no rest state in {those}, and no proof that there is none; more samples may help"
+        if self.clock.late():
+            steps = self.iterations + self.attempts.iterations
+            done = f"no rest state in {those}" if tried else "no stiffness distribution tried out"
+            words = f"{done}; {self.clock.reason} in '{self.stage}' (steps: {steps})"
+        return self._answer(Verdict.UNDECIDED, words)
 
     def _unstable(self, message: str, mechanism: Floats) -> Result:
         """With the blocks and props of the state on ground springs where there is one."""
@@ -286,6 +295,7 @@ class Cascade:
             load=self.problem.load,
             message=message,
             samples=Samples(self.attempts.tried, len(self.attempts.standing)),
+            stopped=self.clock.reason,
             options=self.options,
             solver="rest state by interior points",
             iterations=self.iterations + self.attempts.iterations,
@@ -294,5 +304,7 @@ class Cascade:
         )
 
     def _report(self, stage: str, done: int) -> None:
+        if not self.clock.reason:
+            self.stage = stage
         if self.progress is not None:
             self.progress(stage, done, 3 + self.options.samples)

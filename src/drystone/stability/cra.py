@@ -18,7 +18,7 @@ from drystone.formulations.rest_state import RestOptions
 from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Verdict
-from drystone.stability.check import CheckOptions, check
+from drystone.stability.cascade import Cascade, CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.search import SEARCH_LIMIT, Search
 
@@ -91,13 +91,7 @@ def solve_cra(
     chosen = options if options is not None else CRAOptions()
     clock = Clock(chosen.time_limit_s, stop)
     problem = Problem.build(assembly, contacts, load)
-    base = check(
-        assembly,
-        contacts,
-        problem.load,
-        options=CheckOptions(samples=2, time_limit_s=chosen.time_limit_s),
-        stop=stop,
-    )
+    base = Cascade(problem, CheckOptions(samples=2), None, clock).run()
     if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
         method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
         return replace(base, method=method, options=chosen, time_s={"solve": clock.elapsed_s})
@@ -113,7 +107,16 @@ def solve_cra(
     if best is None or best.residuals.largest > chosen.tolerance:
         left = f" (best: {best.residuals.largest:.1e})" if best is not None else ""
         message = f"it comes to rest, but no state with equal overlaps was found{left}"
-        return replace(base, method="rest", message=message, options=chosen, time_s=time_s)
+        if clock.late():
+            message += f" before {clock.reason}"
+        return replace(
+            base,
+            method="rest",
+            message=message,
+            stopped=clock.reason,
+            options=chosen,
+            time_s=time_s,
+        )
     message = f"stands, eq. 5.6 is met; the largest displacement is {best.slide:.3g} overlaps"
     if best.slide > chosen.slide_limit:
         message += f", more than the {chosen.slide_limit:g} asked for"
@@ -125,6 +128,7 @@ def solve_cra(
         displacement=best.displacement,
         residuals=best.residuals,
         eta=best.slide,
+        stopped=clock.reason,
         options=chosen,
         solver="equal-overlap path",
         iterations=base.iterations + best.iterations,

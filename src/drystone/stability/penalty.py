@@ -17,7 +17,7 @@ from drystone.formulations.rest_state import RestOptions
 from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
 from drystone.stability.attempts import TO_REST
-from drystone.stability.check import CheckOptions, check
+from drystone.stability.cascade import Cascade, CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.statics import Statics
@@ -86,8 +86,7 @@ def solve_cra_penalty(
     chosen = options if options is not None else PenaltyOptions()
     clock = Clock(chosen.time_limit_s, stop)
     problem = Problem.build(assembly, contacts, load)
-    limits = CheckOptions(samples=2, time_limit_s=chosen.time_limit_s)
-    dry = check(assembly, contacts, problem.load, options=limits, stop=stop)
+    dry = Cascade(problem, CheckOptions(samples=2), None, clock).run()
     corners = contacts.corner_count
     if dry.verdict is Verdict.STABLE:
         return replace(
@@ -110,6 +109,15 @@ def solve_cra_penalty(
             break
         glued = weaker
     leaning = find_rest(problem.system, compliance.uniform(statics), TO_REST, stop=clock.late)
+    if clock.late():
+        return replace(
+            dry,
+            method="cra-penalty",
+            message=f"{dry.message}; {clock.reason} before the help that it needs was known",
+            stopped=clock.reason,
+            options=chosen,
+            time_s={"solve": clock.elapsed_s},
+        )
     share = problem.ground_share(leaning.ground)
     prop = dry.prop if dry.prop is not None else -problem.wrench(leaning.ground)
     needy = dry.falling or tuple(int(i) for i in statics.free[share > FALLING_SHARE * share.max()])
@@ -148,7 +156,7 @@ def _glue(statics: Statics, stiffness: float) -> Compliance:
 
 def _words(needy: list[str], unheld: set[str]) -> str:
     if not needy:
-        return "the time was up before the blocks that need help were known"
+        return "no block shows that it needs help"
     shown = ", ".join(needy[:5]) + (f" and {len(needy) - 5} more" if len(needy) > 5 else "")
     stuck = [name for name in needy if name in unheld]
     if not stuck:

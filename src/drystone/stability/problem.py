@@ -99,12 +99,13 @@ class Problem:
 
 
 class Clock:
-    """Time since the start, the limit, and the caller's wish to stop."""
+    """Time since the start, the limit, and the caller's wish to stop: once late, always late."""
 
     def __init__(self, limit_s: float, stop: Callable[[], bool] | None = None) -> None:
         self.began = time.perf_counter()
         self.limit_s = limit_s
         self.wish = stop
+        self.reason = ""
 
     @property
     def elapsed_s(self) -> float:
@@ -117,5 +118,10 @@ class Clock:
         return max(self.limit_s - self.elapsed_s, 0.0)
 
     def late(self) -> bool:
-        """Whether to stop now with what is known."""
-        return self.elapsed_s > self.limit_s or (self.wish is not None and self.wish())
+        """Whether to stop now with what is known; ``reason`` then says why."""
+        if not self.reason:
+            if self.wish is not None and self.wish():
+                self.reason = "it was interrupted"
+            elif self.elapsed_s > self.limit_s:
+                self.reason = "the time was up"
+        return bool(self.reason)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -49,16 +50,19 @@ def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats
     return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
 
 
-def found_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats | None:
+def found_mechanism(
+    problem: Problem, solution: EquilibriumSolution, stop: Callable[[], bool]
+) -> Floats | None:
     """The mechanism of an equilibrium that was not found, from the multiplier or solved for.
 
     Close to the limit the multiplier of a failed program may miss the tolerance; the projection of
-    the loads onto the cone of mechanisms does not.
+    the loads onto the cone of mechanisms does not. It is left out, or given up, where ``stop`` says
+    so.
     """
     mechanism = checked_mechanism(problem, solution)
-    if mechanism is not None:
+    if mechanism is not None or stop():
         return mechanism
-    projected = project_on_mechanisms(problem.statics)
+    projected = project_on_mechanisms(problem.statics, stop=stop)
     return None if projected is None else checked_mechanism(problem, projected)
 
 

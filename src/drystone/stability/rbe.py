@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 from drystone.assembly import Assembly
 from drystone.checks import check_forces
@@ -69,6 +70,7 @@ def solve_rbe(
     load: LoadCase | None = None,
     *,
     options: RBEOptions | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Result:
     """Do any contact forces balance the loads?
 
@@ -81,6 +83,8 @@ def solve_rbe(
     load
         Gravity along -z when left out.
     options
+    stop
+        Asked at every step; True ends the analysis with what is known, like the time limit.
 
     Returns
     -------
@@ -103,7 +107,7 @@ def solve_rbe(
     <Verdict.EQUILIBRIUM_EXISTS: 'equilibrium exists'>
     """
     chosen = options if options is not None else RBEOptions()
-    clock = Clock(chosen.conic.time_limit_s)
+    clock = Clock(chosen.conic.time_limit_s, stop)
     problem = Problem.build(assembly, contacts, load)
 
     def run(tension: bool) -> EquilibriumSolution:
@@ -114,7 +118,8 @@ def solve_rbe(
             weights=chosen.weights,
             tension=tension,
             rule=chosen.rule,
-            options=chosen.conic,
+            options=replace(chosen.conic, time_limit_s=clock.left_s),
+            stop=clock.late,
         )
 
     solution = run(False)
@@ -127,15 +132,20 @@ def solve_rbe(
         if max(residuals.equilibrium, residuals.tension) <= BALANCE_TOLERANCE:
             verdict, message = Verdict.EQUILIBRIUM_EXISTS, "some contact forces balance the loads"
     else:
-        mechanism = found_mechanism(problem, solution)
+        mechanism = found_mechanism(problem, solution, clock.late)
         if mechanism is not None:
             verdict, message = Verdict.UNSTABLE, "no contact forces can balance the loads"
-        if chosen.tension:
+        elif clock.late():
+            steps = solution.raw.iterations
+            message = f"{clock.reason} in the interior point (steps: {steps})"
+        if chosen.tension and not clock.late():
             penalised = run(True)
             if penalised.raw.status is ConicStatus.SOLVED:
                 force = problem.force(penalised.force)
                 tension = problem.force(penalised.tension[:, None])[:, 0]
                 residuals = check_forces(assembly, contacts, problem.load, force)
+            elif clock.late():
+                message += f"; {clock.reason} before the tension that it needs was known"
             elif chosen.rule is FrictionRule.NET:
                 message += "; friction on the net normal force cannot balance them with tension"
     return Result(
@@ -150,6 +160,7 @@ def solve_rbe(
         mechanism=mechanism,
         falling=moving_blocks(assembly, mechanism) if mechanism is not None else (),
         residuals=residuals,
+        stopped=clock.reason,
         options=chosen,
         solver=solution.raw.solver,
         iterations=solution.raw.iterations,

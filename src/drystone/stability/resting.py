@@ -93,6 +93,7 @@ def try_rest(
         force=force,
         displacement=displacement,
         residuals=residuals,
+        stopped=clock.reason,
         solver="rest state by interior points",
         iterations=attempts.iterations,
         time_s={"solve": clock.elapsed_s},

@@ -112,6 +112,7 @@ class Search:
             statics.at_corners(corners),
             cone=FrictionCone.exact(),
             options=ConicOptions(time_limit_s=self.clock.left_s),
+            stop=self.clock.late,
         )
         self.iterations += part.raw.iterations
         if part.raw.status is not ConicStatus.SOLVED:
