@@ -18,7 +18,7 @@ from drystone.formulations.equilibrium import (
 )
 from drystone.geometry.arrays import Floats
 from drystone.limits.families import Family, LoadFactor, Tilt
-from drystone.limits.search import Bracket, Search
+from drystone.limits.search import Bracket, Search, Stop, Stopped
 from drystone.loads import LoadCase
 from drystone.results import Result
 from drystone.stability import RBEOptions, solve_rbe
@@ -29,32 +29,56 @@ WIDEST = 3e-3
 bisected instead."""
 
 
-def rbe(cone: FrictionCone, assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+def rbe(
+    cone: FrictionCone,
+    stop: Stop | None,
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase,
+) -> Result:
     """Whether any forces balance the load; nothing is said about tension."""
-    return solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility(cone))
+    return solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility(cone), stop=stop)
 
 
 def bisected_bound(
-    family: Family, start: float, end: float, *, width: float, cone: FrictionCone
+    family: Family,
+    start: float,
+    end: float,
+    *,
+    width: float,
+    cone: FrictionCone,
+    stop: Stop | None = None,
 ) -> Bracket:
     """The limit of equilibrium between a value where it is expected and one where it is not."""
-    return Search(family, partial(rbe, cone)).run(start, end, width=width, scan=1).bracket
+    return _search(family, cone, stop).run(start, end, width=width, scan=1).bracket
+
+
+def _search(family: Family, cone: FrictionCone, stop: Stop | None) -> Search:
+    return Search(family, partial(rbe, cone, stop), stop=stop)
 
 
 def load_factor_bound(
-    family: LoadFactor, upper: float, *, share: float, width: float | None, cone: FrictionCone
+    family: LoadFactor,
+    upper: float,
+    *,
+    share: float,
+    width: float | None,
+    cone: FrictionCone,
+    stop: Stop | None = None,
 ) -> tuple[Bracket, float]:
     """The limit of equilibrium from one conic program, and the width of its bracket.
 
     Checked states stand on both sides. Without a width it is a share of the limit.
     """
-    factor = _factor(family.assembly, family.contacts, family.dead, family.live, cone)
+    factor = _factor(family.assembly, family.contacts, family.dead, family.live, cone, stop)
     scale = factor if 0.0 < factor < upper else upper
     chosen = share * scale if width is None else width
-    return _confirmed(family, factor, 0.0, upper, chosen, cone), chosen
+    return _confirmed(family, factor, 0.0, upper, chosen, cone, stop), chosen
 
 
-def tilt_bound(family: Tilt, upper: float, *, width: float, cone: FrictionCone) -> Bracket:
+def tilt_bound(
+    family: Tilt, upper: float, *, width: float, cone: FrictionCone, stop: Stop | None = None
+) -> Bracket:
     """The limit of equilibrium under tilt.
 
     A load normal to the axis turns in a plane, where those loads that can be balanced form a
@@ -62,23 +86,28 @@ def tilt_bound(family: Tilt, upper: float, *, width: float, cone: FrictionCone) 
     by 90 degrees on top of the load. Any other load is bisected.
     """
     if not family.is_planar():
-        return bisected_bound(family, 0.0, upper, width=width, cone=cone)
+        return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop)
     angle = float("inf")
     for quarter in np.arange(0.0, upper, 90.0).tolist():
         here, next_ = family.turned(quarter), family.turned(quarter + 90.0)
-        factor = _factor(family.assembly, family.contacts, here, next_, cone)
+        factor = _factor(family.assembly, family.contacts, here, next_, cone, stop)
         if factor < np.inf:
             angle = quarter + float(np.rad2deg(np.arctan(factor)))
             break
-    return _confirmed(family, angle, 0.0, upper, width, cone)
+    return _confirmed(family, angle, 0.0, upper, width, cone, stop)
 
 
 def _factor(
-    assembly: Assembly, contacts: Contacts, dead: LoadCase, live: LoadCase, cone: FrictionCone
+    assembly: Assembly,
+    contacts: Contacts,
+    dead: LoadCase,
+    live: LoadCase,
+    cone: FrictionCone,
+    stop: Stop | None,
 ) -> float:
     active = ~(assembly.fixed[contacts.block_a] & assembly.fixed[contacts.block_b])
     statics = build_statics(assembly, contacts.select(active), dead)
-    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone).factor
+    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone, stop=stop).factor
 
 
 def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
@@ -88,20 +117,29 @@ def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
 
 
 def _confirmed(
-    family: Family, value: float, start: float, end: float, width: float, cone: FrictionCone
+    family: Family,
+    value: float,
+    start: float,
+    end: float,
+    width: float,
+    cone: FrictionCone,
+    stop: Stop | None,
 ) -> Bracket:
     """A bracket around a value that a solver claims, closed by checked answers at both sides."""
-    search = Search(family, partial(rbe, cone))
-    if value >= end:
-        verdict = search.stands(end)
-        if verdict is True:
-            return Bracket(stands=end, standing=search.results[end])
-    elif value >= start:
-        widest = max(width, WIDEST * (abs(value) + width))
-        low = _nearest(search, value, -0.5 * width, widest, start, True)
-        high = _nearest(search, value, 0.5 * width, widest, end, False)
-        if low is not None and high is not None:
-            return Bracket(low, high, search.results[low], search.results[high], value)
+    search = _search(family, cone, stop)
+    try:
+        if value >= end:
+            verdict = search.stands(end)
+            if verdict is True:
+                return Bracket(stands=end, standing=search.results[end])
+        elif value >= start:
+            widest = max(width, WIDEST * (abs(value) + width))
+            low = _nearest(search, value, -0.5 * width, widest, start, True)
+            high = _nearest(search, value, 0.5 * width, widest, end, False)
+            if low is not None and high is not None:
+                return Bracket(low, high, search.results[low], search.results[high], value)
+    except Stopped:
+        return search.so_far(start).bracket
     return search.run(start, end, width=width, scan=1).bracket
 
 

@@ -3,26 +3,31 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 from drystone.errors import InputError
 from drystone.limits.bounds import bisected_bound
 from drystone.limits.families import Family
 from drystone.limits.search import (
     SEARCHED,
+    STANDS,
     STANDS_OR_NOT,
     Bracket,
     Check,
     Found,
     Search,
+    Stop,
+    Stopped,
     one_stiffness,
     some_stiffness,
 )
 from drystone.limits.types import Limit, LimitOptions
 from drystone.progress import Progress
-from drystone.results import Verdict
+from drystone.results import Result, Verdict
+from drystone.stability.problem import Clock
 from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
@@ -39,6 +44,23 @@ class Means:
     options: LimitOptions
     executor: Executor | None
     progress: Progress | None
+    stop: Stop | None
+
+    @cached_property
+    def clock(self) -> Clock:
+        """Remembers the wish to stop."""
+        return Clock(float("inf"), self.stop)
+
+    def search(
+        self,
+        family: Family,
+        check: Callable[..., Result],
+        meaning: Mapping[Verdict, bool | None] = STANDS,
+    ) -> Search:
+        """A search with one of our own checks, which can be stopped where it runs here."""
+        if self.stop is not None and self.executor is None:
+            check = partial(check, stop=self.clock.late)
+        return Search(family, check, self.executor, meaning, self.clock.late)
 
     def tell(self, stage: str, done: int) -> None:
         """Report one of three steps."""
@@ -54,7 +76,10 @@ def bisected(family: Family, start: float, end: float, width: float, means: Mean
         family,
         start,
         end,
-        lambda: (bisected_bound(family, start, end, width=chosen, cone=cone), chosen),
+        lambda stop: (
+            bisected_bound(family, start, end, width=chosen, cone=cone, stop=stop),
+            chosen,
+        ),
         means,
     )
 
@@ -63,7 +88,7 @@ def searched(
     family: Family,
     start: float,
     end: float,
-    bound: Callable[[], tuple[Bracket, float]],
+    bound: Callable[[Stop], tuple[Bracket, float]],
     means: Means,
 ) -> Limit:
     """The convex bound and its width first, then the full verdict inside it.
@@ -76,17 +101,17 @@ def searched(
     _refuse_nothing_to_do(family, start)
     began = time.perf_counter()
     means.tell("limit of equilibrium", 0)
-    outer, width = bound()
+    outer, width = bound(means.clock.late)
     between = time.perf_counter()
     uniform: Found | None = None
     rest: Found | None = None
-    if means.options.full:
+    if means.options.full and not means.clock.late():
         means.tell("limit of rest", 1)
         if outer.stands is None:
             rest = Found(outer, (), ())
         elif means.check is not None:
             scan = means.options.scan
-            search = Search(family, means.check, means.executor)
+            search = Search(family, means.check, means.executor, stop=means.clock.late)
             rest = search.run(start, outer.stands, width=width, scan=scan, beyond=outer)
         else:
             uniform, rest = _in_two_steps(family, (start, outer.stands), outer, width, means)
@@ -103,6 +128,7 @@ def searched(
         () if rest is None else rest.islands,
         tuple(tried[value] for value in sorted(tried)),
         {"equilibrium": between - began, "rest": time.perf_counter() - between},
+        means.clock.reason,
     )
 
 
@@ -118,7 +144,7 @@ def _in_two_steps(
     large = family(start).contacts.corner_count > SEARCHED
     if large and means.options.width is None:
         width = max(width, COARSE * abs(last - start))
-    search = Search(family, one_stiffness, means.executor, STANDS_OR_NOT)
+    search = means.search(family, one_stiffness, STANDS_OR_NOT)
     uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
     edge = uniform.bracket.stands
     if edge == last:
@@ -126,14 +152,19 @@ def _in_two_steps(
     means.tell("other stiffnesses", 2)
     falls = uniform.bracket.falls
     first = start if falls is None else falls
-    if not large:
-        full = Search(family, some_stiffness, means.executor)
-        if full.stands(first) is True:
+    full = means.search(family, some_stiffness, STANDS_OR_NOT if large else STANDS)
+    try:
+        if large:
+            farther = _farther(full, first, last, width)
+        elif full.stands(first) is True:
             return uniform, full.run(first, last, width=width, scan=scan, beyond=outer)
-        farther = None
-    else:
-        full = Search(family, some_stiffness, means.executor, STANDS_OR_NOT)
-        farther = _farther(full, first, last, width)
+        else:
+            farther = None
+    except Stopped:
+        some = full.so_far(first).bracket
+        inside = uniform.bracket if some.stands is None else some
+        bracket = Bracket(inside.stands, outer.falls, inside.standing, outer.falling)
+        return uniform, Found(bracket, uniform.islands, full.evaluations())
     if farther is None:
         inside = uniform.bracket
         bracket = Bracket(inside.stands, first, inside.standing, full.results[first])

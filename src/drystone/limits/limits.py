@@ -60,6 +60,7 @@ def limit_tilt(
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Limit:
     """The largest angle [degrees] by which the assembly can be turned about an axis.
 
@@ -80,6 +81,9 @@ def limit_tilt(
     executor
         Works on the values of a scan side by side; the answer does not depend on it.
     progress
+    stop
+        Asked often; True ends the search with the brackets found by then. Where an executor works,
+        it is asked between the answers.
 
     Examples
     --------
@@ -103,8 +107,11 @@ def limit_tilt(
         family,
         0.0,
         last,
-        lambda: (tilt_bound(family, last, width=width, cone=chosen.cone), width),
-        Means(check, chosen, executor, progress),
+        lambda stop: (
+            tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop),
+            width,
+        ),
+        Means(check, chosen, executor, progress, stop),
     )
 
 
@@ -119,6 +126,7 @@ def limit_friction(
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Limit:
     """The least friction coefficient of the joints; see :func:`limit_tilt`.
 
@@ -138,7 +146,7 @@ def limit_friction(
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    means = Means(check, chosen, executor, progress)
+    means = Means(check, chosen, executor, progress, stop)
     return bisected(family, start, 0.0, 1e-3, means)
 
 
@@ -153,6 +161,7 @@ def limit_load(
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Limit:
     """The largest factor of a live load on top of a dead one; see :func:`limit_tilt`.
 
@@ -177,8 +186,10 @@ def limit_load(
         family,
         0.0,
         last,
-        lambda: load_factor_bound(family, last, share=1e-4, width=chosen.width, cone=chosen.cone),
-        Means(check, chosen, executor, progress),
+        lambda stop: load_factor_bound(
+            family, last, share=1e-4, width=chosen.width, cone=chosen.cone, stop=stop
+        ),
+        Means(check, chosen, executor, progress, stop),
     )
 
 
@@ -191,6 +202,7 @@ def limit_shrink(
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Limit:
     """The least share of the size of all joints at which it stands; see :func:`limit_tilt`.
 
@@ -199,7 +211,7 @@ def limit_shrink(
     """
     chosen = options if options is not None else LimitOptions()
     family = Shrunk(assembly, contacts, resting(assembly, load))
-    return bisected(family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress))
+    return bisected(family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop))
 
 
 def limit_thickness(
@@ -215,6 +227,7 @@ def limit_thickness(
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Limit:
     """The least thickness, or another parameter, at which a parametric model stands.
 
@@ -247,7 +260,7 @@ def limit_thickness(
     finder = find if find is not None else partial(found, friction)
     family = Parametric(build, finder, parameter, unit)
     width = 1e-5 * abs(first - last)
-    return bisected(family, first, last, width, Means(check, chosen, executor, progress))
+    return bisected(family, first, last, width, Means(check, chosen, executor, progress, stop))
 
 
 def axis_vector(axis: Any) -> Any:

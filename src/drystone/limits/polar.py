@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
@@ -19,6 +19,7 @@ from drystone.limits.search import Bracket, Check
 from drystone.limits.types import Limit, LimitOptions
 from drystone.loads import LoadCase
 from drystone.progress import Progress
+from drystone.stability.problem import Clock
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,10 +32,13 @@ class TiltSweep:
         Direction towards which the assembly leans, counter-clockwise from x seen from above.
     limits : (d,)
         The axis of each is the azimuth turned by 90 degrees.
+    stopped
+        Why directions are missing; else empty.
     """
 
     azimuth: Floats
     limits: tuple[Limit, ...]
+    stopped: str = ""
 
     @property
     def equilibrium(self) -> Floats:
@@ -48,7 +52,15 @@ class TiltSweep:
 
     @property
     def weakest(self) -> int:
-        """The direction in which it falls first."""
+        """The direction in which it falls first, among those that are known.
+
+        Raises
+        ------
+        InputError
+            None is.
+        """
+        if not self.limits:
+            raise InputError("no direction is known", remedy="let the sweep go on")
         return int(np.argmin(np.nan_to_num(self.rest, nan=-1.0).round(6)))
 
     def to_dict(self) -> dict[str, Any]:
@@ -57,8 +69,9 @@ class TiltSweep:
             "parameter": "tilt",
             "unit": "deg",
             "azimuth": self.azimuth.tolist(),
-            "weakest_azimuth": float(self.azimuth[self.weakest]),
+            "weakest_azimuth": float(self.azimuth[self.weakest]) if self.limits else None,
             "limits": [limit.to_dict() for limit in self.limits],
+            "stopped": self.stopped,
         }
 
 
@@ -73,6 +86,7 @@ def tilt_sweep(
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> TiltSweep:
     """The tilt limit towards equally spaced directions.
 
@@ -82,6 +96,9 @@ def tilt_sweep(
         Number of azimuths, the first along x: the assembly leans towards each of them.
     executor
         Works on the directions side by side; the answer does not depend on it.
+    stop
+        Asked often, with an executor between the directions; True ends the sweep with the limits
+        that are complete.
 
     Other parameters are those of :func:`limit_tilt`.
     """
@@ -90,15 +107,23 @@ def tilt_sweep(
     azimuth = 360.0 * np.arange(directions) / directions
     angle = np.deg2rad(azimuth)
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)
-    task = partial(_one, assembly, contacts, load, upper=upper, check=check, options=options)
+    clock = Clock(float("inf"), stop)
+    given: dict[str, Any] = {"upper": upper, "check": check, "options": options}
+    if executor is None:
+        given["stop"] = clock.late
+    task = partial(_one, assembly, contacts, load, **given)
     answers: Iterable[Limit]
     answers = map(task, axes) if executor is None else executor.map(task, axes)
     limits: list[Limit] = []
     for limit in answers:
+        if limit.stopped:
+            break
         limits.append(limit)
         if progress is not None:
             progress("directions", len(limits), directions)
-    return TiltSweep(azimuth, tuple(limits))
+        if len(limits) < directions and clock.late():
+            break
+    return TiltSweep(azimuth[: len(limits)], tuple(limits), clock.reason)
 
 
 def _one(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from operator import itemgetter
 from typing import Any, TypeAlias
@@ -21,6 +21,9 @@ from drystone.results import Result, Samples, Verdict
 Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
 """Any function that answers whether an assembly stands."""
 
+Stop: TypeAlias = Callable[[], bool]
+"""Whether the caller wishes to stop; once it says so, it says so ever after."""
+
 SEARCHED = 500
 """Corners up to which the whole cascade is asked at every value. Chosen: it takes seconds beyond
 where it does not stand, and a limit asks often; there only rest with a few friction laws is tried,
@@ -34,18 +37,24 @@ the law that sticks and slips. Looks are brief: on the Armadillo the limits are 
 time."""
 
 
-def one_stiffness(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+def one_stiffness(
+    assembly: Assembly, contacts: Contacts, load: LoadCase, *, stop: Stop | None = None
+) -> Result:
     """Whether it stands with uniform contact stiffness: quickly answered, and enough to stand."""
+    model = (assembly, contacts, load)
     if contacts.corner_count > SEARCHED:
-        return stability.try_rest(assembly, contacts, load, slips=UNIFORM_SLIPS, brief=True)
-    return stability.check(assembly, contacts, load, options=ONE_STIFFNESS)
+        return stability.try_rest(*model, slips=UNIFORM_SLIPS, brief=True, stop=stop)
+    return stability.check(*model, options=ONE_STIFFNESS, stop=stop)
 
 
-def some_stiffness(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+def some_stiffness(
+    assembly: Assembly, contacts: Contacts, load: LoadCase, *, stop: Stop | None = None
+) -> Result:
     """The whole cascade of :func:`drystone.check`; on larger models other friction laws only."""
+    model = (assembly, contacts, load)
     if contacts.corner_count > SEARCHED:
-        return stability.try_rest(assembly, contacts, load, slips=OTHER_SLIPS, brief=True)
-    return stability.check(assembly, contacts, load)
+        return stability.try_rest(*model, slips=OTHER_SLIPS, brief=True, stop=stop)
+    return stability.check(*model, stop=stop)
 
 
 def verdict(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
@@ -132,6 +141,10 @@ class Found:
     evaluations: tuple[Evaluation, ...]
 
 
+class Stopped(Exception):
+    """The caller wished to stop; what was found so far is kept by the search."""
+
+
 class Search:
     """A search along one family; remembers what was tried.
 
@@ -143,6 +156,8 @@ class Search:
         Works on the values of a scan side by side.
     meaning
         What each verdict counts as.
+    stop
+        Asked before every value and after it.
     """
 
     def __init__(
@@ -151,11 +166,13 @@ class Search:
         check: Check,
         executor: Executor | None = None,
         meaning: Mapping[Verdict, bool | None] = STANDS,
+        stop: Stop | None = None,
     ) -> None:
         self.family = family
         self.check = check
         self.executor = executor
         self.meaning = meaning
+        self.stop = stop if stop is not None else lambda: False
         self.results: dict[float, Result] = {}
 
     def stands(self, value: float) -> bool | None:
@@ -164,14 +181,27 @@ class Search:
         return self.meaning[self.results[value].verdict]
 
     def evaluate(self, values: Iterable[float]) -> None:
-        """Try values that were not tried yet."""
+        """Try values that were not tried yet.
+
+        Raises
+        ------
+        Stopped
+            An undecided answer by then may have been broken off, and is not kept.
+        """
         new = [value for value in dict.fromkeys(values) if value not in self.results]
+        if new and self.stop():
+            raise Stopped
         task = partial(evaluate, self.family, self.check)
         if self.executor is None or len(new) < 2:
             answers: Iterable[Result] = map(task, new)
         else:
             answers = self.executor.map(task, new)
-        self.results.update(zip(new, answers, strict=True))
+        for value, answer in zip(new, answers, strict=True):
+            stopped = self.stop()
+            if not (stopped and answer.verdict is Verdict.UNDECIDED):
+                self.results[value] = answer
+            if stopped:
+                raise Stopped
 
     def run(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
@@ -190,7 +220,37 @@ class Search:
             Number of steps of the scan; 1 tries the two ends only.
         beyond
             Proof of falling just beyond ``end``: closes the bracket when all up to it stand.
+
+        Returns
+        -------
+        Found
+            Where the search was stopped, what the values tried by then tell.
         """
+        try:
+            return self._run(start, end, width, scan, beyond)
+        except Stopped:
+            return self.so_far(start, beyond)
+
+    def so_far(self, start: float, beyond: Bracket | None = None) -> Found:
+        """What the values that were tried tell, in order from the start."""
+        tried = sorted(self.results, key=lambda value: abs(value - start))
+        held = [self.meaning[self.results[value].verdict] for value in tried]
+        first = next((i for i, stands in enumerate(held) if stands is not True), len(tried))
+        inside = tried[first - 1] if first else None
+        outside = next((tried[i] for i, s in enumerate(held) if i >= first and s is False), None)
+        bracket = Bracket(
+            inside,
+            outside,
+            None if inside is None else self.results[inside],
+            None if outside is None else self.results[outside],
+        )
+        if outside is None and beyond is not None:
+            bracket = replace(bracket, falls=beyond.falls, falling=beyond.falling)
+        return self._found(bracket, _runs(tried, held, first))
+
+    def _run(
+        self, start: float, end: float, width: float, scan: int, beyond: Bracket | None
+    ) -> Found:
         grid = np.linspace(start, end, max(scan, 1) + 1).tolist()
         self.evaluate(grid)
         held = [self.stands(value) for value in grid]

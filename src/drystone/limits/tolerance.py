@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -107,6 +107,7 @@ def tolerance(
     check: Check = verdict,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> Tolerance:
     """Draw imperfect joints and count how many of the structures stand.
 
@@ -126,6 +127,8 @@ def tolerance(
     executor
         Works on the draws side by side.
     progress
+    stop
+        Asked after every draw; True ends it with the draws made by then.
     """
     if draws < 1:
         raise InputError(f"{draws} draws", remedy="give one or more")
@@ -139,10 +142,13 @@ def tolerance(
         verdicts.append(answer)
         if progress is not None:
             progress("draws", len(verdicts), draws)
+        if stop is not None and stop():
+            break
+    made = len(verdicts)
     standing = sum(STANDS[verdict] is True for verdict in verdicts)
-    interval = stats.binomtest(standing, draws).proportion_ci(confidence, method="exact")
+    interval = stats.binomtest(standing, made).proportion_ci(confidence, method="exact")
     return Tolerance(
-        tuple(verdicts), standing / draws, (float(interval.low), float(interval.high)), confidence
+        tuple(verdicts), standing / made, (float(interval.low), float(interval.high)), confidence
     )
 
 

@@ -61,6 +61,8 @@ class Limit:
     evaluations
         Values that were tried, in ascending order.
     time_s
+    stopped
+        Why the search ended before the brackets were as narrow as asked for; else empty.
     """
 
     parameter: str
@@ -73,6 +75,7 @@ class Limit:
     islands: tuple[tuple[float, float], ...] = ()
     evaluations: tuple[Evaluation, ...] = ()
     time_s: Mapping[str, float] = field(default_factory=dict)
+    stopped: str = ""
 
     @property
     def best(self) -> Bracket:
@@ -100,6 +103,7 @@ class Limit:
             "falling": [] if falling is None else list(falling.falling_names),
             "message": "" if falling is None else falling.message,
             "sensitive": self.is_sensitive,
+            "stopped": self.stopped,
             "evaluations": [
                 {
                     "value": one.value,

@@ -2,7 +2,9 @@
 
 import json
 import pickle
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ import pytest
 from drystone import Assembly, InputError, LoadCase, Result, Verdict, solve_rbe
 from drystone.limits import (
     Imperfections,
+    Limit,
     LimitOptions,
     Tilt,
     imperfect,
@@ -29,6 +32,7 @@ from tests.oracle import touching_faces
 TOWER = tower(2)
 JOINTS = touching_faces(TOWER, 0.4)
 QUICK = LimitOptions(scan=1, width=0.01)
+LEANING = LoadCase.tilt(TOWER, (1.0, 0.0, 0.0), 10.0)
 SLIDE = float(np.rad2deg(np.arctan(0.4)))
 
 
@@ -275,3 +279,66 @@ def test_large_models_are_searched_by_growing_steps_to_the_same_limit(
 
 def solve_result(assembly, contacts, load, verdict):  # type: ignore[no-untyped-def]
     return Result("given", verdict, assembly, contacts, load)
+
+
+def after(calls: int) -> Callable[[], bool]:
+    """Says so once only: who hears it must remember."""
+    left = iter([False] * calls + [True])
+    return lambda: next(left, False)
+
+
+@pytest.mark.parametrize(
+    "find",
+    [
+        lambda stop: limit_tilt(TOWER, JOINTS, "x", options=QUICK, stop=stop),
+        lambda stop: limit_friction(TOWER, JOINTS, LEANING, options=QUICK, stop=stop),
+        lambda stop: limit_shrink(TOWER, JOINTS, LEANING, options=QUICK, stop=stop),
+        lambda stop: limit_load(
+            TOWER, JOINTS, LoadCase.point_load(TOWER, 1, (1e3, 0.0, 0.0)), options=QUICK, stop=stop
+        ),
+    ],
+)
+def test_a_stopped_limit_is_a_wider_bracket_around_the_same(
+    find: Callable[[Callable[[], bool] | None], Limit],
+) -> None:
+    whole = find(None).best
+    assert whole.stands is not None
+    assert whole.falls is not None
+    low, high = sorted((whole.stands, whole.falls))
+    calls, answers = 0, [find(after(0))]
+    assert (answers[0].equilibrium.stands, answers[0].rest) == (None, None)
+    while answers[-1].stopped:
+        calls = max(calls + 1, int(1.4 * calls))
+        answers.append(find(after(calls)))
+    assert len(answers) > 8
+    for found in answers[:-1]:
+        assert found.stopped == "it was interrupted"
+        for bracket in (found.equilibrium, found.best):
+            one, two = bracket.stands, bracket.falls
+            if one is not None and two is not None:
+                assert min(one, two) <= low + 0.011
+                assert max(one, two) >= high - 0.011
+    assert (answers[-1].best.stands, answers[-1].best.falls) == (whole.stands, whole.falls)
+
+
+def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
+    none = tilt_sweep(TOWER, JOINTS, 4, options=QUICK, stop=lambda: True)
+    assert (none.limits, none.to_dict()["weakest_azimuth"]) == ((), None)
+    with pytest.raises(InputError, match="no direction is known"):
+        _ = none.weakest
+    ended = False
+
+    def tell(*_: Any) -> None:
+        nonlocal ended
+        ended = True
+
+    some = tilt_sweep(TOWER, JOINTS, 4, options=QUICK, progress=tell, stop=lambda: ended)
+    assert some.azimuth.tolist() == [0.0]
+    assert some.stopped == some.to_dict()["stopped"] == "it was interrupted"
+
+
+def test_stopped_draws_are_those_made() -> None:
+    kinds = Imperfections(offset=0.01)
+    some = tolerance(TOWER, JOINTS, kinds, draws=50, stop=after(2))
+    assert (len(some.verdicts), some.share) == (3, 1.0)
+    assert some.verdicts == tolerance(TOWER, JOINTS, kinds, draws=3).verdicts

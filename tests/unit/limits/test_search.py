@@ -123,6 +123,38 @@ def test_every_value_is_tried_once_and_listed_in_order() -> None:
     assert [one.value for one in found.evaluations] == sorted(tried)
 
 
+def test_a_stopped_search_tells_what_was_tried_by_then() -> None:
+    proof = Bracket(falls=1.01)
+    widths = []
+    for count in (0, 4, 6, 8, 12, 20):
+        calls = iter(range(count + 1))  # once before the first value, and after each
+        search = Search(
+            Given(),
+            Steps((0.37,), (S, U)),
+            stop=lambda calls=calls: next(calls, None) is None,
+        )
+        found = search.run(0.0, 1.0, width=1e-4, scan=4, beyond=proof)
+        bracket = found.bracket
+        assert len(found.evaluations) <= count + 1
+        if count == 0:
+            assert (bracket.stands, bracket.falls) == (0.0, 1.01)
+            continue
+        assert bracket.stands is not None
+        assert bracket.falls is not None
+        assert bracket.stands <= 0.37 < bracket.falls
+        assert bracket.standing is search.results[bracket.stands]
+        widths.append(bracket.falls - bracket.stands)
+    assert widths == sorted(widths, reverse=True)
+    assert widths[-1] < 0.01
+
+
+def test_an_undecided_answer_that_may_have_been_broken_off_is_not_kept() -> None:
+    calls = iter([False, False])
+    search = Search(Given(), Steps((0.1,), (S, D)), stop=lambda: next(calls, True))
+    found = search.run(0.0, 1.0, width=1e-4, scan=4)
+    assert [one.value for one in found.evaluations] == [0.0]
+
+
 def test_an_executor_changes_nothing() -> None:
     steps = Steps((0.37, 0.5, 0.9), (S, D, U, S))
     alone = Search(Given(), steps).run(0.0, 1.0, width=1e-3, scan=8)
