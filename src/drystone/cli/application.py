@@ -1,7 +1,7 @@
 """The program: its commands, and what becomes of errors.
 
 Exit codes: 0 answered and stable, 1 answered and not stable, 2 bad input, 3 something missing,
-70 a fault of drystone itself, 130 interrupted.
+70 a fault of drystone itself, 130 interrupted: with the answer so far, or with none.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import typer
+from typer.core import TyperGroup
 
 from drystone.cli import output
 from drystone.cli.check import check
@@ -23,14 +24,32 @@ from drystone.cli.limit import limit
 from drystone.cli.plan import plan
 from drystone.cli.settle import settle
 from drystone.cli.shell import shell
+from drystone.cli.waiting import INTERRUPTED
 from drystone.errors import DrystoneError, MissingDependency
 
 USAGE_ERROR: Any = typer.BadParameter.__bases__[0]
 """The base of typer's errors about the command line; its home moved between releases."""
-BAD_INPUT, MISSING, FAULT, INTERRUPTED = 2, 3, 70, 130
+BAD_INPUT, MISSING, FAULT = 2, 3, 70
+
+
+class Interrupted(Exception):
+    """Ctrl-C ended a command before it had an answer; says what is left of it."""
+
+
+class Program(TyperGroup):
+    """The commands. Typer would make an exit code of Ctrl-C, and forget what is said about it."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that is asked for."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            raise Interrupted(*error.args) from error
+
 
 app = typer.Typer(
     name="drystone",
+    cls=Program,
     help="Does a structure of loose blocks stand by contact and friction alone?",
     no_args_is_help=True,
     add_completion=False,
@@ -80,8 +99,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return output.fail(error, BAD_INPUT, as_json)
     except USAGE_ERROR as error:
         return _usage(error, as_json)
+    except Interrupted as error:
+        words = "; ".join(["interrupted", *map(str, error.args)])
+        return output.fail(KeyboardInterrupt(words), INTERRUPTED, as_json)
     except (KeyboardInterrupt, typer.Abort):
-        code = INTERRUPTED
+        words = "interrupted; nothing was written"
+        return output.fail(KeyboardInterrupt(words), INTERRUPTED, as_json)
     except BrokenPipeError:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  # for exit
         return 1
@@ -91,8 +114,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if os.environ.get("DRYSTONE_TRACEBACK"):
             traceback.print_exc()
         return output.fail(error, FAULT, as_json)
-    if code == INTERRUPTED:
-        return output.fail(KeyboardInterrupt("interrupted; nothing was written"), code, as_json)
     return int(code or 0)
 
 

@@ -6,51 +6,36 @@ from typing import Annotated
 
 import typer
 
-from drystone.cli import joint_files, loading, options, output, verdict
-from drystone.cli.groups import Subject, expanded
+from drystone.cli import loading, options, output, verdict
+from drystone.cli.groups import Finding, Subject, Written, expanded
 from drystone.cli.waiting import Waiting
 
 
 @expanded
 def check(
+    *,
     subject: Subject,
     seismic: loading.Seismic = None,
-    gap: options.Gap = None,
-    angle: options.Angle = None,
-    edges: options.Edges = None,
-    find_contacts: options.FindContacts = False,
-    split: options.Split = False,
-    html: options.Html = None,
-    png: options.Png = None,
+    finding: Finding,
+    wanted: Written,
     strict: Annotated[
         bool,
         typer.Option(
             "--strict", help="Only stable if it stands whatever the stiffness of the contacts."
         ),
     ] = False,
-    joints: joint_files.Joints = None,
-    strength: joint_files.Strength = None,
     time_limit: options.TimeLimit = None,
     as_json: options.Json = False,
 ) -> int:
     """Tell whether a model stands, with its proof.
 
-    Exit code 0: it stands. 1: it does not, or that could not be decided. 2: bad input.
+    Exit code 0: it stands. 1: it does not, or that could not be decided. 2: bad input. 130: Ctrl-C
+    ended the search; what was known by then is the answer.
     """
-    files = verdict.Files.checked(html, png)
-    tables = joint_files.checked(joints, strength)
-    options.apart([*files.written(), *tables.named()])
+    files, tables = wanted.checked()
     options.positive(time_limit, "--time-limit")
     with Waiting() as waiting:
-        prepared = subject.prepared(
-            waiting,
-            seismic=seismic,
-            gap=gap,
-            angle=angle,
-            edges=edges,
-            find_contacts=find_contacts,
-            split=split,
-        )
+        prepared = subject.prepared(waiting, finding, seismic=seismic)
         result = verdict.solve(prepared, waiting, time_limit)
         rows, said = tables.of(result)
         written = verdict.write([*files.of(result), *rows], waiting)
@@ -61,4 +46,4 @@ def check(
         output.emit(data)
     else:
         verdict.show(data)
-    return verdict.exit_code(result, strict)
+    return waiting.exit_code(verdict.exit_code(result, strict))

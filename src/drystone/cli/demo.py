@@ -39,4 +39,4 @@ def demo(
         output.emit(data)
     else:
         verdict.show(data)
-    return verdict.exit_code(result, strict=False)
+    return waiting.exit_code(verdict.exit_code(result, strict=False))

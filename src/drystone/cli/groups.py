@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, get_type_hints
 
-from drystone.cli import loading, options
+from drystone.cli import joint_files, loading, options, verdict
 from drystone.cli.session import Prepared, prepare
 from drystone.cli.waiting import Waiting
 
@@ -25,10 +25,38 @@ class Subject:
     loads: loading.Loads = None
     cases: loading.Cases = None
 
-    def prepared(self, waiting: Waiting, **more: Any) -> Prepared:
+    def prepared(self, waiting: Waiting, finding: Finding | None = None, **more: Any) -> Prepared:
         """See :func:`drystone.cli.session.prepare`; ``more`` are its other arguments."""
-        given = {each.name: getattr(self, each.name) for each in fields(self)}
+        given = _values(self) | ({} if finding is None else _values(finding))
         return prepare(given.pop("model"), waiting, **given, **more)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """How the contacts of a model are found."""
+
+    gap: options.Gap = None
+    angle: options.Angle = None
+    edges: options.Edges = None
+    find_contacts: options.FindContacts = False
+    split: options.Split = False
+
+
+@dataclass(frozen=True)
+class Written:
+    """The files that tell an answer."""
+
+    html: options.Html = None
+    png: options.Png = None
+    joints: joint_files.Joints = None
+    strength: joint_files.Strength = None
+
+    def checked(self) -> tuple[verdict.Files, joint_files.JointFiles]:
+        """Pictures and tables; refused before the work begins when they cannot be written."""
+        files = verdict.Files.checked(self.html, self.png)
+        tables = joint_files.checked(self.joints, self.strength)
+        options.apart([*files.written(), *tables.named()])
+        return files, tables
 
 
 def expanded(command: Callable[..., int]) -> Callable[..., int]:
@@ -67,6 +95,10 @@ def expanded(command: Callable[..., int]) -> Callable[..., int]:
     return run
 
 
+def _values(group: Any) -> dict[str, Any]:
+    return {each.name: getattr(group, each.name) for each in fields(group)}
+
+
 def _options(group: type[Any]) -> list[inspect.Parameter]:
     """A parameter for each field of a dataclass."""
     types = get_type_hints(group, include_extras=True)
@@ -76,4 +108,4 @@ def _options(group: type[Any]) -> list[inspect.Parameter]:
     ]
 
 
-__all__ = ["Subject", "expanded"]
+__all__ = ["Finding", "Subject", "Written", "expanded"]

@@ -58,7 +58,7 @@ def tell(
         output.emit(data)
     else:
         _show(data, more)
-    return 0 if found.best.stands is not None else 1
+    return waiting.exit_code(0 if found.best.stands is not None else 1)
 
 
 def tell_sweep(
@@ -67,7 +67,7 @@ def tell_sweep(
     """Print a polar sweep and write its plot."""
     data = {"model": model, **sweep.to_dict(), "notes": list(prepared.notes), "files": []}
     data["time_s"] = dict(waiting.time_s)
-    if files.png is not None:
+    if files.png is not None and sweep.limits:
         from drystone.view.polar import save_polar  # as above
 
         save_polar(sweep, files.png, title=Path(model).stem)
@@ -76,7 +76,8 @@ def tell_sweep(
         output.emit(data)
     else:
         _show_sweep(data)
-    return 0 if all(limit.best.stands is not None for limit in sweep.limits) else 1
+    stand = all(limit.best.stands is not None for limit in sweep.limits)
+    return waiting.exit_code(0 if stand else 1)
 
 
 def _show(data: dict[str, Any], more: Mapping[str, float]) -> None:
@@ -127,6 +128,8 @@ def _show_sweep(data: dict[str, Any]) -> None:
 def _show_end(console: Any, data: dict[str, Any]) -> None:
     from rich.markup import escape
 
+    if data["stopped"]:
+        console.print(f"[bold yellow]not finished:[/] {data['stopped']}")
     for note in data["notes"]:
         console.print(f"[yellow]note:[/] {escape(note)}")
     times = ", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items())

@@ -128,7 +128,7 @@ def tolerance(
             )
         prepared = subject.prepared(waiting, seismic=seismic)
         waiting.stage("solve", "drawing")
-        with working(workers) as executor:
+        with working(workers, waiting) as common:
             answer = limits.tolerance(
                 prepared.assembly,
                 prepared.contacts,
@@ -136,19 +136,18 @@ def tolerance(
                 prepared.load,
                 draws=draws,
                 seed=seed,
-                executor=executor,
-                progress=waiting,
+                **common,
             )
     data = {"model": subject.model, **answer.to_dict(), "notes": list(prepared.notes)}
     data["time_s"] = dict(waiting.time_s)
     if as_json:
         output.emit(data)
     else:
-        _show(answer, data)
-    return 0 if answer.share == 1.0 else 1
+        _show(answer, draws, data)
+    return waiting.exit_code(0 if answer.share == 1.0 else 1)
 
 
-def _show(answer: Tolerance, data: dict[str, Any]) -> None:
+def _show(answer: Tolerance, draws: int, data: dict[str, Any]) -> None:
     from rich.markup import escape
 
     console = output.console()
@@ -161,6 +160,8 @@ def _show(answer: Tolerance, data: dict[str, Any]) -> None:
         f"share {answer.share:.1%}, between {low:.1%} and {high:.1%} at {answer.confidence:.0%} "
         "confidence"
     )
+    if len(answer.verdicts) < draws:
+        console.print(f"[yellow]note:[/] interrupted after {len(answer.verdicts)} of {draws} draws")
     if data["undecided"]:
         console.print(f"[yellow]note:[/] {data['undecided']} draws are undecided")
     for note in data["notes"]:

@@ -14,8 +14,6 @@ from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from drystone.limits import LimitOptions
 
 Workers: TypeAlias = Annotated[int, typer.Option(help="Processes that work side by side.")]
@@ -66,22 +64,36 @@ class Search:
 
     @contextmanager
     def under_way(self, waiting: Waiting) -> Iterator[dict[str, Any]]:
-        """What every limit of the library takes besides its model: options, workers, progress."""
+        """What every limit of the library takes besides its model: options, workers and so on."""
         chosen = self.options()
         waiting.stage("solve", "searching")
-        with working(self.workers) as executor:
-            yield {"options": chosen, "executor": executor, "progress": waiting}
+        with working(self.workers, waiting) as common:
+            yield {"options": chosen, **common}
 
 
 @contextmanager
-def working(workers: int) -> Iterator[Executor | None]:
-    """Processes to work on, or none for one worker."""
+def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
+    """Where and how to work: the executor, if more than one is to, progress, and when to stop.
+
+    Answers of other processes come a scan at a time, so that Ctrl-C ends those without one.
+    """
     if workers < 1:
         raise InputError(f"is {workers}", where="--workers", remedy="give one or more")
     if workers == 1:
-        yield None
+        with waiting.stoppable() as stop:
+            yield {"executor": None, "progress": waiting, "stop": stop}
         return
+    import signal
     from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import active_children
 
-    with ProcessPoolExecutor(workers) as executor:
-        yield executor
+    # Ctrl-C reaches every process of a terminal: this one answers for all
+    ignore = (signal.SIGINT, signal.SIG_IGN)
+    with ProcessPoolExecutor(workers, initializer=signal.signal, initargs=ignore) as executor:
+        try:
+            yield {"executor": executor, "progress": waiting}
+        except KeyboardInterrupt:
+            executor.shutdown(wait=False, cancel_futures=True)
+            for child in active_children():
+                child.terminate()
+            raise

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.cli import loading, options, output
-from drystone.cli.session import prepare
+from drystone.cli import options, output, verdict
+from drystone.cli.groups import Finding, Subject, expanded
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
@@ -36,7 +36,7 @@ class Files:
         """Write them, all or none, and name them."""
         if not plan.steps:
             return []
-        from drystone.io.files import Job, write_together
+        from drystone.io.files import Job
 
         jobs: list[Job] = []
         if self.html is not None or self.print is not None:
@@ -51,21 +51,14 @@ class Files:
             from drystone.sequence import save_table
 
             jobs.append((self.csv, partial(save_table, plan, margins=margins)))
-        waiting.stage("pictures", "writing")
-        return write_together(jobs)
+        return verdict.write(jobs, waiting)
 
 
+@expanded
 def plan(
-    model: options.ModelArgument,
-    supports: options.Supports = None,
-    friction: options.Friction = None,
-    density: options.Density = None,
-    units: options.Units = None,
-    gravity: options.Gravity = None,
-    gap: options.Gap = None,
-    angle: options.Angle = None,
-    edges: options.Edges = None,
-    loads: loading.Loads = None,
+    *,
+    subject: Subject,
+    finding: Finding,
     order: Annotated[
         str,
         typer.Option(
@@ -138,10 +131,8 @@ def plan(
     frictions = _numbers(sweep)
     executor = _executor(workers, dask)
     with Waiting() as waiting:
-        prepared = prepare(
-            model, waiting, supports=supports, friction=friction, density=density, units=units,
-            gravity=gravity, gap=gap, angle=angle, edges=edges, loads=loads,
-        )  # fmt: skip
+        waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
+        prepared = subject.prepared(waiting, finding)
         from drystone import sequence
 
         waiting.stage("plan", "planning")
@@ -164,7 +155,7 @@ def plan(
         )
         written = files.write(found, measured, waiting)
     data = found.to_dict() | {
-        "model": model,
+        "model": subject.model,
         "notes": list(prepared.notes),
         "margins": None if measured is None else measured.to_dict(),
         "friction_sweep": None if swept is None else swept.rows(),

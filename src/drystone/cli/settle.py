@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drystone.cli import joint_files, loading, options, output, verdict
-from drystone.cli.groups import Subject, expanded
+from drystone.cli import loading, options, output, verdict
+from drystone.cli.groups import Finding, Subject, Written, expanded
 from drystone.cli.session import Prepared
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
@@ -29,11 +29,7 @@ def settle(
     moves: loading.Moves = None,
     subject: Subject,
     seismic: loading.Seismic = None,
-    gap: options.Gap = None,
-    angle: options.Angle = None,
-    edges: options.Edges = None,
-    find_contacts: options.FindContacts = False,
-    split: options.Split = False,
+    finding: Finding,
     compliance: Annotated[
         float,
         typer.Option(
@@ -41,32 +37,17 @@ def settle(
             "small for stiff blocks."
         ),
     ] = 1e-3,
-    html: options.Html = None,
-    png: options.Png = None,
-    joints: joint_files.Joints = None,
-    strength: joint_files.Strength = None,
+    wanted: Written,
     as_json: options.Json = False,
 ) -> int:
     """Which joints open, and how the forces change, when supports move a little.
 
     Exit code 0: the blocks come to rest. 1: that was not found. 2: bad input.
     """
-    files = verdict.Files.checked(html, png)
-    tables = joint_files.checked(joints, strength)
-    options.apart([*files.written(), *tables.named()])
+    files, tables = wanted.checked()
     options.positive(compliance, "--compliance")
     with Waiting() as waiting:
-        prepared = subject.prepared(
-            waiting,
-            seismic=seismic,
-            gap=gap,
-            angle=angle,
-            edges=edges,
-            find_contacts=find_contacts,
-            split=split,
-            moves=moves,
-            settling=True,
-        )
+        prepared = subject.prepared(waiting, finding, seismic=seismic, moves=moves, settling=True)
         if prepared.load.motion is None:
             raise InputError(
                 "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"

@@ -136,7 +136,8 @@ def shell(
         load = weight(made.assembly, None)
         prepared = Prepared(made.assembly, contacts, load, report, tuple(notes))
         result = verdict.solve(prepared, waiting, time_limit)
-        written = _write(made, model_path, schedule_path, unrolled_path, block_files, suffix)
+        paths = (model_path, schedule_path, unrolled_path)
+        written = _write(made, paths, block_files, suffix, waiting)
         pictures.write(result, waiting)
     data = verdict.content(result, prepared, waiting.time_s, base.shape.name, pictures)
     data["files"] = [*written, *data["files"]]
@@ -146,7 +147,7 @@ def shell(
     else:
         verdict.show(data)
         _show(data["shell"])
-    return verdict.exit_code(result, strict=False)
+    return waiting.exit_code(verdict.exit_code(result, strict=False))
 
 
 def summary(made: Shell) -> dict[str, Any]:
@@ -211,23 +212,25 @@ def _partial(text: str) -> int | None:
 
 def _write(
     made: Shell,
-    out: Path | None,
-    schedule: Path | None,
-    unrolled: Path | None,
+    paths: tuple[Path | None, Path | None, Path | None],
     block_files: str | None,
     suffix: str,
+    waiting: Waiting,
 ) -> list[str]:
+    """Write blocks, schedule, joint faces and single blocks, and name them."""
     from drystone import io, shells
 
-    written: list[str] = []
+    out, schedule, unrolled = paths
     if out is not None:
         io.write(made.assembly, out)
+        waiting.wrote.append(str(out))
     if schedule is not None:
         shells.write_schedule(made, schedule)
+        waiting.wrote.append(str(schedule))
     if unrolled is not None:
         shells.write_unrolled(made, unrolled)
-    written += [str(path) for path in (out, schedule, unrolled) if path is not None]
+        waiting.wrote.append(str(unrolled))
     if block_files is not None:
         shells.write_blocks(made, block_files, suffix=suffix)
-        written.append(f"{block_files} ({len(made.voussoirs)} files)")
-    return written
+        waiting.wrote.append(f"{block_files} ({len(made.voussoirs)} files)")
+    return list(waiting.wrote)

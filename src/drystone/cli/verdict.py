@@ -74,18 +74,20 @@ def write(jobs: list[Job], waiting: Waiting) -> list[str]:
     from drystone.io.files import write_together
 
     waiting.stage("pictures", "writing")
-    return write_together(jobs)
+    written = write_together(jobs)
+    waiting.wrote += written
+    return written
 
 
 def solve(prepared: Prepared, waiting: Waiting, time_limit: float | None) -> Result:
-    """The verdict of the whole cascade."""
+    """The verdict of the whole cascade, or what is known of it when time or Ctrl-C end it."""
     from drystone.stability import CheckOptions, check
 
     waiting.stage("solve", "solving")
     chosen = CheckOptions() if time_limit is None else CheckOptions(time_limit_s=time_limit)
-    return check(
-        prepared.assembly, prepared.contacts, prepared.load, options=chosen, progress=waiting
-    )
+    model = (prepared.assembly, prepared.contacts, prepared.load)
+    with waiting.stoppable() as stop:
+        return check(*model, options=chosen, progress=waiting, stop=stop)
 
 
 def is_sensitive(result: Result) -> bool:
@@ -94,9 +96,9 @@ def is_sensitive(result: Result) -> bool:
 
 
 def exit_code(result: Result, strict: bool) -> int:
-    """0 for stable; with ``strict`` only when it stands for every stiffness that was tried."""
-    stable = result.verdict.value == "stable"
-    return 0 if stable and not (strict and is_sensitive(result)) else 1
+    """0 for stable; with ``strict`` only when it stands for every stiffness, and all were tried."""
+    robust = not is_sensitive(result) and not result.stopped
+    return 0 if result.verdict.value == "stable" and (robust or not strict) else 1
 
 
 def content(
@@ -112,6 +114,7 @@ def content(
         "method": result.method,
         "message": result.message,
         "sensitive": is_sensitive(result),
+        "stopped": result.stopped,
         "blocks": len(assembly),
         "free_blocks": len(assembly.free),
         "interfaces": contacts.count,

@@ -1,9 +1,13 @@
-"""A progress bar on stderr, for people, once work takes longer than a second."""
+"""Work under way: a progress bar on stderr for people, and what becomes of Ctrl-C."""
 
 from __future__ import annotations
 
+import signal
 import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -12,6 +16,9 @@ if TYPE_CHECKING:
 
 PATIENCE = 1.0
 """[s] before anything is shown."""
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+STOPPING = "stopping (Ctrl-C again ends at once)"
 
 
 class Waiting:
@@ -25,11 +32,20 @@ class Waiting:
         Seconds spent in each stage that was announced with :meth:`stage`.
     shown
         Set once the bar is on the terminal.
+    interrupted
+        Whether Ctrl-C asked to stop with what is known.
+    wrote
+        Names of the files that are written.
+    checkpoint
+        File that keeps answers for the next run.
     """
 
     def __init__(self) -> None:
         self.time_s: dict[str, float] = {}
         self.shown = threading.Event()
+        self.interrupted = False
+        self.wrote: list[str] = []
+        self.checkpoint: Path | None = None
         self._begun: tuple[str, float] | None = None
         self._state = ("", 0, 0)
         self._bar: Progress | None = None
@@ -59,6 +75,36 @@ class Waiting:
             self._timer = None
             if self._bar is not None:
                 self._bar.stop()
+        if isinstance(error, KeyboardInterrupt) and not error.args:
+            error.args = (self._left(),)
+
+    @contextmanager
+    def stoppable(self) -> Iterator[Callable[[], bool]]:
+        """While entered, the first Ctrl-C only asks to stop, and the next ends the program.
+
+        Gives what work asks whether to stop.
+        """
+
+        def ask(*_: object) -> None:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            self.interrupted = True
+            self(STOPPING, 0, 0)
+
+        ours = (
+            threading.current_thread() is threading.main_thread()
+            and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        )
+        if ours:
+            signal.signal(signal.SIGINT, ask)
+        try:
+            yield lambda: self.interrupted
+        finally:
+            if ours:
+                signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def exit_code(self, code: int) -> int:
+        """The exit code of an answer; 130 where Ctrl-C cut it short."""
+        return INTERRUPTED if self.interrupted else code
 
     def stage(self, key: str, wording: str) -> None:
         """Begin a stage: its time is added up under ``key``, ``wording`` is shown."""
@@ -68,11 +114,24 @@ class Waiting:
 
     def __call__(self, stage: str, done: int, total: int) -> None:
         """Progress of the work that is under way; a total of zero means that it is not known."""
+        if self.interrupted:
+            stage, done, total = STOPPING, 0, 0
         self._state = (stage, done, total)
         if self._bar is not None:
             self._bar.update(
                 self._bar.task_ids[0], description=stage, completed=done, total=total or None
             )
+
+    def _left(self) -> str:
+        """What is left of work that was given up."""
+        if self.wrote:
+            return f"wrote {', '.join(self.wrote)}"
+        if self.checkpoint is not None and self.checkpoint.exists():
+            return (
+                f"'{self.checkpoint}' keeps what was found, the same command goes on from there; "
+                "nothing else was written"
+            )
+        return "nothing was written"
 
     def _end_stage(self) -> None:
         if self._begun is not None:
