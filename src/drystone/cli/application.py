@@ -24,7 +24,7 @@ from drystone.cli.limit import limit
 from drystone.cli.plan import plan
 from drystone.cli.settle import settle
 from drystone.cli.shell import shell
-from drystone.cli.waiting import INTERRUPTED
+from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.errors import DrystoneError, MissingDependency
 
 USAGE_ERROR: Any = typer.BadParameter.__bases__[0]
@@ -41,10 +41,12 @@ class Program(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that is asked for."""
+        UNDER_WAY.set(None)
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as error:
-            raise Interrupted(*error.args) from error
+            work = UNDER_WAY.get()
+            raise Interrupted(NOTHING if work is None else work.left()) from error
 
 
 app = typer.Typer(
@@ -100,11 +102,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except USAGE_ERROR as error:
         return _usage(error, as_json)
     except Interrupted as error:
-        words = "; ".join(["interrupted", *map(str, error.args)])
-        return output.fail(KeyboardInterrupt(words), INTERRUPTED, as_json)
+        return output.fail(KeyboardInterrupt(f"interrupted; {error}"), INTERRUPTED, as_json)
     except (KeyboardInterrupt, typer.Abort):
-        words = "interrupted; nothing was written"
-        return output.fail(KeyboardInterrupt(words), INTERRUPTED, as_json)
+        return output.fail(KeyboardInterrupt(f"interrupted; {NOTHING}"), INTERRUPTED, as_json)
     except BrokenPipeError:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  # for exit
         return 1

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from drystone.cli.options import positive
-from drystone.cli.waiting import Waiting
+from drystone.cli.waiting import Waiting, end_workers
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
@@ -85,7 +85,6 @@ def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
         return
     import signal
     from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import active_children
 
     # Ctrl-C reaches every process of a terminal: this one answers for all
     ignore = (signal.SIGINT, signal.SIG_IGN)
@@ -94,6 +93,5 @@ def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
             yield {"executor": executor, "progress": waiting}
         except KeyboardInterrupt:
             executor.shutdown(wait=False, cancel_futures=True)
-            for child in active_children():
-                child.terminate()
+            end_workers()
             raise

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -18,6 +19,7 @@ PATIENCE = 1.0
 """[s] before anything is shown."""
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
+NOTHING = "nothing was written"
 STOPPING = "stopping (Ctrl-C again ends at once)"
 
 
@@ -53,6 +55,7 @@ class Waiting:
         self._lock = threading.Lock()
 
     def __enter__(self) -> Waiting:
+        UNDER_WAY.set(self)
         from rich.console import Console  # slow to import
 
         self._console = Console(stderr=True)
@@ -75,8 +78,8 @@ class Waiting:
             self._timer = None
             if self._bar is not None:
                 self._bar.stop()
-        if isinstance(error, KeyboardInterrupt) and not error.args:
-            error.args = (self._left(),)
+        if isinstance(error, KeyboardInterrupt):
+            end_workers()
 
     @contextmanager
     def stoppable(self) -> Iterator[Callable[[], bool]]:
@@ -122,7 +125,7 @@ class Waiting:
                 self._bar.task_ids[0], description=stage, completed=done, total=total or None
             )
 
-    def _left(self) -> str:
+    def left(self) -> str:
         """What is left of work that was given up."""
         if self.wrote:
             return f"wrote {', '.join(self.wrote)}"
@@ -131,7 +134,7 @@ class Waiting:
                 f"'{self.checkpoint}' keeps what was found, the same command goes on from there; "
                 "nothing else was written"
             )
-        return "nothing was written"
+        return NOTHING
 
     def _end_stage(self) -> None:
         if self._begun is not None:
@@ -152,3 +155,15 @@ class Waiting:
             bar.start()
             self._bar = bar
         self.shown.set()
+
+
+UNDER_WAY: ContextVar[Waiting | None] = ContextVar("UNDER_WAY", default=None)
+"""The work of the command that runs, if it has begun."""
+
+
+def end_workers() -> None:
+    """End the processes that work for this one: nobody waits for their answers any more."""
+    from multiprocessing import active_children  # the commands start fast
+
+    for child in active_children():
+        child.terminate()
