@@ -1,0 +1,218 @@
+"""Ctrl-C: what is known is told, and what is said about files is true."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from drystone import check, find_contacts, io
+from drystone.cli import main, verdict
+from drystone.cli.waiting import Waiting
+from drystone.models import tower, wall
+
+posix = pytest.mark.skipif(os.name == "nt", reason="signals to other processes")
+
+
+def child(code: str, *arguments: str) -> subprocess.Popen[str]:
+    """The program with a part replaced: ``tell`` says where it is, ``wait`` stays there."""
+    frame = (
+        "import functools, signal, sys, time\n"
+        "from drystone.cli import main\n"
+        "def tell(words): print(words, file=sys.stderr, flush=True)\n"
+        "def wait(stop=lambda: False):\n"
+        "    end = time.monotonic() + 60.0\n"
+        "    while not stop() and time.monotonic() < end: time.sleep(0.01)\n"
+        f"{code}\n"
+        "sys.exit(main(sys.argv[1:]))\n"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-c", frame, *arguments],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+
+
+def interrupt(run: subprocess.Popen[str], *when: str) -> tuple[int, str, str]:
+    """Ctrl-C each time it says one of the words; exit code, stdout, stderr after the last."""
+    assert run.stderr is not None
+    for words in when:
+        for line in run.stderr:
+            if words in line:
+                break
+        run.send_signal(signal.SIGINT)
+    out, err = run.communicate(timeout=60.0)
+    return run.returncode, out, err
+
+
+@posix
+def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(tmp_path: Path) -> None:
+    import pty
+
+    model, page = tmp_path / "wall.json", tmp_path / "page.html"
+    io.write(wall(24, 30), model)
+    terminal, end = pty.openpty()
+    arguments = ["check", str(model), "--json", "--html", str(page)]
+    run = subprocess.Popen(
+        [sys.executable, "-m", "drystone", *arguments],
+        stdout=subprocess.PIPE, stderr=end, env={**os.environ, "TERM": "xterm"},
+    )  # fmt: skip
+    os.close(end)
+    shown = b""
+    while b"stiffness samples" not in shown:
+        shown += os.read(terminal, 4096)
+    run.send_signal(signal.SIGINT)
+    reader = threading.Thread(target=drained, args=(terminal,), daemon=True)
+    reader.start()
+    out, _ = run.communicate(timeout=60.0)
+    reader.join()
+    os.close(terminal)
+    told = json.loads(out)
+    assert run.returncode == 130
+    assert (told["verdict"], told["stopped"]) == ("stable", "it was interrupted")
+    assert 1 <= told["samples"]["standing"] == told["samples"]["tried"] < 5
+    assert "it was interrupted before" in told["message"]
+    assert told["residuals"]["equilibrium"] < 1e-8
+    assert told["files"] == [str(page)]
+    assert page.stat().st_size > 10_000
+
+
+def drained(terminal: int) -> None:
+    """Read what the child writes, or it would wait for a reader."""
+    try:
+        while os.read(terminal, 4096):
+            pass
+    except OSError:
+        pass
+
+
+@posix
+def test_the_second_ctrl_c_ends_at_once_with_nothing_written(tmp_path: Path) -> None:
+    io.write(tower(2), tmp_path / "tower.json")
+    code = (
+        "import drystone.stability\n"
+        "def check(*model, stop, **more):\n"
+        "    tell('first'); wait(stop); tell('second'); wait()\n"
+        "drystone.stability.check = check"
+    )
+    page = str(tmp_path / "page.html")
+    run = child(code, "check", str(tmp_path / "tower.json"), "--html", page)
+    assert interrupt(run, "first", "second") == (
+        130, "", "drystone: interrupted; nothing was written\n"
+    )  # fmt: skip
+    assert [path.name for path in tmp_path.iterdir()] == ["tower.json"]
+
+
+@posix
+def test_a_limit_tells_the_bracket_so_far(tmp_path: Path) -> None:
+    model = tmp_path / "tower.json"
+    io.write(tower(2), model)
+    code = (
+        "from drystone.limits import inside\n"
+        "asked, one = [], inside.one_stiffness\n"
+        "def slow(*model, stop):\n"
+        "    asked.append(1)\n"
+        "    if len(asked) == 4:\n"
+        "        tell('fourth'); wait(stop)\n"
+        "    return one(*model, stop=stop)\n"
+        "inside.one_stiffness = slow"
+    )
+    run = child(code, "limit", "tilt", str(model), "--scan", "8", "--json")
+    exit_code, out, err = interrupt(run, "fourth")
+    told = json.loads(out)
+    assert (exit_code, err, told["stopped"]) == (130, "", "it was interrupted")
+    assert len(told["evaluations"]) == 3
+    balanced, rest = told["equilibrium"], told["rest"]
+    assert balanced["falls"] - balanced["stands"] < 0.051
+    assert rest["stands"] == pytest.approx(balanced["stands"] / 4)
+    assert rest["falls"] == balanced["falls"]
+
+
+@posix
+def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model, kept, page = (tmp_path / name for name in ("stack.json", "kept", "plan.html"))
+    io.write(tower(5), model)
+    code = (
+        "from drystone import sequence\n"
+        "asked, once = [], sequence.check_once\n"
+        "@functools.wraps(once)\n"
+        "def slow(*model, **more):\n"
+        "    asked.append(1)\n"
+        "    if len(asked) == 3:\n"
+        "        tell('third'); wait()\n"
+        "    return once(*model, **more)\n"
+        "sequence.check_once = slow"
+    )
+    arguments = ["plan", str(model), "--checkpoint", str(kept)]
+    exit_code, out, err = interrupt(child(code, *arguments, "--html", str(page)), "third")
+    assert (exit_code, out) == (130, "")
+    assert err == (
+        f"drystone: interrupted; '{kept}' keeps what was found, the same command goes on from "
+        "there; nothing else was written\n"
+    )
+    assert len(json.loads(kept.read_text())["parts"]) == 2
+    assert not page.exists()
+    assert main([*arguments, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["counts"]["free"] == 4
+
+
+def test_the_first_ctrl_c_asks_and_the_second_raises() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with Waiting() as waiting:
+        with waiting.stoppable() as stop:
+            assert not stop()
+            signal.raise_signal(signal.SIGINT)
+            assert stop()
+            with pytest.raises(KeyboardInterrupt):
+                signal.raise_signal(signal.SIGINT)
+        assert signal.getsignal(signal.SIGINT) is before
+        assert (waiting.exit_code(0), waiting.exit_code(1)) == (130, 130)
+
+
+def test_other_threads_and_handlers_are_left_alone() -> None:
+    said: list[bool] = []
+
+    def work() -> None:
+        with Waiting() as waiting, waiting.stoppable() as stop:
+            said.append(stop())
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with Waiting() as waiting, waiting.stoppable() as stop:
+            signal.raise_signal(signal.SIGINT)
+            said.append(stop())
+            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert said == [False, False]
+
+
+def test_ctrl_c_while_the_answer_is_printed_names_the_files_that_are_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def pressed(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("drystone.cli.verdict.show", pressed)
+    model, page = tmp_path / "tower.json", tmp_path / "page.html"
+    io.write(tower(2), model)
+    assert main(["check", str(model), "--html", str(page)]) == 130
+    assert capsys.readouterr().err == f"drystone: interrupted; wrote {page}\n"
+    assert page.exists()
+
+
+def test_strict_wants_every_stiffness_tried() -> None:
+    pair = tower(2)
+    result = check(pair, find_contacts(pair).contacts)
+    stopped = replace(result, stopped="the time was up")
+    assert [verdict.exit_code(result, strict) for strict in (False, True)] == [0, 0]
+    assert [verdict.exit_code(stopped, strict) for strict in (False, True)] == [0, 1]
