@@ -14,6 +14,17 @@ A verdict is never an error: a structure that falls is an answer.
 from __future__ import annotations
 
 
+def counted(number: int, one: str, many: str = "") -> str:
+    """A number with its noun, for messages; ``many`` is the plural where it is not ``one`` + s.
+
+    Examples
+    --------
+    >>> counted(1, "face"), counted(2, "face"), counted(0, "unused vertex", "unused vertices")
+    ('1 face', '2 faces', '0 unused vertices')
+    """
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
 class DrystoneError(Exception):
     """Base of all errors raised on purpose by drystone."""
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
-from drystone.errors import InputError
+from drystone.errors import InputError, counted
 from drystone.geometry import coincidence
 from drystone.geometry.arrays import Floats, frozen_points
 from drystone.geometry.parts import separate_parts
@@ -68,10 +68,11 @@ def mended_block(
         if face and not 0 <= min(face) <= max(face) < len(points):
             raise InputError(f"face {number} names no vertex", where=f"block '{name}'")
     welded, merged = coincidence.weld(points, given, merge)
-    notes = [f"{merged} coincident vertices merged"] if merged else []
+    one, many = "coincident vertex", "coincident vertices"
+    notes = [f"{counted(merged, one, many)} merged"] if merged else []
     kept = [loop for loop in welded if len(set(loop)) == len(loop)]
     if len(kept) < len(given):
-        notes.append(f"{len(given) - len(kept)} faces without area dropped")
+        notes.append(f"{counted(len(given) - len(kept), 'face')} without area dropped")
     return Block(points, tuple(kept), name, density, repairs=tuple(notes))
 
 

@@ -76,7 +76,7 @@ def test_loose_faces_are_joined_and_said_so() -> None:
 def test_collapsed_faces_are_dropped_and_said_so() -> None:
     vertices = np.concatenate([CUBE.vertices, CUBE.vertices[:1]])
     mended = mended_block(vertices, [*CUBE.faces, (0, 8, 1)])
-    assert "1 faces without area dropped" in mended.repairs
+    assert "1 face without area dropped" in mended.repairs
     assert mended.volume == pytest.approx(1.0)
 
 

@@ -11,7 +11,7 @@ import typer
 from drystone.cli import options, output, verdict
 from drystone.cli.session import found
 from drystone.cli.waiting import Waiting
-from drystone.errors import InputError
+from drystone.errors import InputError, counted
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
@@ -124,10 +124,10 @@ def _usable(built: Built, supports: str | None) -> tuple[Assembly | None, list[s
         notes.append("contacts are found, and drawn, once the defects are mended")
         return None, notes
     rest = len(built.blocks) - len(assembly)
-    left_out = f"{rest} {'block' if rest == 1 else 'blocks'} left out" if rest else "as they are"
+    left_out = f"{counted(rest, 'block')} left out" if rest else "as they are"
+    some = counted(len(assembly), "block")
     notes.append(
-        f"contacts are found among the {len(assembly)} blocks that can be used, {left_out}:"
-        " mend the defects first"
+        f"contacts are found among the {some} that can be used, {left_out}: mend the defects first"
     )
     if supports is not None:
         try:

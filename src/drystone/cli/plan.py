@@ -14,7 +14,7 @@ import typer
 from drystone.cli import options, output, verdict
 from drystone.cli.groups import Finding, Subject, expanded
 from drystone.cli.waiting import Waiting
-from drystone.errors import InputError
+from drystone.errors import InputError, counted
 
 if TYPE_CHECKING:
     from drystone.sequence import ExecutorFactory, Margins, Plan, Rules
@@ -239,7 +239,7 @@ def _show(data: Mapping[str, Any], found: Plan) -> None:
         console.print(escape(data["message"]))
         return
     console.print(
-        f"[bold]{len(data['steps'])} steps[/]  {escape(str(data['model']))}  "
+        f"[bold]{counted(len(data['steps']), 'step')}[/]  {escape(str(data['model']))}  "
         + ", ".join(f"{counts[k]} {k}" for k in ("free", "held", "propped", "impossible"))
     )
     console.print(escape(data["message"]))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from drystone.cli.loading import combined, loaded
 from drystone.cli.options import gravity_vector, positive
 from drystone.cli.waiting import Waiting
-from drystone.errors import InputError
+from drystone.errors import InputError, counted
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
@@ -98,7 +98,8 @@ def prepare(
             contacts, said = with_own_friction(assembly, contacts)
             notes += said
     else:
-        notes.append(f"the {contacts.count} interfaces of the file are used")
+        verb = "is" if contacts.count == 1 else "are"
+        notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
         contacts = contacts if friction is None else contacts.with_friction(friction)
     load = weight(assembly, direction)
     if cases:

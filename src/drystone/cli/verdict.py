@@ -14,6 +14,7 @@ import numpy as np
 from drystone.cli import options, output
 from drystone.cli.session import Prepared
 from drystone.cli.waiting import Waiting
+from drystone.errors import counted
 
 if TYPE_CHECKING:
     from drystone.io.files import Job
@@ -187,7 +188,7 @@ def show(data: Mapping[str, Any]) -> None:
         console.print(output.safe(data["message"]))
     console.print(
         f"{data['blocks']} blocks ({data['free_blocks']} free, {output.number(data['mass'])} kg), "
-        f"{data['interfaces']} interfaces, {data['corners']} corners"
+        f"{counted(data['interfaces'], 'interface')}, {counted(data['corners'], 'corner')}"
     )
     if data["falling"]:
         _show_falling(console, data)

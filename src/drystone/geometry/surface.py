@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from drystone.errors import InputError
+from drystone.errors import InputError, counted
 from drystone.geometry import polyhedron
 from drystone.geometry.arrays import Floats
 from drystone.geometry.polyhedron import Edge, Fan, Loop
@@ -79,7 +79,8 @@ def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
     if len(used) < count:
         new = {old: i for i, old in enumerate(used)}
         faces = tuple(tuple(new[i] for i in loop) for loop in faces)
-        notes.append(f"{count - len(used)} unused vertices dropped")
+        unused = counted(count - len(used), "unused vertex", "unused vertices")
+        notes.append(f"{unused} dropped")
     open_edges, crowded, consistent = polyhedron.edge_defects(faces)
     if crowded:
         raise InputError(
@@ -136,7 +137,9 @@ def _check_loops(loops: Sequence[Loop], count: int) -> None:
                 remedy=f"vertices are numbered 0 to {count - 1}",
             )
     if len(loops) < 4:
-        raise InputError(f"has {len(loops)} faces", remedy="a closed block has four or more")
+        raise InputError(
+            f"has {counted(len(loops), 'face')}", remedy="a closed block has four or more"
+        )
 
 
 def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.errors import FormatError, InputError
+from drystone.errors import FormatError, InputError, counted
 from drystone.geometry import coincidence, polyhedron, selfcontact
 from drystone.geometry.arrays import Floats, frozen_floats
 from drystone.geometry.parts import separate_parts
@@ -182,7 +182,7 @@ def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
     for i, vertices, (faces, merged) in zip(opened, points, welded, strict=True):
         if merged:
             try:
-                said = f"{merged} coincident vertices merged"
+                said = f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged"
                 made[i] = _block(shapes[i], vertices, faces, said)
             except InputError as error:
                 made[i] = error

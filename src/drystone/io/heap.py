@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.errors import FormatError
+from drystone.errors import FormatError, counted
 from drystone.geometry import coincidence, soup
 from drystone.geometry.arrays import FARTHEST, Floats, Ints
 from drystone.geometry.merge import merge_coplanar
@@ -149,9 +149,9 @@ def _shapes(
 def _notes(merged: int, gone: int, solids: Sequence[Sequence[Any]]) -> list[str]:
     notes = []
     if merged:
-        notes.append(f"{merged} coincident vertices merged")
+        notes.append(f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged")
     if gone:
-        notes.append(f"{gone} faces without area left out")
+        notes.append(f"{counted(gone, 'face')} without area left out")
     several = [i for i, found in enumerate(solids) if len(found) > 1]
     if several:
         parts = sum(len(solids[i]) for i in several)

@@ -174,7 +174,7 @@ def test_inspect_lists_every_defect_and_exits_2(
     code, out, _ = answer(capsys, "inspect", str(path), "--html", str(page))
     assert code == 2
     assert out.count("defect:") == 2
-    assert "found among the 1 blocks that can be used, 2 blocks left out" in " ".join(out.split())
+    assert "found among the 1 block that can be used, 2 blocks left out" in " ".join(out.split())
     assert "faces at holes" in page.read_text(encoding="utf-8")
 
 

@@ -155,7 +155,7 @@ def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
     model = str(tmp_path / "model.json")
     _, told = answer(capsys, "check", model)
     assert told["notes"] == [
-        "the 1 interfaces of the file are used",
+        "the 1 interface of the file is used",
         "the load case 'push' of the file is used",
     ]
     assert told["largest"]["utilisation"]["utilisation"] == pytest.approx(

@@ -51,7 +51,7 @@ BOW_TIE = [(0, 0), (2, 1), (2, 0), (0, 2)]
         ),
         (block(vertices=(CUBE.vertices * [1, 1, 0]).tolist()), ["volume is zero", "thickness"]),
         (block(vertices=(CUBE.vertices * 0).tolist()), ["volume is zero"]),
-        (block(faces=[[0, 1, 2]]), ["1 faces", "four or more"]),
+        (block(faces=[[0, 1, 2]]), ["has 1 face;", "four or more"]),
         (block(faces=[[0, 0, 2, 1], *CUBE.faces[1:]]), ["face 0", "none twice"]),
         (extrusion(BOW_TIE), ["outline of face 0"]),
         (extrusion(TOUCHING), ["outline of face 0"]),

@@ -93,7 +93,7 @@ endfacet
         (b"solid a\n" + FACET.replace("1 0 0", "1 x 0").encode(), ["line 5", "vertex x y z"]),
         (b"solid a\n" + FACET.replace("endloop", "endlop").encode(), ["line 7", "'endloop'"]),
         (b"solid a\nhello\n", ["line 2", "'hello'"]),
-        (b"solid a\n" + FACET.encode() + b"endsolid a\n", ["1 faces"]),
+        (b"solid a\n" + FACET.encode() + b"endsolid a\n", ["has 1 face;"]),
         (
             binary(tower(1)).replace(struct.pack("<f", 1.0), struct.pack("<f", float("nan")), 1),
             ["not finite"],
