@@ -242,7 +242,8 @@ decide. Values beyond the first fall at which it stands again are reported as is
 too, is a geometric safety factor. `tolerance` draws imperfect joints and gives the share that
 stands with a confidence interval. In Python these are `limit_tilt`, `tilt_sweep`, `limit_friction`,
 `limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and `tolerance` in
-`drystone.limits`; each takes any check and any `concurrent.futures.Executor`.
+`drystone.limits`; each takes any check and any `concurrent.futures.Executor`, and those that search
+or draw a function that is asked whether to `stop` with what is known.
 """
 
 FINDINGS = """## Remarks

@@ -7,4 +7,4 @@ from typing import TypeAlias
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called as ``progress(stage, done, total)`` with 0 <= done <= total; it must not raise.
-Nothing is stopped through it: Ctrl-C raises KeyboardInterrupt as everywhere in Python."""
+Nothing is stopped through it: that is what ``stop`` is for."""

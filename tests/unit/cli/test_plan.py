@@ -1,12 +1,13 @@
 """drystone plan: answers, files, exit codes, bad input."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from drystone import io
+from drystone import LoadCase, io
 from drystone.assembly import Assembly
 from drystone.cli import main
 from drystone.models import arch, box, tower
@@ -123,3 +124,14 @@ def test_bad_input_is_one_line(stack, capsys, arguments, words):
     told = capsys.readouterr()
     assert words in told.err
     assert told.err.count("\n") == 1
+
+
+def test_a_load_case_of_the_file_can_be_chosen(tmp_path, capsys):
+    path, pair = tmp_path / "cases.json", tower(3)
+    dead = replace(LoadCase.gravity(pair), name="dead")
+    pushed = replace(dead + LoadCase.point_load(pair, "block-2", (5e4, 0.0, 0.0)), name="pushed")
+    io.write(io.Model(pair, loads=(dead, pushed)), path)
+    assert answer(capsys, str(path), "--case", "1.35*dead")[0] == 0
+    assert answer(capsys, str(path), "--case", "pushed")[1]["steps"] == []
+    assert main(["plan", str(path), "--case", "wind"]) == 2
+    assert "no load case is called 'wind'" in capsys.readouterr().err
