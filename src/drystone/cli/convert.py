@@ -67,6 +67,7 @@ def convert(
             read = replace(read, contacts=made, results=())
         waiting.stage("write", f"writing {target}")
         io.write(read, target, format=to)
+        waiting.wrote.append(target)
     data = {
         "model": model,
         "files": [target],

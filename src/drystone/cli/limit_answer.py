@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from drystone.cli import output
 from drystone.cli.session import Prepared
-from drystone.cli.verdict import Files
+from drystone.cli.verdict import Files, write
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
@@ -49,11 +50,9 @@ def tell(
     data["time_s"] = {**waiting.time_s, **data["time_s"]}
     falling = found.best.falling
     state = falling if falling is not None else found.best.standing
-    if files.html is not None and state is not None:
-        from drystone import view  # the program starts fast: pictures are imported when asked for
-
-        view.save_page(state, files.html)
-        data["files"].append(str(files.html))
+    if state is not None:
+        files.write(state, waiting)
+        data["files"] += files.written()
     if as_json:
         output.emit(data)
     else:
@@ -68,10 +67,10 @@ def tell_sweep(
     data = {"model": model, **sweep.to_dict(), "notes": list(prepared.notes), "files": []}
     data["time_s"] = dict(waiting.time_s)
     if files.png is not None and sweep.limits:
-        from drystone.view.polar import save_polar  # as above
+        from drystone.view.polar import save_polar  # pictures are imported when asked for
 
-        save_polar(sweep, files.png, title=Path(model).stem)
-        data["files"].append(str(files.png))
+        draw = partial(save_polar, sweep, title=Path(model).stem)
+        data["files"] += write([(files.png, draw)], waiting)
     if as_json:
         output.emit(data)
     else:
