@@ -11,7 +11,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
-from drystone.geometry.arrays import Floats, Ints
+from drystone.geometry.arrays import Floats, Ints, cross
 from drystone.loads import LoadCase
 from drystone.results import Residuals
 
@@ -60,7 +60,7 @@ def unbalanced_wrench(
     strength = np.linalg.norm(force, axis=1)
     for block, sign in ((a, -1.0), (b, 1.0)):
         arm = (contacts.point - assembly.centroid[block]) / size[block, None]
-        np.add.at(total, block, sign * np.concatenate([world, np.cross(arm, world)], axis=1))
+        np.add.at(total, block, sign * np.concatenate([world, cross(arm, world)], axis=1))
         np.add.at(scale, block, strength)
     return total, np.where(scale > 0.0, scale, 1.0)
 
@@ -167,4 +167,4 @@ def point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: 
     """Displacement (k, 3), world axes, of each corner as a point of the block (k,) given for it."""
     arm = contacts.point - assembly.centroid[block]
     moving = np.where(assembly.fixed[:, None], 0.0, motion)[block]
-    return moving[:, :3] + np.cross(moving[:, 3:], arm)
+    return moving[:, :3] + cross(moving[:, 3:], arm)

@@ -128,29 +128,47 @@ class Contacts:
         """The same interfaces with another friction coefficient, one for all or one each."""
         return replace(self, friction=check_friction(friction, self.count))
 
-    def select(self, interfaces: Bools | Ints) -> Contacts:
-        """Only the given interfaces (mask or positions), in ascending order."""
+    def select(self, interfaces: Bools | Ints, renumber: Ints | None = None) -> Contacts:
+        """Only the given interfaces (mask or positions), in ascending order.
+
+        Parameters
+        ----------
+        interfaces
+        renumber
+            New position of each block, where the blocks are renumbered as well.
+        """
         mask = np.zeros(self.count, dtype=bool)
         mask[interfaces] = True
-        keep = mask[self.interface]
-        renumber = np.cumsum(mask) - 1
-        return Contacts(
-            self.block_a[mask],
-            self.block_b[mask],
-            self.frame[mask],
-            self.area[mask],
-            self.friction[mask],
-            self.point[keep],
-            renumber[self.interface[keep]].astype(np.intp),
+        a, b = self.block_a[mask], self.block_b[mask]
+        return (
+            self._part(mask, a, b)
+            if renumber is None
+            else self._part(mask, renumber[a], renumber[b])
         )
 
     def of_blocks(self, blocks: Sequence[int] | Ints, count: int) -> Contacts:
         """Interfaces among some of ``count`` blocks, renumbered as ``Assembly.subset`` does."""
         new = np.full(count, -1, dtype=np.intp)
         new[np.asarray(blocks, dtype=np.intp)] = np.arange(len(blocks))
-        inside = (new[self.block_a] >= 0) & (new[self.block_b] >= 0)
-        part = self.select(inside)
-        return replace(part, block_a=new[part.block_a], block_b=new[part.block_b])
+        return self.select((new[self.block_a] >= 0) & (new[self.block_b] >= 0), new)
+
+    def _part(self, mask: Bools, block_a: Ints, block_b: Ints) -> Contacts:
+        """Some interfaces (m,) between these blocks: a part of what was checked needs no check."""
+        keep = mask[self.interface]
+        values = {
+            "block_a": block_a,
+            "block_b": block_b,
+            "frame": self.frame[mask],
+            "area": self.area[mask],
+            "friction": self.friction[mask],
+            "point": self.point[keep],
+            "interface": (np.cumsum(mask) - 1)[self.interface[keep]],
+            "tributary": self.tributary[keep],
+        }
+        part = object.__new__(Contacts)
+        for name, value in values.items():
+            object.__setattr__(part, name, frozen(value))
+        return part
 
     def graph(self) -> networkx.MultiDiGraph:
         """The directed contact graph, an edge per interface from a to b, as networkx.

@@ -11,7 +11,7 @@ taken away only the part that it belonged to has to be checked again.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -276,9 +276,8 @@ class Model:
         still[blocks] = resting
         a, b = self.contacts.block_a, self.contacts.block_b
         chosen = (new[a] >= 0) & (new[b] >= 0) & ~(still[a] & still[b])
-        part = self.contacts.select(chosen)
         corner = np.flatnonzero(chosen[self.contacts.interface])
-        return replace(part, block_a=new[part.block_a], block_b=new[part.block_b]), corner
+        return self.contacts.select(chosen, new), corner
 
     def combine(self, stage: Stage, parts: Iterable[Answer]) -> Answer:
         """The answer of a stage from those of its parts."""
