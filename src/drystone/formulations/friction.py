@@ -8,7 +8,9 @@ eq. 5.6: ``ft = -alpha dt``, ``alpha >= 0``).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,13 +24,27 @@ class FrictionResponse:
     Attributes
     ----------
     force : (k, 2) T
-    by_slide : (k, 2, 2) dT / d dt
-    by_normal : (k, 2) dT / d fn
+    slope
+        Makes the derivatives: most responses are asked for their force alone.
     """
 
     force: Floats
-    by_slide: Floats
-    by_normal: Floats
+    slope: Callable[[], tuple[Floats, Floats]]
+
+    @cached_property
+    def derivatives(self) -> tuple[Floats, Floats]:
+        """By slide, dT / d dt (k, 2, 2), and by normal force, dT / d fn (k, 2)."""
+        return self.slope()
+
+    @property
+    def by_slide(self) -> Floats:
+        """(k, 2, 2) dT / d dt"""
+        return self.derivatives[0]
+
+    @property
+    def by_normal(self) -> Floats:
+        """(k, 2) dT / d fn"""
+        return self.derivatives[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +63,13 @@ class SlipLength:
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
         reach = np.sqrt(self.slip**2 + slide[:, 0] ** 2 + slide[:, 1] ** 2)
-        direction = slide / reach[:, None]
         stiffness = self.friction * normal / reach
-        by_slide = stiffness[:, None, None] * (
-            np.eye(2) - direction[:, :, None] * direction[:, None, :]
-        )
-        by_normal = self.friction[:, None] * direction
-        return FrictionResponse(normal[:, None] * by_normal, by_slide, by_normal)
+
+        def slope() -> tuple[Floats, Floats]:
+            direction = slide / reach[:, None]
+            return _across(stiffness, stiffness, direction), self.friction[:, None] * direction
+
+        return FrictionResponse(stiffness[:, None] * slide, slope)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,12 +93,27 @@ class StickSlip:
         bound = self.friction * normal
         slips = self.stiffness * length > bound
         safe = np.where(length > 0.0, length, 1.0)
-        direction = slide / safe[:, None]
         secant = np.where(slips, bound / safe, self.stiffness)
-        across = direction[:, :, None] * direction[:, None, :]
-        by_slide = secant[:, None, None] * (np.eye(2) - slips[:, None, None] * across)
-        by_normal = (slips * self.friction)[:, None] * direction
-        return FrictionResponse(secant[:, None] * slide, by_slide, by_normal)
+
+        def slope() -> tuple[Floats, Floats]:
+            direction = slide / safe[:, None]
+            return (
+                _across(secant, secant * slips, direction),
+                (slips * self.friction)[:, None] * direction,
+            )
+
+        return FrictionResponse(secant[:, None] * slide, slope)
+
+
+def _across(stiffness: Floats, along: Floats, direction: Floats) -> Floats:
+    """(k, 2, 2) stiffness (k,) in the plane, less some (k,) along a unit direction (k, 2)."""
+    x, y = direction[:, 0], direction[:, 1]
+    lost = along * x
+    out = np.empty((len(stiffness), 2, 2))
+    out[:, 0, 0] = stiffness - lost * x
+    out[:, 0, 1] = out[:, 1, 0] = -lost * y
+    out[:, 1, 1] = stiffness - along * y * y
+    return out
 
 
 FrictionLaw = SlipLength | StickSlip

@@ -120,7 +120,7 @@ class _Path:
                 break
             before = tau
             following, length = self.search(point, step, tau)
-            if not np.isfinite(following.merit):
+            if length < options.give_up or not np.isfinite(following.merit):
                 break
             reduced = following.merit < 0.1 * point.merit
             point = following
@@ -173,21 +173,21 @@ class _Path:
     def limits(self, gap: Floats, tau: float) -> tuple[Floats, Floats]:
         """Normal forces between which the product fn s stays in the band around tau."""
         band = self.options.band
-        return (
-            self.relaxed_normal(gap, band * tau * self.unit),
-            self.relaxed_normal(gap, tau / band * self.unit),
-        )
+        low, high = self.relaxed_normal(gap, tau * np.array([[band], [1.0 / band]]) * self.unit)
+        return low, high
 
     def relaxed_normal(self, gap: Floats, product: Floats) -> Floats:
         """The positive root fn of ``fn (gap + fn / kn) = product``, without cancellation."""
-        root = np.sqrt(gap**2 + 4.0 * product / self.kn)
-        return np.where(
-            gap < 0.0, 0.5 * self.kn * (root - gap), 2.0 * product / (root + np.abs(gap))
-        )
+        root = np.sqrt(gap**2 + 4.0 * product / self.kn) + np.abs(gap)
+        return np.where(gap < 0.0, 0.5 * self.kn * root, 2.0 * product / root)
 
-    def evaluate(self, motion: Floats, normal: Floats, tau: float) -> _Point:
+    def evaluate(
+        self, motion: Floats, normal: Floats, tau: float, moved: Floats | None = None
+    ) -> _Point:
+        """Everything about an iterate; ``moved`` are its corner displacements, where known."""
         statics = self.statics
-        moved = statics.displacement(motion)
+        if moved is None:
+            moved = statics.displacement(motion)
         friction = self.law(normal, moved[:, 1:])
         slack = moved[:, 0] + self.overlap + normal / self.kn
         net = normal - self.glue * slack
@@ -222,11 +222,13 @@ class _Path:
         """Halve the step until the merit falls; the last try is taken in any case."""
         motion, moved, normal = step
         length = 1.0
+        shortest = max(SHORTEST_STEP, self.options.give_up)
         while True:
-            gap = point.moved[:, 0] + self.overlap + length * moved[:, 0]
-            target = np.clip(point.normal + length * normal, *self.limits(gap, tau))
-            trial = self.evaluate(point.motion + length * motion, target, tau)
-            if trial.merit < (1.0 - 1e-4 * length) * point.merit or length < SHORTEST_STEP:
+            place = point.moved + length * moved
+            limits = self.limits(place[:, 0] + self.overlap, tau)
+            target = np.clip(point.normal + length * normal, *limits)
+            trial = self.evaluate(point.motion + length * motion, target, tau, place)
+            if trial.merit < (1.0 - 1e-4 * length) * point.merit or length < shortest:
                 return trial, length
             length *= 0.5
 

@@ -37,6 +37,8 @@ class RestOptions:
         tau to begin with from a given start.
     stall
         Steps at one tau in which the merit is not halved after which the iteration is given up.
+    give_up
+        The iteration is given up where a step must be cut below this share of itself.
     """
 
     ground: float = 1e-8
@@ -46,6 +48,7 @@ class RestOptions:
     band: float = 1e-3
     warm_relaxation: float = 1e-4
     stall: int = STALL
+    give_up: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,8 +52,10 @@ class TangentSystem:
         unique, where = np.unique(key, return_inverse=True)
         self.row, self.column = unique // n, unique % n
         self.diagonal = where[:n]
+        order = np.argsort(where[n:], kind="stable")
+        ends = np.cumsum(np.bincount(where[n:], minlength=len(unique)))
         self.of_block = sparse.csr_matrix(
-            (np.ones(len(source)), (where[n:], kind * len(first) + source)),
+            (np.ones(len(order)), (kind * len(first) + source)[order], np.append(0, ends)),
             shape=(len(unique), 4 * len(first)),
         )
         self.ordering = BlockOrdering(position, self.row, self.column, 6)

@@ -46,11 +46,12 @@ def can_hold(evaluator: Evaluator, bound: Bound, node: Node, glance: int) -> boo
 def held_stages(node: Node, glance: int) -> list[Stage]:
     """Stages within a step, backwards: after each block but the last has left."""
     placed = node.placed | mask_of(node.group)
+    near = (node.placed, node.props)
     out = []
     for number, block in enumerate(node.group[:-1]):
         placed &= ~(1 << block)
         held = node.props | mask_of(node.group[number + 1 :])
-        out.append(Stage(placed, held, glance))
+        out.append(Stage(placed, held, glance, near if glance else None))
     return out
 
 

@@ -211,8 +211,12 @@ class _Planner:
             when = [i for i, mask in enumerate(needed) if mask >> block & 1]
             for i in range(when[0], when[-1] + 1):
                 active[i] |= 1 << block
+        look = search.looks[0]
         answers = self.evaluator.answers(
-            [Stage(n.placed, a, search.looks[0]) for n, a in zip(path, active, strict=True)]
+            [
+                Stage(node.placed, mask, look, (node.placed, node.props) if look else None)
+                for node, mask in zip(path, active, strict=True)
+            ]
         )
         return [
             mask if answer.stands else least

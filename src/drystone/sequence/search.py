@@ -133,7 +133,7 @@ class Search:
 
     def stage(self, node: Node, glance: int) -> Stage:
         """What to ask, with the stage that the blocks of a node left to start from."""
-        if glance != 1 or node.parent is None:
+        if not glance or node.parent is None:
             return Stage(node.placed, node.props, glance)
         return Stage(node.placed, node.props, glance, (node.parent.placed, node.parent.props))
 

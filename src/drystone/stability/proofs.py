@@ -119,20 +119,24 @@ def unpressed(assembly: Assembly, contacts: Contacts, acceleration: Floats) -> B
     """
     speed = block_speed(assembly, acceleration)
     falling = ~assembly.fixed & (speed > 0.0)
-    a = contacts.block_a[contacts.interface]
-    b = contacts.block_b[contacts.interface]
-    normal = contacts.frame[contacts.interface, 0]
+    joint = contacts.interface
+    a, b = contacts.block_a, contacts.block_b
     away_a, away_b = (
-        (point_motion(assembly, contacts, acceleration, block) * normal).sum(axis=1)
+        (point_motion(assembly, contacts, acceleration, block[joint]) * contacts.frame[joint, 0])
+        .sum(axis=1)
         for block in (a, b)
-    )
+    )  # fmt: skip
+
+    def approach(opening: Floats, reach: Floats) -> Bools:
+        near = opening < -APPROACH * reach[joint]
+        return np.bincount(joint[near], minlength=contacts.count) > 0
+
+    both = approach(away_b - away_a, np.maximum(speed[a], speed[b]))
+    only_a, only_b = approach(-away_a, speed[a]), approach(away_b, speed[b])
     while falling.any():
-        opening = np.where(falling[b], away_b, 0.0) - np.where(falling[a], away_a, 0.0)
-        reach = np.maximum(np.where(falling[a], speed[a], 0.0), np.where(falling[b], speed[b], 0.0))
-        approach = opening < -APPROACH * reach
-        pressed = np.zeros(len(assembly), dtype=bool)
-        pressed[a[approach]] = pressed[b[approach]] = True
-        if not (falling & pressed).any():
+        of_a, of_b = falling[a], falling[b]
+        pressed = (of_a & of_b & both) | (of_a & ~of_b & only_a) | (of_b & ~of_a & only_b)
+        if not pressed.any():
             break
-        falling &= ~pressed
+        falling[a[pressed]] = falling[b[pressed]] = False
     return falling

@@ -10,6 +10,8 @@ from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
 from drystone.formulations import compliance
+from drystone.formulations.compliance import Compliance
+from drystone.formulations.rest_state import Start, start_from
 from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Samples, Verdict
@@ -71,8 +73,10 @@ def try_rest(
         verdict, message, residuals = Verdict.STABLE, "every block is fixed", Residuals()
         force, displacement = np.zeros((contacts.corner_count, 3)), np.zeros((len(assembly), 6))
     elif not _falls_freely(problem, slips, brief, clock):
-        scaled = None if start is None else _scaled(problem, start)
-        found = _first_standing(attempts, slips, brief, scaled)
+        near = None if start is None else _start(problem, start, slips[0])
+        found = None if near is None else attempts.nearby(*near)
+        if found is None:
+            found = _first_standing(attempts, slips, brief, near and near[1])
         if found is not None:
             verdict, message, residuals = Verdict.STABLE, "stands", found.residuals
             force, displacement = found.force, found.displacement
@@ -100,19 +104,22 @@ def try_rest(
     )
 
 
-def _scaled(problem: Problem, start: Floats) -> Floats:
-    """A start (n, 6) [m, rad] in scaled numbers."""
+def _start(problem: Problem, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
+    """The first law, and where it begins from a motion (n, 6) [m, rad]."""
     count = len(problem.assembly)
-    if np.shape(start) != (count, 6) or not np.isfinite(start).all():
+    if np.shape(motion) != (count, 6) or not np.isfinite(motion).all():
         raise InputError(f"the start must hold {count} times six finite numbers", where="start")
-    return problem.statics.scaled_motion(np.asarray(start), problem.statics.mean_length)
+    statics = problem.statics
+    springs = compliance.uniform(statics, slip=slip)
+    scaled = statics.scaled_motion(np.asarray(motion), statics.mean_length)
+    return springs, start_from(problem.system, springs, scaled)
 
 
 def _first_standing(
     attempts: Attempts,
     slips: Sequence[float | None],
     brief: bool,
-    start: Floats | None = None,
+    start: Start | None = None,
 ) -> Candidate | None:
     for slip in slips:
         springs = compliance.uniform(attempts.problem.statics, slip=slip)

@@ -48,6 +48,8 @@ def test_what_presses_on_nothing_is_not_called_resting(friction):
     wedged = models.h_model()
     contacts = find_contacts(wedged, friction=friction).contacts
     assert try_rest(wedged, contacts, slips=(None, 1.0)).verdict is Verdict.UNDECIDED
+    start = np.tile([0.0, 0.0, -1e-3, 0.0, 0.0, 0.0], (len(wedged), 1))
+    assert try_rest(wedged, contacts, start=start).verdict is Verdict.UNDECIDED
 
 
 def test_the_rest_state_of_a_neighbour_halves_the_steps_and_changes_no_force():

@@ -1,0 +1,58 @@
+"""From one rest state to the next, without the relaxed law."""
+
+import numpy as np
+import pytest
+
+from drystone import LoadCase, find_contacts, models
+from drystone.formulations.compliance import uniform
+from drystone.formulations.nearby import find_rest_nearby
+from drystone.formulations.rest import find_rest
+from drystone.formulations.rest_state import RestOptions, Start
+from drystone.stability.problem import Problem
+
+ARCH = models.arch(0.15)
+JOINTS = find_contacts(ARCH, friction=0.9).contacts
+OPTIONS = RestOptions(ground=1e-14)
+
+
+def leaning(degrees):
+    return Problem.build(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), degrees))
+
+
+def upright(problem, slip, glue):
+    springs = uniform(problem.statics, slip=slip, glue=glue)
+    state = find_rest(problem.system, springs, OPTIONS)
+    assert state.converged
+    return springs, Start(state.motion, state.normal)
+
+
+@pytest.mark.parametrize("slip", [None, 10.0])
+@pytest.mark.parametrize("glue", [0.0, 1e-3])
+def test_the_state_is_that_of_the_relaxed_law_in_fewer_steps(slip, glue):
+    _, start = upright(leaning(0.0), slip, glue)
+    problem = leaning(1.0)
+    springs = uniform(problem.statics, slip=slip, glue=glue)
+    found = find_rest_nearby(problem.system, springs, OPTIONS, start)
+    relaxed = find_rest(problem.system, springs, OPTIONS)
+    assert found is not None
+    assert found.unbalanced <= OPTIONS.tolerance
+    assert found.iterations < 0.5 * relaxed.iterations
+    assert np.allclose(found.force, relaxed.force, rtol=0.0, atol=1e-8)
+    assert np.allclose(found.tension, relaxed.tension, rtol=0.0, atol=1e-8)
+
+
+def test_a_rest_state_is_next_to_itself():
+    springs, start = upright(leaning(0.0), None, 0.0)
+    found = find_rest_nearby(leaning(0.0).system, springs, OPTIONS, start)
+    assert found is not None
+    assert found.iterations == 0
+
+
+def test_what_falls_has_no_rest_state_nearby():
+    springs, start = upright(leaning(0.0), None, 0.0)
+    assert find_rest_nearby(leaning(20.0).system, springs, OPTIONS, start) is None
+
+
+def test_the_wish_to_stop_is_heard():
+    springs, start = upright(leaning(0.0), None, 0.0)
+    assert find_rest_nearby(leaning(0.0).system, springs, OPTIONS, start, lambda: True) is None
