@@ -15,6 +15,7 @@ from drystone import check, find_contacts, io
 from drystone.cli import main, verdict
 from drystone.cli.waiting import Waiting
 from drystone.models import tower, wall
+from drystone.sequence import LocalWorkers
 
 posix = pytest.mark.skipif(os.name == "nt", reason="signals to other processes")
 
@@ -160,6 +161,14 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     assert not page.exists()
     assert main([*arguments, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["counts"]["free"] == 4
+
+
+@posix
+def test_workers_leave_ctrl_c_to_the_one_that_started_them() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with LocalWorkers(1)() as executor:
+        assert signal.getsignal(signal.SIGINT) is before
+        assert executor.submit(signal.getsignal, signal.SIGINT).result() is signal.SIG_IGN
 
 
 def test_the_first_ctrl_c_asks_and_the_second_raises() -> None:

@@ -30,7 +30,7 @@ def stopped(
 ) -> list[tuple[int, Result]]:
     """The answers when it is stopped ever later, up to the one that is not stopped."""
     answers = []
-    for calls in (0, 1, 2, 4, 8, 12, 16, 24, 32, 48, 64, 96, 1000):
+    for calls in (0, 2, 8, 16, 32, 64, 1000):
         answers.append((calls, analyse(ARCH, JOINTS, load, stop=after(calls))))
         if not answers[-1][1].stopped:
             return answers
@@ -45,13 +45,15 @@ def test_a_check_stopped_later_knows_more():
     tried = [answer.samples.tried for answer in answers]
     assert tried == sorted(tried)
     assert tried[-1] == 5
-    assert {0, 1, 2} <= set(tried)
+    assert any(0 < count < 5 for count in tried)
     for answer in answers[:-1]:
         assert answer.stopped == INTERRUPTED
         assert answer.samples.standing == answer.samples.tried
         assert (answer.verdict is Verdict.STABLE) == (answer.samples.tried > 0)
-    first = next(answer for answer in answers if answer.samples.tried == 1)
-    assert first.message == "stands; it was interrupted before 4 more could be tried"
+    first = next(answer for answer in answers if answer.samples.tried)
+    left = 5 - first.samples.tried
+    assert first.message.startswith("stands")
+    assert first.message.endswith(f"; it was interrupted before {left} more could be tried")
     assert first.residuals is not None
     assert first.residuals.largest < 1e-8
 
