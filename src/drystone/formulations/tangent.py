@@ -28,13 +28,13 @@ class TangentSystem:
         self.statics = statics
         n = statics.free_count
         k = statics.corner_count
-        first = np.flatnonzero(np.diff(statics.interface, prepend=-1))
+        begins = np.ones(k, dtype=bool)
+        np.not_equal(statics.interface[1:], statics.interface[:-1], out=begins[1:])
+        first = np.flatnonzero(begins)
         self.joints = len(first)
         # sums over corners and over interfaces as sparse products: they beat reduceat tenfold
-        self.of_joint = sparse.csr_matrix(
-            (np.ones(k), np.arange(k), np.append(first, k)), shape=(len(first), k)
-        )
-        interface = np.cumsum(np.diff(statics.interface, prepend=-1) > 0) - 1
+        self.of_joint = _sums(np.arange(k), np.append(first, k), (len(first), k))
+        interface = np.cumsum(begins) - 1
         a, b = statics.block_a[first], statics.block_b[first]
         # lengths by block differ: levers are taken by the length of either block, then scaled
         self.to_a, local_a = _carry(statics.lever_a, interface, first, a)
@@ -47,6 +47,8 @@ class TangentSystem:
         self.gather = np.ascontiguousarray(np.swapaxes(self.spread, 1, 2))
         ratio = _length_ratio(statics, a, b)
         self.to_a[:, 3:, 3:] *= ratio[:, None, None]
+        self.from_a = np.ascontiguousarray(np.swapaxes(self.to_a, 1, 2))
+        self.from_b = np.ascontiguousarray(np.swapaxes(self.to_b, 1, 2))
         row, column, source, kind = _pattern(a, b)
         key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
         unique, where = np.unique(key, return_inverse=True)
@@ -54,9 +56,8 @@ class TangentSystem:
         self.diagonal = where[:n]
         order = np.argsort(where[n:], kind="stable")
         ends = np.cumsum(np.bincount(where[n:], minlength=len(unique)))
-        self.of_block = sparse.csr_matrix(
-            (np.ones(len(order)), (kind * len(first) + source)[order], np.append(0, ends)),
-            shape=(len(unique), 4 * len(first)),
+        self.of_block = _sums(
+            (kind * len(first) + source)[order], np.append(0, ends), (len(unique), 4 * len(first))
         )
         self.ordering = BlockOrdering(position, self.row, self.column, 6)
 
@@ -66,9 +67,12 @@ class TangentSystem:
         if self.joints:
             corner = self.spread @ tangent @ self.gather
             joint = (self.of_joint @ corner.reshape(-1, 36)).reshape(-1, 6, 6)
-            from_a, from_b = np.swapaxes(self.to_a, 1, 2), np.swapaxes(self.to_b, 1, 2)
             left_a, left_b = self.to_a @ joint, self.to_b @ joint
-            parts = np.stack([left_a @ from_a, -left_a @ from_b, -left_b @ from_a, left_b @ from_b])
+            parts = np.empty((4, self.joints, 6, 6))
+            np.matmul(left_a, self.from_a, out=parts[0])
+            np.negative(left_a @ self.from_b, out=parts[1])
+            np.negative(left_b @ self.from_a, out=parts[2])
+            np.matmul(left_b, self.from_b, out=parts[3])
             out = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
         out[self.diagonal[:, None], index, index] += weight
@@ -85,11 +89,19 @@ class TangentSystem:
         return self.ordering.factorise(self.blocks(tangent, weight))
 
 
+def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matrix:
+    """The matrix whose row i sums the entries ``column[start[i]:start[i + 1]]`` of a vector."""
+    wide = max(len(column), *shape) >= 2**31
+    index: np.dtype[np.signedinteger] = np.dtype(np.int64 if wide else np.int32)
+    parts = np.ones(len(column)), column.astype(index), start.astype(index)
+    return sparse.csr_matrix(parts, shape=shape)
+
+
 def _carry(lever: Floats, interface: Ints, first: Ints, block: Ints) -> tuple[Floats, Floats]:
     """Maps (m, 6, 6) from the interface's first corner to a block, and levers from that corner."""
     reference = lever[first]
-    to_block = np.zeros((len(first), 6, 6))
-    to_block[:, range(6), range(6)] = 1.0
+    to_block = np.empty((len(first), 6, 6))
+    to_block[:] = np.eye(6)
     to_block[:, 3:, :3] = skew(reference)
     to_block[block < 0] = 0.0
     return to_block, lever - reference[interface]

@@ -127,6 +127,15 @@ class RemovalTest:
             self._known[key] = freedom(normals, self.model.up, self.tolerance)
         return self._known[key]
 
+    def way(self, block: int, placed: int) -> Floats | None:
+        """The free direction (3,) nearest to up in which a block can leave; None when blocked."""
+        normals = joint_normals(
+            self.model, block, self.model.neighbours[block] & placed & ~(1 << block)
+        )
+        if (normals @ self.model.up >= 0.0).all():
+            return self.model.up
+        return self.freedom(block, placed).preferred
+
     def free(self, block: int, placed: int) -> bool:
         """Whether it can leave at all."""
         key = (block, self.model.neighbours[block] & placed & ~(1 << block))

@@ -251,7 +251,7 @@ class _Planner:
         placed = before.placed
         motion = []
         for block in blocks:
-            way = self.removal.freedom(block, placed).preferred
+            way = self.removal.way(block, placed)
             motion.append(-(way if way is not None else self.model.up))
             placed |= 1 << block
         answer = self.evaluator.answer(Stage(after.placed, props), forces=True)

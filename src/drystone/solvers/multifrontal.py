@@ -59,9 +59,12 @@ class BlockOrdering:
     def __init__(self, position: Floats, row: Ints, column: Ints, width: int) -> None:
         self.count = len(position)
         self.width = width
-        neighbours = _adjacency(self.count, row, column)
-        tree = _dissect(position, neighbours)
-        self.fronts = _fronts(tree, neighbours, self.count, row, column)
+        if self.count <= LEAF:
+            self.fronts = _one_front(self.count, row, column)
+        else:
+            neighbours = _adjacency(self.count, row, column)
+            tree = _dissect(position, neighbours)
+            self.fronts = _fronts(tree, neighbours, self.count, row, column)
 
     def factorise(self, blocks: Floats) -> BlockFactor:
         """Factors of the matrix with the given blocks (e, w, w), in the order of row and column.
@@ -121,6 +124,14 @@ class BlockFactor:
             if len(front.boundary):
                 x[front.pivots] -= (coupling @ x[front.boundary].ravel()).reshape(-1, x.shape[1])
         return x
+
+
+def _one_front(count: int, row: Ints, column: Ints) -> list[_Front]:
+    """A matrix of few nodes as a whole."""
+    if not count:
+        return []
+    none = np.zeros(0, dtype=np.intp)
+    return [_Front(np.arange(count), none, np.arange(len(row)), row, column, ())]
 
 
 def _adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
