@@ -13,11 +13,12 @@ from drystone.sequence.margins import (
     margins,
     sweep_friction,
 )
+from drystone.sequence.model import Model
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.report import save_table, table_text
 from drystone.sequence.rules import Order, Rules
-from drystone.sequence.stages import Answer, Model, Stage
+from drystone.sequence.stages import Answer, Stage
 from drystone.sequence.workers import DaskWorkers, ExecutorFactory, LocalWorkers
 
 __all__ = [

@@ -14,7 +14,8 @@ from scipy.optimize import nnls
 from drystone.geometry.arrays import Floats
 from drystone.results import Verdict
 from drystone.sequence.judges import balance
-from drystone.sequence.stages import Model, Stage, members
+from drystone.sequence.model import Model
+from drystone.sequence.stages import Stage, members
 
 RAYS = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
 """Directions about a friction cone that stand for it first."""

@@ -13,7 +13,8 @@ import numpy as np
 from drystone.errors import FormatError
 from drystone.io.files import write_bytes
 from drystone.results import Verdict
-from drystone.sequence.stages import Answer, Model, Stage
+from drystone.sequence.model import Model
+from drystone.sequence.stages import Answer, Stage
 
 FORMAT, VERSION = "drystone-stages", 2
 

@@ -17,7 +17,8 @@ from drystone.geometry.arrays import Floats
 from drystone.io.files import PathLike
 from drystone.sequence.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.judges import glances
-from drystone.sequence.stages import Answer, Model, Stage, members
+from drystone.sequence.model import Model
+from drystone.sequence.stages import Answer, Stage, members
 from drystone.sequence.workers import ExecutorFactory
 
 SAVE_EVERY_S = 10.0

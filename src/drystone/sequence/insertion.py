@@ -16,7 +16,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from drystone.geometry.arrays import Floats
-from drystone.sequence.stages import Model, members
+from drystone.sequence.model import Model
+from drystone.sequence.stages import members
 
 TOLERANCE = 1e-3
 """Sine of the angle by which a joint may seem to close. Chosen: 0.06 degrees, above the rounding of

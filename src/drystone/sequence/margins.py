@@ -15,8 +15,9 @@ from drystone.errors import InputError
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.loads import LoadCase
 from drystone.progress import Progress
+from drystone.sequence.model import Model
 from drystone.sequence.plans import Plan
-from drystone.sequence.stages import Model, Stage, mask_of, members
+from drystone.sequence.stages import Stage, mask_of, members
 
 PlanAt: TypeAlias = Callable[[Contacts], Plan]
 """The planner with everything given but the contacts."""

@@ -19,10 +19,11 @@ from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.exact import search_exactly
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.judges import Check, check_once
+from drystone.sequence.model import Model
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
 from drystone.sequence.search import Search
-from drystone.sequence.stages import Answer, Model, Stage, mask_of, members
+from drystone.sequence.stages import Answer, Stage, mask_of, members
 from drystone.sequence.states import Found, Node, SearchOptions
 from drystone.sequence.workers import ExecutorFactory
 
@@ -212,12 +213,11 @@ class _Planner:
             for i in range(when[0], when[-1] + 1):
                 active[i] |= 1 << block
         look = search.looks[0]
-        answers = self.evaluator.answers(
-            [
-                Stage(node.placed, mask, look, (node.placed, node.props) if look else None)
-                for node, mask in zip(path, active, strict=True)
-            ]
-        )
+        stages = [
+            Stage(node.placed, mask, look, (node.placed, node.props) if look else None)
+            for node, mask in zip(path, active, strict=True)
+        ]
+        answers = self.evaluator.answers(stages)
         return [
             mask if answer.stands else least
             for mask, answer, least in zip(active, answers, needed, strict=True)
@@ -252,7 +252,7 @@ class _Planner:
         motion = []
         for block in blocks:
             way = self.removal.way(block, placed)
-            motion.append(-(way if way is not None else self.model.up))
+            motion.append(-self.model.up if way is None else -way)
             placed |= 1 << block
         answer = self.evaluator.answer(Stage(after.placed, props), forces=True)
         return Step(

@@ -12,7 +12,8 @@ import numpy as np
 
 from drystone.geometry.arrays import Floats
 from drystone.results import Verdict
-from drystone.sequence.stages import Answer, Model, members
+from drystone.sequence.model import Model
+from drystone.sequence.stages import Answer, members
 
 
 class Status(enum.Enum):

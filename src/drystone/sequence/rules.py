@@ -12,7 +12,8 @@ import numpy as np
 from drystone.errors import InputError
 from drystone.geometry.arrays import Floats, Ints
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.stages import Model, mask_of, members
+from drystone.sequence.model import Model
+from drystone.sequence.stages import mask_of, members
 
 COURSE = re.compile(r"^[A-Za-z]+[-_]?(\d+)[-_.]")
 """Names such as ``c06-b03`` tell their course."""

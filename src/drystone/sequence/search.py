@@ -132,8 +132,11 @@ class Search:
         return self.evaluator.answers([stage], ahead=ahead)[0]
 
     def stage(self, node: Node, glance: int) -> Stage:
-        """What to ask, with the stage that the blocks of a node left to start from."""
-        if not glance or node.parent is None:
+        """What to ask, with the stage that the blocks of a node left to start from.
+
+        A second look at a large model starts from nothing: it takes longer, and stands more often.
+        """
+        if not glance or node.parent is None or (glance > 1 and not self.model.small):
             return Stage(node.placed, node.props, glance)
         return Stage(node.placed, node.props, glance, (node.parent.placed, node.parent.props))
 

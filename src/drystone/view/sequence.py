@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import io
+from dataclasses import replace
 from os import PathLike
 
 import numpy as np
@@ -226,7 +227,9 @@ def _row(plan: Plan, step: Step) -> str:
 
 def _numbered_drawing(plan: Plan) -> str:
     """Inline SVG of the complete structure with a number at every planned block."""
-    scene = Scene(plan.model.assembly, plan.model.contacts, (_summary(plan),), "plan")
+    # what the summary says stands above the drawing
+    bare = replace(_summary(plan), headline="", message="")
+    scene = Scene(plan.model.assembly, plan.model.contacts, (bare,), "plan")
     figure = draw(scene, scene.toward, (9.0, 6.5), (), 1.0, 0)
     axes = figure.axes[0]
     right = np.cross([0.0, 0.0, 1.0], scene.toward)

@@ -75,5 +75,9 @@ def test_instructions_number_the_blocks_in_order_and_need_nothing_else(planned):
     assert "src=" not in text
 
 
+def test_instructions_count_the_blocks_once(planned):
+    assert instructions_text(planned).count(f"{len(planned.steps)} steps: ") == 1
+
+
 def _ends(stages):  # type: ignore[no-untyped-def]
     return [stage for stage in stages if not stage.label.endswith("holding")]
