@@ -85,6 +85,20 @@ def test_a_brief_look_says_yes_with_the_same_forces_and_names_what_falls():
     assert found.falling_names == ("block-1", "block-2", "block-3")
 
 
+def test_a_hasty_look_sees_what_rests_nearby_and_gives_up_the_rest_sooner():
+    whole = try_rest(ARCH, JOINTS)
+    nearly = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 1.0)
+    seen = try_rest(ARCH, JOINTS, nearly, brief=True, hasty=True, start=whole.displacement)
+    assert seen.verdict is Verdict.STABLE
+    falling = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0)
+    hasty, brief = (
+        try_rest(ARCH, JOINTS, falling, brief=True, hasty=quick, start=whole.displacement)
+        for quick in (True, False)
+    )
+    assert hasty.verdict is brief.verdict is Verdict.UNDECIDED
+    assert hasty.iterations < brief.iterations
+
+
 def test_fixed_blocks_rest():
     still = ARCH.with_fixed(range(len(ARCH)))
     assert try_rest(still, JOINTS).verdict is Verdict.STABLE
