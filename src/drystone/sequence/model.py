@@ -20,7 +20,7 @@ from drystone.errors import InputError
 from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.loads import LoadCase
 from drystone.results import Verdict
-from drystone.sequence.judges import SMALL, Check, check_once, glance, glances
+from drystone.sequence.judges import HASTY, Check, check_once, glance, glances
 from drystone.sequence.stages import Answer, Stage, mask_of, members
 
 LOADED = 1e-6
@@ -68,11 +68,6 @@ class Model:
     def everything(self) -> int:
         """All free blocks."""
         return mask_of(self.assembly.free.tolist())
-
-    @property
-    def small(self) -> bool:
-        """Whether a hasty glance is good enough."""
-        return len(self.assembly.free) <= SMALL
 
     @cached_property
     def neighbours(self) -> tuple[int, ...]:
@@ -170,7 +165,9 @@ class Model:
         if part.glance:
             slip = glances(self.judge)[part.glance - 1]
             near = None if start is None else start[blocks]
-            result = glance(some, contacts, load, slip=slip, hasty=self.small, start=near)
+            result = glance(
+                some, contacts, load, slip=slip, hasty=len(self.assembly.free) in HASTY, start=near
+            )
         else:
             result = self.judge(some, contacts, load)
         falling = tuple(int(blocks[i]) for i in result.falling)

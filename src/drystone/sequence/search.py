@@ -22,7 +22,7 @@ from drystone.sequence.bounds import LocalBalance
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.hands import can_hold
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.judges import glances
+from drystone.sequence.judges import HASTY, glances
 from drystone.sequence.rules import Bound
 from drystone.sequence.stages import Answer, Stage, mask_of, members
 from drystone.sequence.states import Cost, Found, Node, SearchOptions
@@ -66,6 +66,7 @@ class Search:
         # a proof that no order is better is not built on glances
         count = 0 if math.isinf(options.patience) else len(glances(self.model.judge))
         self.looks = tuple(range(1, count + 1)) or (0,)
+        self.near = len(self.model.assembly.free) < HASTY.stop
         self.heap: list[tuple[Cost, int, int, int, Node]] = []
         self.pushed = 0
         self.rounds = 0
@@ -136,7 +137,7 @@ class Search:
 
         A second look at a large model starts from nothing: it takes longer, and stands more often.
         """
-        if not glance or node.parent is None or (glance > 1 and not self.model.small):
+        if not glance or node.parent is None or (glance > 1 and not self.near):
             return Stage(node.placed, node.props, glance)
         return Stage(node.placed, node.props, glance, (node.parent.placed, node.parent.props))
 
