@@ -41,7 +41,7 @@ CASES = (
     Case("arch leans", models.arch(0.15, 18), ARCH_FRICTION, Y, 7.0, STABLE),
     Case("arch opens", models.arch(0.15, 18), ARCH_FRICTION, Y, 9.0, UNSTABLE),
     Case("wedge holds", models.wedge("a"), 0.84, (1.0, 0.0, 0.0), 57.0, STABLE),
-    Case("wedge rises", models.wedge("a"), 0.84, Y, 101.0, UNSTABLE),
+    Case("wedge rises", models.wedge("a"), 0.84, Y, 115.0, UNSTABLE),
     Case("H falls", models.h_model(), 0.9, Y, 0.0, UNSTABLE),
 )
 PRESTRESSED = ("wedge rises", "H falls")

@@ -110,9 +110,9 @@ def test_curved_joints_tilt_to_the_published_whole_degree(
 @pytest.mark.parametrize(
     ("kind", "axis", "below", "above"),
     [
-        ("b", X, 57.7, 59.5),
+        ("b", X, 58.0, 59.5),
         ("c", X, 44.0, 44.6),
-        ("b", XY30, 61.0, 64.0),
+        ("b", XY30, 62.0, 67.0),
         ("c", XY30, 48.0, 50.5),
         ("d", XY30, 48.5, 50.5),
     ],
@@ -124,18 +124,16 @@ def test_the_search_finds_rest_where_one_stiffness_has_none(
     assert sides(searched, model, 0.84, axis, below, above) == [Verdict.STABLE, Verdict.UNSTABLE]
 
 
-@pytest.mark.parametrize("tilt", [58.0, 59.5])
-def test_joints_that_give_very_unequally_hold_a_wedge_beyond_the_published_angle(
-    tilt: float,
+@pytest.mark.parametrize(("spread", "stands"), [(1.0, 44.0), (5.0, 53.0), (50.0, 57.0)])
+def test_a_wedge_stands_less_far_on_joints_that_are_more_alike(
+    spread: float, stands: float
 ) -> None:
-    """A checked state at 20 times the least overlap, slides of a few overlaps: kept as found."""
     model = models.wedge("b")
     contacts = find_contacts(model, friction=0.84).contacts
-    options = CheckOptions(samples=0, evenness=0.05, search_tries=32)
-    found = check(model, contacts, LoadCase.tilt(model, X, tilt), options=options)
-    assert found.verdict is Verdict.STABLE
-    assert found.residuals is not None
-    assert found.residuals.largest < 1e-8
+    options = CheckOptions(samples=0, spread=spread)
+    found = check(model, contacts, LoadCase.tilt(model, X, stands), options=options)
+    beyond = check(model, contacts, LoadCase.tilt(model, X, 58.0), options=options)
+    assert (found.verdict, beyond.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
 
 
 @pytest.mark.parametrize(("height", "stands"), [("short", (60, 50, 70)), ("tall", (37, 34, 48))])
@@ -168,10 +166,11 @@ def test_hooked_plank_stands_to_the_published_angle(
 def test_hooked_plank_slides_out_well_above_the_published_angle(
     length: str, friction: float, angle: float
 ) -> None:
-    """It slides along the walls beside it: nothing presses it against them but prestress."""
+    """Turned a little it jams between the walls beside it, but not on joints about alike."""
     model = models.concave(length)  # type: ignore[arg-type]
     contacts = find_contacts(model, friction=friction).contacts
-    found = check(model, contacts, LoadCase.tilt(model, Y, angle))
+    options = CheckOptions(spread=2.0)
+    found = check(model, contacts, LoadCase.tilt(model, Y, angle), options=options)
     assert found.verdict is not Verdict.STABLE
 
 

@@ -1,8 +1,8 @@
 """A motion turned step by step until the forces that agree with it balance the loads.
 
-Forces and motion, linearised together, form a sequence of quadratic programs with a trust region on
-the slides. None guesses a stiffness. How unequally the pressing corners may overlap is an option:
-not at all in eq. 5.6 of Kao et al. 2022.
+Every corner that presses overlaps by the same, as in eq. 5.6 of Kao et al. 2022. Forces and motion,
+linearised together, form a sequence of quadratic programs with a trust region on the slides; none
+guesses a stiffness. :mod:`drystone.formulations.stiffness_range` lets overlaps differ.
 """
 
 from __future__ import annotations
@@ -56,14 +56,11 @@ class StepOptions:
 
     Attributes
     ----------
-    evenness
-        Least overlap of a corner that carries force, by the largest overlap: 1 is eq. 5.6.
     tolerance
         Unbalanced norm, by the norm of the loads, that is an answer.
     iteration_limit
     """
 
-    evenness: float = 1.0
     tolerance: float = 1e-9
     iteration_limit: int = 60
 
@@ -88,24 +85,23 @@ def improve(
     """
     chosen = options if options is not None else StepOptions()
     goal = chosen.tolerance * float(np.linalg.norm(statics.load))
-    levelled = _level(statics, motion, chosen)
+    levelled = _level(statics, motion)
     if levelled is None:
         return CompatibleState(motion, np.zeros((statics.corner_count, 3)), np.inf, 1)
     motion = levelled
-    pressing = _pressing(statics, motion, chosen)
+    pressing = _pressing(statics, motion)
     force, unbalanced = compatible_forces(statics, motion, pressing=pressing)
     trust, steps, idle = 0.5, 1, 0
     while unbalanced > goal and trust > 1e-4 and steps < chosen.iteration_limit and idle < PATIENCE:
         if stop is not None and stop():
             break
-        change = _step(statics, motion, force, pressing, trust, chosen)
+        change = _step(statics, motion, force, pressing, trust)
         steps += 2
         if change is None:
             break
         trial = motion + change
-        if chosen.evenness == 1.0:
-            trial = _sharpened(statics, trial, np.flatnonzero(pressing & (force[:, 0] > 0.0)))
-        may_press = _pressing(statics, trial, chosen)
+        trial = _sharpened(statics, trial, np.flatnonzero(pressing & (force[:, 0] > 0.0)))
+        may_press = _pressing(statics, trial)
         trial_force, left = compatible_forces(statics, trial, pressing=may_press)
         idle = 0 if left < 0.8 * unbalanced else idle + 1
         if left < (1.0 - 1e-4) * unbalanced:
@@ -116,19 +112,19 @@ def improve(
     return CompatibleState(motion, force, unbalanced, steps)
 
 
-def _pressing(statics: Statics, motion: Floats, options: StepOptions) -> Bools:
-    return statics.displacement(motion)[:, 0] <= -options.evenness + LEVEL
+def _pressing(statics: Statics, motion: Floats) -> Bools:
+    return statics.displacement(motion)[:, 0] <= -1.0 + LEVEL
 
 
-def _level(statics: Statics, motion: Floats, options: StepOptions) -> Floats | None:
-    """The nearest motion whose pressing corners overlap by 1, or as nearly so as they must."""
+def _level(statics: Statics, motion: Floats) -> Floats | None:
+    """The nearest motion whose pressing corners overlap by 1."""
     gap = statics.displacement(motion)[:, 0]
     force, _ = compatible_forces(statics, motion)
     loaded = np.flatnonzero(force[:, 0] > 1e-6 * force[:, 0].max(initial=0.0))
     if len(loaded) == 0:
         return None
     weighted = force[loaded, 0] * gap[loaded]
-    unit = float(-weighted.sum() / force[loaded, 0].sum() / np.sqrt(options.evenness))
+    unit = float(-weighted.sum() / force[loaded, 0].sum())
     motion, gap = motion / unit, gap / unit
     size, count, every = 6 * statics.free_count, len(loaded), statics.corner_count
     pull = force[loaded, 0] / force[loaded, 0].mean()
@@ -139,19 +135,18 @@ def _level(statics: Statics, motion: Floats, options: StepOptions) -> Floats | N
     rows.diagonal(0, size, np.full(count, -1.0))
     blocks = CornerBlocks(statics, np.arange(every))
     rows.add(count + blocks.local, blocks.freedom, -blocks.along(NORMAL))
-    equal = options.evenness == 1.0
     cost = np.concatenate([np.full(size, 1e-6), pull])
     solution = solve_conic(
         cost,
         np.zeros(len(cost)),
         rows.csc(),
-        np.concatenate([-options.evenness - gap[loaded], gap + 1.0]),
-        Cones(zero=count, nonnegative=every) if equal else Cones(nonnegative=count + every),
+        np.concatenate([-1.0 - gap[loaded], gap + 1.0]),
+        Cones(zero=count, nonnegative=every),
     )
     if solution.status is not ConicStatus.SOLVED:
         return None
     motion = motion + solution.x[:size].reshape(-1, 6)
-    return _sharpened(statics, motion, loaded) if equal else motion
+    return _sharpened(statics, motion, loaded)
 
 
 def _sharpened(statics: Statics, motion: Floats, corner: Ints) -> Floats:
@@ -169,7 +164,6 @@ def _step(
     force: Floats,
     pressing: Bools,
     trust: float,
-    options: StepOptions,
 ) -> Floats | None:
     """Change of motion (n, 6) that lets forces balance best, to first order."""
     moved = statics.displacement(motion)
@@ -209,18 +203,16 @@ def _step(
     rows.add(first + whole.local, whole.freedom, -whole.along(NORMAL))
     # a corner that hardly slides may turn its slide round
     reach = trust * np.maximum(slide, TURN * slide.mean())
-    equal = options.evenness == 1.0
-    to_go = np.zeros(loads) if equal else -options.evenness - moved[corner[loaded], 0]
     right = np.concatenate(
         [
             -statics.load.ravel(),
-            np.maximum(to_go, 0.0),
+            np.zeros(loads),
             np.zeros(2 * count),
             np.tile(reach, 4),
             np.maximum(moved[:, 0] + 1.0, 0.0),
         ]
     )
-    zero = size + loads if equal else size
+    zero = size + loads
     cost = np.concatenate([np.full(size + 2 * count, 1e-10), np.ones(size)])
     solution = solve_conic(
         cost,

@@ -157,7 +157,7 @@ def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -
         motion = statics.scaled_motion(base.displacement, statics.mean_length)
         found = improve(statics, motion, stop=clock.late)
         yield _examined(problem, found.motion, found.force, found.iterations)
-    for found in Search(problem, clock).states(1.0):
+    for found in Search(problem, clock).level_states():
         yield _examined(problem, found.motion, found.force, found.iterations)
 
 

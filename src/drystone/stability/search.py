@@ -6,21 +6,31 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.linalg import lsmr
 
 from drystone.formulations import compliance
 from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
-from drystone.formulations.improvement import CompatibleState, StepOptions, improve
+from drystone.formulations.improvement import CompatibleState, improve
 from drystone.formulations.rest import find_rest
 from drystone.formulations.rest_state import RestOptions
+from drystone.formulations.stiffness_range import (
+    ALIKE,
+    BALANCED,
+    ROUNDING,
+    RangeOptions,
+    evened,
+    settle,
+    spread_of,
+)
 from drystone.geometry.arrays import Bools, Floats
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem
 
-TRIES_LIMIT = 400
-"""Corners up to which the search also starts from random parts of the corners. Chosen: a start
-takes less than a tenth of a second there."""
+FEW = 24
+"""Corners beyond which fewer random motions are tried, in proportion: what a try takes grows so.
+Fewer still of many blocks: hardly one leads to a state there."""
 
 SEARCH_LIMIT = 4000
 """Corners up to which a state is searched for by convex steps where sampled stiffnesses find none.
@@ -29,6 +39,12 @@ Chosen: one step takes about a second there."""
 SLIDE_LIMIT = 2500.0
 """eta / eps: largest displacement by the overlap of a state that the search may answer with. The
 source uses up to 1000; where two ways to slide meet a state needs a little more."""
+
+CLOSING = 0.02
+"""Overlap of the corners about which a random motion turns, by its largest displacement."""
+
+WIDER = 20.0
+"""Spread to begin with, by what is asked for."""
 
 LEANING = RestOptions(ground=1e-2, tolerance=1e-6)
 """On ground this stiff every model rests, and shows which corners it presses."""
@@ -43,67 +59,97 @@ class Search:
     problem
     clock
     tries
-        Random parts of the corners to start from on small models; four times as many random
-        motions, divided by the number of free blocks, follow.
+        Random motions to start from on small models, fewer on larger ones.
     seed
     iterations
-        Solver steps so far.
+        Convex programs and solver steps so far.
     """
 
     problem: Problem
     clock: Clock
-    tries: int = 8
+    tries: int = 48
     seed: int = 0
     iterations: int = 0
 
-    def states(self, evenness: float) -> Iterator[CompatibleState]:
-        """The end of the steps from every start, most of them no answer."""
-        if self.problem.statics.corner_count > SEARCH_LIMIT:
-            return
-        for motion in self._starts():
-            if self.clock.late():
-                return
-            if motion is not None:
-                yield self.improved(motion, evenness)
+    def states(self, spread: float) -> Iterator[CompatibleState]:
+        """On joints whose stiffnesses differ by no more than a factor, and as little as steps lead.
 
-    def improved(self, motion: Floats, evenness: float) -> CompatibleState:
-        """The steps from one start."""
-        options = StepOptions(evenness=evenness)
-        found = improve(self.problem.statics, motion, options, stop=self.clock.late)
-        self.iterations += found.iterations
-        return found
+        More starts lead to joints that differ more, and from there it is not far.
+        """
+        statics, wider = self.problem.statics, RangeOptions(spread=WIDER * spread)
+        enough = BALANCED * float(np.linalg.norm(statics.load))
+        for motion in self._starts():
+            wide = self._counted(settle(statics, motion, wider, stop=self.clock.late))
+            if wide.unbalanced <= enough:
+                content = min(ALIKE, spread)
+                state = self._counted(evened(statics, wide, content, stop=self.clock.late))
+                if spread_of(statics, state) <= spread * ROUNDING:
+                    yield state
+
+    def level_states(self) -> Iterator[CompatibleState]:
+        """With equal overlaps, as eq. 5.6 asks: the end of the steps from every start."""
+        for motion in self._starts():
+            yield self.levelled(motion)
+
+    def levelled(self, motion: Floats) -> CompatibleState:
+        """The steps from one start, with equal overlaps."""
+        return self._counted(improve(self.problem.statics, motion, stop=self.clock.late))
 
     def slide(self, state: CompatibleState) -> float:
         """Largest displacement of a corner by the largest overlap: eta / eps."""
         return float(np.abs(self.problem.statics.displacement(state.motion)).max(initial=0.0))
 
-    def _starts(self) -> Iterator[Floats | None]:
+    def _counted(self, state: CompatibleState) -> CompatibleState:
+        self.iterations += state.iterations
+        return state
+
+    def _starts(self) -> Iterator[Floats]:
         statics = self.problem.statics
+        if statics.corner_count > SEARCH_LIMIT:
+            return
         springs = compliance.uniform(statics, slip=1.0)
         leaning = find_rest(self.problem.system, springs, LEANING, stop=self.clock.late)
         self.iterations += leaning.iterations
-        yield leaning.motion
+        if not self.clock.late():
+            yield leaning.motion
         pressed = statics.displacement(leaning.motion)[:, 0] < 0.0
-        for corners in (pressed, np.ones_like(pressed), *self._parts_of_corners()):
-            force = self._balanced(corners)
-            yield compatible_motion(statics, force) if force is not None else None
-        if statics.corner_count <= TRIES_LIMIT:
-            # of one block every tenth or so leads to a state where there is one; of many blocks
-            # none to speak of
-            rng = np.random.default_rng(self.seed)
-            for _ in range(4 * self.tries // statics.free_count):
-                yield rng.standard_normal((statics.free_count, 6))
-
-    def _parts_of_corners(self) -> Iterator[Bools]:
-        """Random halves, more or less, of the corners: forces on few of them differ most."""
-        count = self.problem.statics.corner_count
-        if count > TRIES_LIMIT:
-            return
+        for corners in (pressed, np.ones_like(pressed)):
+            force = None if self.clock.late() else self._balanced(corners)
+            motion = None if force is None else compatible_motion(statics, force)
+            if motion is not None:
+                yield motion
         rng = np.random.default_rng(self.seed)
-        for _ in range(self.tries):
-            part = rng.random(count) < rng.uniform(0.4, 0.9)
-            if part.any():
-                yield part
+        few = min(1.0, FEW / statics.corner_count) / statics.free_count
+        for number in range(round(self.tries * few)):
+            if self.clock.late():
+                return
+            yield self._at_random(rng, pivots=number % 2 == 0)
+
+    def _at_random(self, rng: np.random.Generator, *, pivots: bool) -> Floats:
+        """A random motion (n, 6) that yields to the loads; each block about one of its corners.
+
+        The wedges of Kao 2023 close to their limit turn about a corner that hardly slides, or slide
+        on all: of either kind one start in thirty or so leads there.
+        """
+        statics = self.problem.statics
+        motion = rng.standard_normal(6 * statics.free_count)
+        if not pivots:
+            yields = motion @ statics.load.ravel() >= 0.0
+            return (motion if yields else -motion).reshape(-1, 6)
+        corner = np.unique(
+            [
+                rng.choice(np.flatnonzero((statics.block_a == i) | (statics.block_b == i)))
+                for i in range(statics.free_count)
+            ]
+        )
+        rows = statics.matrix_transposed[(3 * corner[:, None] + np.arange(3)).ravel()]
+        motion -= lsmr(rows, rows @ motion)[0]
+        if motion @ statics.load.ravel() < 0.0:
+            motion = -motion
+        moved = np.abs(statics.matrix_transposed @ motion).max(initial=0.0)
+        closing = np.tile([CLOSING * moved, 0.0, 0.0], len(corner))
+        motion -= lsmr(rows, closing)[0]
+        return motion.reshape(-1, 6)
 
     def _balanced(self, corners: Bools) -> Floats | None:
         """Least forces at some of the corners that balance the loads."""

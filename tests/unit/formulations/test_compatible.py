@@ -89,22 +89,21 @@ def test_the_motion_for_balanced_forces_closes_where_they_press():
     assert (statics.displacement(motion)[loaded, 0] < 0.0).all()
 
 
-@pytest.mark.parametrize("evenness", [1.0, 0.5])
-def test_the_state_found_balances_and_overlaps_as_evenly_as_asked(evenness):
-    statics = wedge(58.0)
+def test_the_state_found_balances_and_overlaps_alike():
+    statics = wedge(57.0)
     start = compatible_motion(statics, _balanced(statics))
-    found = improve(statics, start, StepOptions(evenness=evenness))
+    found = improve(statics, start, StepOptions())
     assert found.unbalanced < 1e-8 * np.linalg.norm(statics.load)
     gap = statics.displacement(found.motion)[:, 0]
     loaded = found.force[:, 0] > 0.0
     assert gap.min() > -1.0 - 1e-5
-    assert gap[loaded].max() < -evenness + 1e-5
+    assert gap[loaded].max() < -1.0 + 1e-5
 
 
 def test_nothing_is_found_where_no_forces_balance():
     statics = wedge(22.2, "b", 0.2)
     motion = np.random.default_rng(1).normal(size=(statics.free_count, 6))
-    found = improve(statics, motion, StepOptions(evenness=0.05))
+    found = improve(statics, motion, StepOptions())
     assert found.unbalanced > 1e-4
 
 

@@ -177,7 +177,7 @@ def test_that_nothing_balances_is_proved_where_the_multiplier_is_too_coarse(fric
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"samples": -1}, {"evenness": 0.0}, {"evenness": 1.5}, {"time_limit_s": float("nan")}],
+    [{"samples": -1}, {"spread": 0.5}, {"spread": float("inf")}, {"time_limit_s": float("nan")}],
 )
 def test_options_out_of_range_are_refused(wrong):
     with pytest.raises(InputError):

@@ -1,0 +1,96 @@
+"""Rest on joints of unlike stiffness: the conditions of a state, and how unlike they must be."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drystone import LoadCase, models
+from drystone.detection import find_contacts
+from drystone.formulations.stiffness_range import RangeOptions, evened, settle, spread_of
+from drystone.stability.problem import Problem
+
+
+def leaning_wedge(tilt):
+    model = models.wedge("c")
+    contacts = find_contacts(model, friction=0.84).contacts
+    axis = (1.7320508075688772, 1.0, 0.0)
+    return Problem.build(model, contacts, LoadCase.tilt(model, axis, tilt)).statics
+
+
+def settled(statics, spread, tries=40):
+    """The first balanced state from random motions, or None."""
+    rng = np.random.default_rng(2)
+    for _ in range(tries):
+        found = settle(statics, rng.standard_normal((1, 6)), RangeOptions(spread=spread))
+        if found.unbalanced < 1e-8 * np.linalg.norm(statics.load):
+            return found
+    return None
+
+
+@pytest.fixture(scope="module")
+def statics():
+    return leaning_wedge(48.0)
+
+
+@pytest.fixture(scope="module")
+def state(statics):
+    found = settled(statics, 300.0)
+    assert found is not None
+    return found
+
+
+def test_forces_balance_and_press_only_where_corners_overlap(statics, state):
+    overlap = -statics.displacement(state.motion)[:, 0]
+    assert np.abs(statics.wrench(state.force) + statics.load).max() < 1e-8
+    assert state.force[:, 0].min() > -1e-12
+    assert (state.force[overlap < 0.0] == 0.0).all()
+    assert overlap.max() == pytest.approx(1.0)
+
+
+def test_every_overlapping_corner_presses_within_the_range(statics, state):
+    overlap = -statics.displacement(state.motion)[:, 0]
+    closed = overlap > 1e-6
+    stiffness = state.force[closed, 0] / overlap[closed]
+    assert stiffness.min() > 0.0
+    assert stiffness.max() / stiffness.min() <= 300.0 * (1.0 + 1e-6)
+    assert spread_of(statics, state) == pytest.approx(stiffness.max() / stiffness.min(), rel=1e-3)
+
+
+def test_friction_is_within_its_cone_and_against_the_slide(statics, state):
+    slide = statics.displacement(state.motion)[:, 1:]
+    shear = state.force[:, 1:]
+    size = np.linalg.norm(shear, axis=1)
+    assert (size <= statics.friction * state.force[:, 0] + 1e-9).all()
+    work = (shear * slide).sum(axis=1)
+    assert work == pytest.approx(-size * np.linalg.norm(slide, axis=1), abs=1e-8)
+
+
+def test_stiffnesses_are_brought_closer_as_far_as_they_lead(statics, state):
+    closer = evened(statics, state)
+    assert closer.unbalanced < 1e-8 * np.linalg.norm(statics.load)
+    assert spread_of(statics, closer) < spread_of(statics, state)
+    # half of what it takes there is too little from there
+    within = RangeOptions(spread=0.5 * spread_of(statics, closer))
+    assert settle(statics, closer.motion, within).unbalanced > 1e-6
+
+
+def test_the_size_of_the_start_does_not_matter(statics, state):
+    found = [settle(statics, scale * state.motion) for scale in (1e-3, 1.0, 1e3)]
+    assert all(each.unbalanced < 1e-8 for each in found)
+
+
+def test_no_range_helps_where_no_forces_balance():
+    assert settled(leaning_wedge(52.0), 1e6, tries=10) is None
+
+
+def test_a_motion_that_opens_all_corners_ends_unbalanced(statics):
+    away = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+    found = settle(statics, away)
+    assert found.unbalanced == pytest.approx(np.linalg.norm(statics.load), rel=1.0)
+
+
+def test_stopping_ends_the_steps(statics):
+    motion = np.random.default_rng(3).standard_normal((1, 6))
+    found = settle(statics, motion, stop=lambda: True)
+    assert found.iterations <= 1
