@@ -142,8 +142,11 @@ class RemovalTest:
         key = (block, self.model.neighbours[block] & placed & ~(1 << block))
         if key not in self._free:
             normals = joint_normals(self.model, *key)
-            # most blocks can go straight up, or away from all of their joints
-            quick = np.stack([self.model.up, normals.sum(axis=0)])
+            # most blocks can go straight up, or away from all of their joints; where these face
+            # each other their sum is no direction
+            away = normals.sum(axis=0)
+            length = float(np.linalg.norm(away))
+            quick = np.stack([self.model.up, away] if length > self.tolerance else [self.model.up])
             leaves = bool((normals @ quick.T >= 0.0).all(axis=0).any())
             self._free[key] = leaves or not self.freedom(*key).blocked
         return self._free[key]

@@ -241,7 +241,8 @@ def least_buildable_friction(
 
 
 def _unpropped(plan: Plan) -> bool:
-    return bool(plan.steps) and plan.verdict.value == "stable" and not plan.props
+    helped = plan.props or plan.impossible
+    return bool(plan.steps) and plan.verdict.value == "stable" and not helped
 
 
 __all__ = [

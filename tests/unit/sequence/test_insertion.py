@@ -94,3 +94,12 @@ def test_a_groove_that_is_open_lets_the_key_slide_in():
     found = plan(assembly, find_contacts(assembly).contacts, options=PlanOptions(rules=Rules()))
     assert found.counts["impossible"] == 0
     np.testing.assert_allclose(found.steps[0].motion, [[0.0, -1.0, 0.0]], atol=1e-9)
+
+
+def test_a_block_between_faces_that_pair_off_on_all_sides_is_impossible():
+    places = np.concatenate([np.eye(3), -np.eye(3)])
+    blocks = tuple(box((1.0, 1.0, 1.0), tuple(at), f"side-{i}") for i, at in enumerate(places))
+    closed = Assembly((*blocks, box((1.0, 1.0, 1.0), name="core")), np.arange(7) < 6)
+    found = plan(closed, find_contacts(closed).contacts)
+    assert "block every translation" in found.impossible[6]
+    assert found.counts["free"] == 0

@@ -7,9 +7,10 @@ from functools import partial
 import numpy as np
 import pytest
 
+from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.errors import InputError
-from drystone.models import tower
+from drystone.models import box, tower
 from drystone.models.sequences import leaning_tower
 from drystone.sequence import (
     MarginOptions,
@@ -67,3 +68,14 @@ def test_no_friction_that_lets_it_be_built_is_an_error():
     contacts = find_contacts(assembly, friction=0.6).contacts
     with pytest.raises(InputError, match=r"no plan without props at friction 0\.3"):
         least_buildable_friction(contacts, partial(_plan_of, assembly), upper=0.3)
+
+
+def test_what_cannot_be_put_in_is_built_at_no_friction():
+    places = np.concatenate([np.eye(3), -np.eye(3)])
+    sides = tuple(box((1.0, 1.0, 1.0), tuple(at), f"side-{i}") for i, at in enumerate(places))
+    top = box((1.0, 1.0, 1.0), (0.0, 0.0, 2.0), "top")
+    closed = Assembly((*sides, box((1.0, 1.0, 1.0), name="core"), top), np.arange(8) < 6)
+    contacts = find_contacts(closed).contacts
+    assert plan(closed, contacts).order == ("top",)
+    with pytest.raises(InputError, match="no plan without props"):
+        least_buildable_friction(contacts, partial(plan, closed), upper=0.6)
