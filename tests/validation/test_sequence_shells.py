@@ -5,7 +5,7 @@ import pytest
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION, dome, vault
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
-from drystone.sequence import Plan, PlanOptions, Status, plan
+from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
 
 
 def planned(assembly: Assembly, friction: float) -> Plan:
@@ -51,3 +51,17 @@ def test_deeper_wedges_need_less_help():
     assert shallow["free"] + shallow["held"] + shallow["propped"] == 37
     assert deep == {"support": 15, "free": 37, "held": 0, "propped": 0, "impossible": 0}
     assert shallow["free"] < 37
+
+
+def test_no_block_is_propped_that_stands_without_at_all_of_its_stages():
+    assembly = vault(0.02)
+    contacts = find_contacts(assembly, friction=VAULT_FRICTION).contacts
+    found = plan(assembly, contacts)
+    assert found.props
+    judge = Evaluator(found.model)
+    for prop in found.props:
+        without = [
+            Stage(step.placed, sum(1 << block for block in step.props if block != prop.block))
+            for step in found.steps[prop.first : prop.last + 1]
+        ]
+        assert not all(judge.answer(stage).stands for stage in without)

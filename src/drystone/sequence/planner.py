@@ -17,6 +17,7 @@ from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.evaluation import Evaluator
 from drystone.sequence.exact import search_exactly
+from drystone.sequence.helping import apart, props_in_time
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.judges import Check, check_once
 from drystone.sequence.model import Model
@@ -34,9 +35,6 @@ stages can be seen, 20 for a vault of 40, 13 for a dome of 60, none for one of 4
 
 LISTED = 6
 """Falling blocks that a message names."""
-
-POLISHED = 8
-"""Props of one stage that are tried one by one whether they are needed there."""
 
 
 @dataclass(frozen=True)
@@ -183,10 +181,13 @@ class _Planner:
 
     def describe(self, complete: Answer, found: Found, search: Search) -> Plan:
         path = found.path[::-1]
-        active = self.active_props(path, search)
+        if search.looks != (0,):
+            path = apart(path, search)
+        active = props_in_time(path, search)
         steps = []
         for number in range(1, len(path)):
-            steps.append(self.step(path[number - 1], path[number], active[number]))
+            props = active[number - 1], active[number]
+            steps.append(self.step(path[number - 1], path[number], *props))
             if self.progress is not None:
                 self.progress("verifying stages", number, len(path) - 1)
         impossible = {b: self.bound.reasons[b] for b in members(self.bound.core)}
@@ -196,49 +197,23 @@ class _Planner:
             tuple(steps),
             impossible,
             _message(complete, steps, impossible),
-            found.proved and not impossible,
+            self.proves(complete, found, search, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
         )
 
-    def active_props(self, path: Sequence[Node], search: Search) -> list[int]:
-        """Props at each stage, in the order of assembly: from first to last need, no longer."""
-        needed = [self.needed(node, search) for node in path]
-        ever = 0
-        for mask in needed:
-            ever |= mask
-        active = [0] * len(path)
-        for block in members(ever):
-            when = [i for i, mask in enumerate(needed) if mask >> block & 1]
-            for i in range(when[0], when[-1] + 1):
-                active[i] |= 1 << block
-        look = search.looks[0]
-        stages = [
-            Stage(node.placed, mask, look, (node.placed, node.props) if look else None)
-            for node, mask in zip(path, active, strict=True)
-        ]
-        answers = self.evaluator.answers(stages)
-        return [
-            mask if answer.stands else least
-            for mask, answer, least in zip(active, answers, needed, strict=True)
-        ]
+    def proves(self, complete: Answer, found: Found, search: Search, steps: list[Step]) -> bool:
+        """Whether no order can need less help: there is none, or the search left nothing out."""
+        props = {block for step in steps for block in step.props}
+        together = sum(len(step.blocks) - 1 for step in steps)
+        if self.bound.core:
+            return False
+        if together == 0 and len(props) <= (0 if complete.stands else 1):
+            return True
+        # what a glance does not let stand may stand, and other props may hold what is complete
+        return found.proved and search.looks == (0,) and complete.stands
 
-    def needed(self, node: Node, search: Search) -> int:
-        """Props of a stage without which it falls, tried one by one where there are few."""
-        mask = node.props
-        certain = mask_of(search.local.unbalanced(mask, node.placed))
-        if mask == certain:
-            return mask
-        if not certain and search.look(replace(node, props=0)).stands:
-            return 0
-        doubtful = mask & ~certain
-        if doubtful.bit_count() <= POLISHED:
-            for block in members(doubtful):
-                if search.look(replace(node, props=mask & ~(1 << block))).stands:
-                    mask &= ~(1 << block)
-        return mask
-
-    def step(self, before: Node, after: Node, props: int) -> Step:
+    def step(self, before: Node, after: Node, standing: int, props: int) -> Step:
         """Assembly from one stage to the next; the group of the search left in reverse."""
         blocks = before.group[::-1]
         during = []
@@ -246,7 +221,7 @@ class _Planner:
         for number, block in enumerate(blocks[:-1]):
             placed |= 1 << block
             held = mask_of(blocks[: number + 1])
-            stage = Stage(placed, held | (props | before.props) & placed)
+            stage = Stage(placed, held | (props | standing) & placed)
             during.append(self.evaluator.answer(stage, forces=True))
         placed = before.placed
         motion = []

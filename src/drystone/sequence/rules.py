@@ -19,6 +19,10 @@ COURSE = re.compile(r"^[A-Za-z]+[-_]?(\d+)[-_.]")
 """Names such as ``c06-b03`` tell their course."""
 
 
+COUNTLESS = 10**9
+"""Hands beyond which a block is not counted any further."""
+
+
 class Order(enum.Enum):
     """In which order blocks are tried for removal; assembly runs the other way."""
 
@@ -99,8 +103,9 @@ def bind(rules: Rules, model: Model, removal: RemovalTest) -> Bound:
     if not rules.payload > 0.0:
         raise InputError(f"is {rules.payload} kg", where="payload", remedy="give more than zero")
     after = _after(rules, model)
-    lifters = np.maximum(1, np.ceil(model.assembly.mass / rules.payload * (1.0 - 1e-12)))
-    lifters = lifters.astype(np.intp)
+    with np.errstate(over="ignore"):  # a payload of next to nothing
+        needed = np.ceil(model.assembly.mass / rules.payload * (1.0 - 1e-12))
+    lifters = np.clip(needed, 1, COUNTLESS).astype(np.intp)
     core, reasons = _locked(model, removal, after, lifters, rules.hands)
     level = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
     return Bound(rules, after, removal_rank(rules.order, model), level, lifters, core, reasons)

@@ -6,7 +6,7 @@ import pytest
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.errors import InputError
-from drystone.models import arch, box, corbelled_wall, tower
+from drystone.models import arch, box, bridge, corbelled_wall, tower
 from drystone.results import Verdict
 from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
 
@@ -134,3 +134,37 @@ def test_a_block_too_heavy_for_all_hands_is_impossible():
 def test_a_plan_is_neither_true_nor_false():
     with pytest.raises(TypeError, match="verdict"):
         bool(planned(tower(2)))
+
+
+def test_hands_that_can_lift_next_to_nothing_place_nothing():
+    found = planned(tower(3), rules=Rules(payload=1e-300))
+    assert found.counts["impossible"] == 2
+    assert "too heavy" in found.impossible[1]
+
+
+def test_a_plan_that_needs_help_is_proved_by_the_exact_search_only():
+    quick, best = (
+        planned(arch(0.3, 7), 0.4, rules=Rules(hands=1), exact=exact) for exact in (False, True)
+    )
+    assert len(quick.props) == len(best.props) == 4
+    assert not quick.proved
+    assert best.proved
+
+
+def test_props_that_stay_for_good_are_not_proved_to_be_the_fewest():
+    # each of two planks beyond its support needs a prop
+    blocks = [box((1.0, 1.0, 1.0), (0.0, y, 0.0), f"base-{y}") for y in (0, 2)]
+    blocks += [box((1.0, 1.0, 0.2), (0.6, y, 1.0), f"plank-{y}") for y in (0, 2)]
+    two = Assembly(tuple(blocks), np.array([True, True, False, False]))
+    found = planned(two, anyway=True, exact=True)
+    assert found.counts["propped"] == 2
+    assert not found.proved
+    assert planned(two.without(["plank-2"]), anyway=True).proved
+
+
+def test_what_stands_alone_is_not_placed_together():
+    # the key of this bridge slides out, but its arms lie flat, each block on the one below
+    found = planned(bridge(), 0.1, anyway=True)
+    assert found.counts["held"] == 0
+    assert found.counts["free"] == 6
+    assert [found.model.assembly.names[prop.block] for prop in found.props] == ["key"]
