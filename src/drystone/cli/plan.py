@@ -228,6 +228,17 @@ def _executor(workers: int, dask: str | None) -> Executor | ExecutorFactory | No
     return LocalWorkers(workers)
 
 
+def _show_impossible(data: Mapping[str, Any]) -> None:
+    from rich.markup import escape
+
+    console = output.console()
+    rows = [block for block in data["blocks"] if block["status"] == "impossible"]
+    for row in rows[:LISTED]:
+        console.print(f"[magenta]impossible:[/] {escape(row['block'])}: {row['why']}")
+    if len(rows) > LISTED:
+        console.print(f"[dim]and {len(rows) - LISTED} more (--json lists all)[/]")
+
+
 def _show(data: Mapping[str, Any], found: Plan) -> None:
     from rich.markup import escape
     from rich.table import Table
@@ -237,6 +248,7 @@ def _show(data: Mapping[str, Any], found: Plan) -> None:
     if not found.steps:
         console.print(f"[bold red]NO PLAN[/]  {escape(str(data['model']))}")
         console.print(escape(data["message"]))
+        _show_impossible(data)
         return
     console.print(
         f"[bold]{counted(len(data['steps']), 'step')}[/]  {escape(str(data['model']))}  "
@@ -256,9 +268,7 @@ def _show(data: Mapping[str, Any], found: Plan) -> None:
     console.print(table)
     if len(rows) > LISTED:
         console.print(f"[dim]and {len(rows) - LISTED} more (--json lists all)[/]")
-    for block in data["blocks"]:
-        if block["status"] == "impossible":
-            console.print(f"[magenta]impossible:[/] {escape(block['block'])}: {block['why']}")
+    _show_impossible(data)
     if data["margins"] is not None:
         weakest = data["margins"]["weakest"]
         console.print(

@@ -135,3 +135,10 @@ def test_a_load_case_of_the_file_can_be_chosen(tmp_path, capsys):
     assert answer(capsys, str(path), "--case", "pushed")[1]["steps"] == []
     assert main(["plan", str(path), "--case", "wind"]) == 2
     assert "no load case is called 'wind'" in capsys.readouterr().err
+
+
+def test_a_person_reads_why_no_block_can_be_put_in(stack, capsys):
+    assert main(["plan", stack, "--payload", "1"]) == 1
+    out = capsys.readouterr().out
+    assert "NO PLAN" in out
+    assert "impossible: block-1: too heavy" in out
