@@ -221,7 +221,8 @@ def _fronts(
                 entry,
                 place[row[entry]],
                 place[column[entry]],
-                tuple((c, place[boundaries[c]].copy()) for c in children),
+                # one without a boundary is a part by itself, and leaves nothing behind
+                tuple((c, place[boundaries[c]].copy()) for c in children if len(boundaries[c])),
             )
         )
     return fronts

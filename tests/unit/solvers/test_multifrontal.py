@@ -30,6 +30,20 @@ def test_solution_is_that_of_the_dense_matrix(count, reach):
     assert np.allclose(dense @ factor.solve(right).ravel(), right.ravel(), atol=1e-9)
 
 
+@pytest.mark.parametrize("last", range(59))
+def test_parts_that_nothing_couples_are_solved_side_by_side(last):
+    # a chain of 60 nodes, broken after one of them: some part ends where no separator is
+    link = np.delete(np.arange(59), last)
+    row = np.concatenate([np.arange(60), link, link + 1])
+    column = np.concatenate([np.arange(60), link + 1, link])
+    blocks = np.where(row == column, 4.0, -1.0)[:, None, None]
+    position = np.column_stack([np.arange(60.0), np.zeros(60), np.zeros(60)])
+    dense = np.zeros((60, 60))
+    dense[row, column] = blocks[:, 0, 0]
+    x = BlockOrdering(position, row, column, 1).factorise(blocks).solve(np.ones((60, 1)))
+    np.testing.assert_allclose(dense @ x.ravel(), 1.0, atol=1e-12)
+
+
 def test_every_node_is_eliminated_once_after_all_its_children():
     rng = np.random.default_rng(5)
     position, row, column, _, _ = random_system(200, 1, rng, 0.2)
