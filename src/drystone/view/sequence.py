@@ -9,6 +9,7 @@ from os import PathLike
 
 import numpy as np
 
+from drystone.assembly import Block
 from drystone.contacts import Contacts
 from drystone.geometry.arrays import Floats, Ints
 from drystone.io.files import write_bytes
@@ -23,6 +24,9 @@ from drystone.view.staging import force_layers, interface_layers
 MOST_ARROWS = 200_000
 """Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
 stays below 20 MB."""
+
+ALIKE = 0.9
+"""Cosine of the angle up to which faces are one side of a block to a reader."""
 
 STATE_OF = {
     Status.SUPPORT: State.SUPPORT,
@@ -225,6 +229,26 @@ def _row(plan: Plan, step: Step) -> str:
     return "".join(rows)
 
 
+def shown_middle(block: Block, toward: Floats) -> Floats:
+    """Middle (3,) of the side of a block that an eye in some direction sees most of.
+
+    A side is the face with the largest picture and those that turn as it does, within ALIKE.
+    """
+    triangles = np.array(
+        [
+            block.vertices[[face[0], face[i], face[i + 1]]]
+            for face in block.faces
+            for i in range(1, len(face) - 1)
+        ]
+    )
+    normal = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    largest = normal[int(np.argmax(normal @ toward))]
+    alike = normal @ largest > ALIKE * np.linalg.norm(normal, axis=1) * np.linalg.norm(largest)
+    weight = np.where(alike, normal @ toward, 0.0)
+    middle: Floats = weight @ triangles.mean(axis=1) / weight.sum()
+    return middle
+
+
 def _numbered_drawing(plan: Plan) -> str:
     """Inline SVG of the complete structure with a number at every planned block."""
     # what the summary says stands above the drawing
@@ -236,12 +260,9 @@ def _numbered_drawing(plan: Plan) -> str:
     right /= np.linalg.norm(right)
     paper = np.stack([right, np.cross(scene.toward, right)])
     numbers = block_numbers(plan)
-    # the middle of the part of a block nearest to the eye is where its number is looked for
     for block, number in numbers.items():
-        vertices = plan.model.assembly.blocks[block].vertices
-        depth = vertices @ scene.toward
-        near = vertices[depth >= np.median(depth)].mean(axis=0)
-        x, y = (near - scene.centre) @ paper.T
+        middle = shown_middle(plan.model.assembly.blocks[block], scene.toward)
+        x, y = (middle - scene.centre) @ paper.T
         axes.text(
             x, y, str(number), ha="center", va="center", fontsize=7, zorder=1e6,
             bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.75, "lw": 0},
@@ -252,4 +273,4 @@ def _numbered_drawing(plan: Plan) -> str:
     return drawn[drawn.index("<svg") :]
 
 
-__all__ = ["block_numbers", "instructions_text", "plan_scene", "save_instructions"]
+__all__ = ["block_numbers", "instructions_text", "plan_scene", "save_instructions", "shown_middle"]

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from drystone.detection import find_contacts
-from drystone.models import arch
+from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
 from drystone.view import State, page_text
-from drystone.view.sequence import block_numbers, instructions_text, plan_scene
+from drystone.view.sequence import block_numbers, instructions_text, plan_scene, shown_middle
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +77,16 @@ def test_instructions_number_the_blocks_in_order_and_need_nothing_else(planned):
 
 def test_instructions_count_the_blocks_once(planned):
     assert instructions_text(planned).count(f"{len(planned.steps)} steps: ") == 1
+
+
+def test_a_number_lies_on_the_side_of_its_block_that_is_seen():
+    # a wedge of which four of six vertices are near, on the slope that faces up and to the left
+    ramp = prism([(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)], (0.0, 1.0), "ramp")
+    slope = np.array([-1.0, 0.0, 2.0]) / np.sqrt(5.0)
+    np.testing.assert_allclose(shown_middle(ramp, slope), [1.0, 0.5, 0.5], atol=1e-9)
+    np.testing.assert_allclose(
+        shown_middle(box((1.0, 2.0, 3.0)), np.array([0.1, -0.9, 0.2])), [0.5, 0.0, 1.5], atol=1e-9
+    )
 
 
 def _ends(stages):  # type: ignore[no-untyped-def]
