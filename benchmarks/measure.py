@@ -35,6 +35,8 @@ BALANCE = 1e-6
 """The same for forces of an interior point method, which end at its tolerance."""
 ENOUGH_S = 0.5
 """Runs are repeated until they took so long together; at least once, at most 20 times."""
+UNIFORM = CheckOptions(samples=0, search=False)
+"""The verdict with uniform stiffness: forces and motion, or a mechanism or first motion."""
 ARCH_LIMIT = 8.2
 """[degrees], Kao 2023; checked to its last digit."""
 
@@ -118,6 +120,7 @@ def measure(work: Workload, whole: bool, enough_s: float = ENOUGH_S) -> dict[str
     if whole and work.task is Task.VERDICT:
         full, row["whole_s"] = timed(lambda: check(assembly, contacts, load), enough_s)
         row["whole_verdict"] = full.verdict.value
+        row["right"] = row["right"] and full.verdict is work.expected
         row["samples"] = f"{full.samples.standing} of {full.samples.tried}"
     return row
 
@@ -127,7 +130,7 @@ def _question(
 ) -> Callable[[], Result]:
     if work.task is Task.BALANCE:
         return lambda: solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility())
-    return lambda: check(assembly, contacts, load, options=CheckOptions(samples=0))
+    return lambda: check(assembly, contacts, load, options=UNIFORM)
 
 
 def _share(result: Result, phase: str) -> float:

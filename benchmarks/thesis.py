@@ -191,7 +191,9 @@ bisection; 180 where it never falls.
 Published: Kao 2023 (doctoral dissertation, ETH Zurich), which takes 3DEC as its reference. Ours:
 RBE with the eight-sided pyramid around the cone, as in the source, and with the exact cone; a state
 of rest with uniform contact stiffness (what a discrete-element program would see); a state of rest
-with some contact stiffness, found by a search; and the conditions of eq. 5.6.
+with some contact stiffness, no corner more than 200 times as stiff as another, found by a search;
+and the conditions of eq. 5.6. The hooked planks show how much the joints decide: turned a little
+they jam between their walls where one corner is 3 to 10 times as stiff as another.
 
 Aims: RBE with the octagon within 0.2 of the published RBE (which is cut to whole degrees in many
 places); eq. 5.6 within 1 degree of the published CRA; 3DEC between uniform stiffness and search, to

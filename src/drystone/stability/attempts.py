@@ -96,6 +96,8 @@ class Attempts:
     clock
     standing, falling
         What proves that it stands, and what shows it falling; other tries show nothing.
+    stalled : (n, 6) each
+        Scaled motions at which the iteration, not the structure, gave way: hardly a load is left.
     tried
         Number of stiffness distributions; one that was broken off is not among them.
     iterations
@@ -108,6 +110,7 @@ class Attempts:
     clock: Clock
     standing: list[Candidate] = field(default_factory=list)
     falling: list[Falling] = field(default_factory=list)
+    stalled: list[Floats] = field(default_factory=list)
     tried: int = 0
     iterations: int = 0
     checking_s: float = 0.0
@@ -140,6 +143,8 @@ class Attempts:
             self.standing.append(candidate)
         elif falls:
             self.falling.append(Falling(state, springs, candidate.force, candidate.residuals))
+        elif min(most, self.problem.ground_share(final.ground).max()) < CLEARLY:
+            self.stalled.extend(each.motion for each in {id(s): s for s in (state, final)}.values())
         return candidate
 
     def nearby(self, springs: Compliance, start: Start) -> Candidate | None:

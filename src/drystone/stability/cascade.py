@@ -182,6 +182,7 @@ class Cascade:
             self.clock,
             tries=self.options.search_tries,
             seed=self.options.seed,
+            first=self.attempts.stalled,
         )
         try:
             for state in look.states(self.options.spread):

@@ -156,3 +156,18 @@ def test_out_of_time_is_undecided_with_a_reason(analyse):
     result = analyse(model, find_contacts(model, friction=0.9).contacts)
     assert result.verdict is Verdict.UNDECIDED
     assert result.message
+
+
+@pytest.mark.parametrize(
+    ("friction", "axis", "tilt"),
+    [(1.095, (-0.685, 0.259, -0.574), 67.41), (0.833, (0.721, 1.29, 0.415), 117.62)],
+)
+def test_where_the_iteration_stalls_next_to_rest_convex_steps_end_it(friction, axis, tilt):
+    """Wedged pieces on slanted joints: no stiffness is followed to the end."""
+    model = models.shelf()
+    contacts = find_contacts(model, friction=friction).contacts
+    found = check(model, contacts, LoadCase.tilt(model, axis, tilt))
+    assert found.samples.standing == 0
+    assert found.verdict is Verdict.STABLE
+    assert found.residuals is not None
+    assert found.residuals.largest < 1e-8
