@@ -128,6 +128,9 @@ class Result:
         Positions of the blocks that fall; in the penalty form those that need help, neediest first.
     eta
         Largest displacement of a corner by the common overlap, where eq. 5.6 is met.
+    spread
+        How many times as stiff as another a corner has to be, as far as the search could tell,
+        where none of the stiffnesses tried leads to rest.
     stopped
         Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
         where nothing was left out.
@@ -148,6 +151,7 @@ class Result:
     samples: Samples = field(default_factory=Samples)
     residuals: Residuals | None = None
     eta: float | None = None
+    spread: float | None = None
     stopped: str = ""
     options: Any = None
     solver: str = ""

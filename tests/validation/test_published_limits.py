@@ -134,6 +134,9 @@ def test_a_wedge_stands_less_far_on_joints_that_are_more_alike(
     found = check(model, contacts, LoadCase.tilt(model, X, stands), options=options)
     beyond = check(model, contacts, LoadCase.tilt(model, X, 58.0), options=options)
     assert (found.verdict, beyond.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
+    assert found.spread is not None
+    assert found.spread <= 1.01 * spread
+    assert beyond.spread is None
 
 
 @pytest.mark.parametrize(("height", "stands"), [("short", (60, 50, 70)), ("tall", (37, 34, 48))])

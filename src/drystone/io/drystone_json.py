@@ -32,7 +32,7 @@ ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop"
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
-    *("stopped", "options", "solver", "iterations", "time_s"),
+    *("spread", "stopped", "options", "solver", "iterations", "time_s"),
 )
 HEAVIEST = 1e9
 """[kg/m3], chosen: more than any matter; keeps products of masses finite."""
@@ -188,6 +188,7 @@ def _result(
         mechanism=array("mechanism"),
         prop=array("prop"),
         eta=field["eta"].number() if field.has("eta") else None,
+        spread=field["spread"].number() if field.has("spread") else None,
         stopped=field.get("stopped", "").text(),
     )
 

@@ -241,7 +241,8 @@ class Cascade:
     def _sensitive(self, found: Candidate) -> Result:
         how = "eq. 5.6 is met"
         if not self.level:
-            how = f"it can rest where one joint is {self.spread:.0f} times as stiff as another"
+            times = f"{self.spread:.0f}" if self.spread >= 10.0 else f"{self.spread:.1f}"
+            how = f"it can rest where one joint is {times} times as stiff as another"
         return self._answer(
             Verdict.STABLE,
             f"{how}, but none of {self.attempts.tried} contact stiffnesses tried leads to rest: "
@@ -249,6 +250,7 @@ class Cascade:
             force=found.force,
             displacement=found.displacement,
             residuals=found.residuals,
+            spread=self.spread,
         )
 
     def _first_motion(self) -> Result:
