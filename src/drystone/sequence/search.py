@@ -67,6 +67,7 @@ class Search:
         count = 0 if math.isinf(options.patience) else len(glances(self.model.judge))
         self.looks = tuple(range(1, count + 1)) or (0,)
         self.near = len(self.model.assembly.free) < HASTY.stop
+        self.small = len(self.model.assembly.free) < HASTY.start
         self.heap: list[tuple[Cost, int, int, int, Node]] = []
         self.pushed = 0
         self.rounds = 0
@@ -81,7 +82,7 @@ class Search:
         while self.heap:
             node = heapq.heappop(self.heap)[-1]
             before = self.evaluator.solved
-            answer = self.look(node)
+            answer = self.look_well(node) if self.small else self.look(node)
             waited += max(LOOK, self.evaluator.solved - before)
             stands = answer.stands and self.can_hold(node)
             key = (node.placed, node.props, frozenset(() if stands else node.group))

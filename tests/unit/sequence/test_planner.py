@@ -168,3 +168,21 @@ def test_what_stands_alone_is_not_placed_together():
     assert found.counts["held"] == 0
     assert found.counts["free"] == 6
     assert [found.model.assembly.names[prop.block] for prop in found.props] == ["key"]
+
+
+def test_a_small_heap_is_looked_at_until_it_stands_or_no_look_is_left():
+    # a glance that ends early lets half of these stages fall, and does not tell which blocks do
+    corners = [
+        ((-4.0, -1.0, -0.5), (4.0, 3.0, 0.0)),
+        ((-0.88, 0.72, 0.0), (-0.08, 1.51, 0.32)),
+        ((-0.16, 0.66, 0.32), (0.6, 1.54, 0.71)),
+        ((-0.74, 0.62, 0.71), (1.19, 1.51, 1.14)),
+        ((-1.85, 0.57, 1.14), (0.09, 1.54, 1.46)),
+        ((-0.78, 0.53, 1.46), (0.86, 1.55, 1.96)),
+    ]
+    blocks = [
+        box(tuple(np.subtract(high, low)), low, f"b{i}") for i, (low, high) in enumerate(corners)
+    ]
+    heap = Assembly(tuple(blocks), np.arange(6) == 0)
+    quick, best = (planned(heap, 0.2, rules=Rules(hands=1), exact=exact) for exact in (False, True))
+    assert len(quick.props) == len(best.props) == 2
