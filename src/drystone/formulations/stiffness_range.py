@@ -19,12 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.formulations.compatible import compatible_forces, slide_directions
-from drystone.formulations.compliance import corner_load, wrench_size
-from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.formulations.improvement import TURN, CompatibleState
-from drystone.geometry.arrays import Floats, Ints
-from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
-from drystone.solvers.triplets import Triplets
+from drystone.formulations.improvement import CompatibleState
+from drystone.formulations.range_program import Reach, least_lack
+from drystone.geometry.arrays import Floats
 from drystone.statics import Statics
 
 TOUCHING = 1e-7
@@ -38,9 +35,6 @@ BALANCED = 1e-8
 
 LOADED = 1e-6
 """Forces below this share of the largest say nothing of the stiffness of their joint."""
-
-DEAR = 3.0
-"""What load left unbalanced costs, by its share of a block's load, where cohesion costs 1."""
 
 SOFT = 1.0 / 3.0
 """Stiffness at the beginning, by the middle of the range: motions led from the stiffer side of the
@@ -150,24 +144,6 @@ class _Point:
     lack: float
 
 
-@dataclass(frozen=True, eq=False)
-class _Reach:
-    """Forces (k, 3) whose friction turns, and how far slides may change."""
-
-    force: Floats
-    trust: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """Change of motion (n, 6), normal forces and shear of some corners, and what they lack."""
-
-    change: Floats
-    normal: Floats
-    shear: Floats
-    lack: float
-
-
 class _Turning:
     """Steps of one model. Motions are in units in which the softest joint has a stiffness of 1."""
 
@@ -177,9 +153,6 @@ class _Turning:
         self.statics = statics
         self.options = options
         self.stop = stop
-        self.share = corner_load(statics)
-        load = wrench_size(statics.load)
-        self.dear = np.repeat(DEAR / np.where(load > 0.0, load, 1.0), 6)
         self.programs = 0
 
     def run(self, start: Floats) -> CompatibleState:
@@ -233,7 +206,8 @@ class _Turning:
         moved = statics.displacement(motion)
         corner = np.flatnonzero(moved[:, 0] < 0.0)
         force = np.zeros((statics.corner_count, 3))
-        found = self._solved(moved, corner, None, 1e-10)
+        self.programs += 1
+        found = least_lack(statics, moved, corner, self.options.spread, stop=self.stop)
         if found is None:
             return _Point(motion, force, np.inf)
         force[corner, 0] = found.normal
@@ -247,80 +221,14 @@ class _Turning:
         corner = np.flatnonzero(moved[:, 0] < (touching if joining else -touching))
         if len(corner) == 0:
             return None
-        found = self._solved(moved, corner, _Reach(point.force, trust), 1e-8)
-        return None if found is None else found.change
-
-    def _solved(
-        self, moved: Floats, corner: Ints, reach: _Reach | None, tolerance: float
-    ) -> _Found | None:
-        """The least lack with forces at some corners, and within reach with a change of motion."""
-        statics, spread = self.statics, self.options.spread
-        count, wrenches = len(corner), 6 * statics.free_count
-        elsewhere = np.ones(statics.corner_count, dtype=bool)
-        elsewhere[corner] = False
-        others = np.flatnonzero(elsewhere)
-        moves, turns, opens = (0, 0, 0) if reach is None else (wrenches, 4 * count, len(others))
-        # unknowns: change of motion, normal forces, shear, cohesion, unbalanced rest up and down
-        normal, shear, cohesion = moves, moves + count, moves + 2 * count
-        rest = cohesion + 1
-        bounds = 4 * count + 1 + 2 * wrenches
-        rows = Triplets(wrenches + bounds + turns + opens, rest + 2 * wrenches)
-        blocks = CornerBlocks(statics, corner)
-        closing = blocks.along(NORMAL)
-        direction = slide_directions(moved)[corner]
-        along = blocks.along(np.concatenate([np.zeros((count, 1)), direction], axis=1))
-        rows.add(blocks.freedom, normal + blocks.local, closing)
-        rows.add(blocks.freedom, shear + blocks.local, -along)
-        rows.diagonal(0, rest, np.ones(wrenches))
-        rows.diagonal(0, rest + wrenches, np.full(wrenches, -1.0))
-        # shear is not below zero, nor beyond friction and cohesion; forces agree with overlaps
-        every, first = np.arange(count), wrenches
-        rows.diagonal(first, shear, np.full(count, -1.0))
-        first += count
-        rows.diagonal(first, shear, np.ones(count))
-        rows.diagonal(first, normal, -statics.friction[corner])
-        rows.add(first + every, np.full(count, cohesion), -self.share[corner])
-        first += count
-        rows.diagonal(first, normal, np.full(count, -1.0))
-        rows.diagonal(first + count, normal, np.ones(count))
-        overlap = np.maximum(-moved[corner, 0], 0.0)
-        right = [-statics.load.ravel(), np.zeros(2 * count), -overlap, spread * overlap]
-        right.append(np.zeros(1 + 2 * wrenches))
-        rows.diagonal(first + 2 * count, cohesion, np.full(1 + 2 * wrenches, -1.0))
-        if reach is not None:
-            rows.add(first + blocks.local, blocks.freedom, -closing)
-            rows.add(first + count + blocks.local, blocks.freedom, spread * closing)
-            first += 2 * count + 1 + 2 * wrenches
-            # turning the slide of a corner turns its friction
-            slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
-            across = np.stack([np.zeros(count), -direction[:, 1], direction[:, 0]], axis=1)
-            sideways = blocks.along(across)
-            held = np.linalg.norm(reach.force[corner, 1:], axis=1) / slide
-            rows.add(*blocks.crossed(-sideways * held[blocks.local], sideways))
-            # a corner that hardly slides may turn its slide round
-            right.append(np.tile(reach.trust * np.maximum(slide, TURN * slide.mean()), 4))
-            for axis in (1, 2):
-                values = blocks.along(np.eye(3)[axis])
-                for sign in (1.0, -1.0):
-                    rows.add(first + blocks.local, blocks.freedom, sign * values)
-                    first += count
-            opening = CornerBlocks(statics, others)
-            rows.add(first + opening.local, opening.freedom, -opening.along(NORMAL))
-            right.append(np.maximum(moved[others, 0], 0.0))
-        cost = np.concatenate([np.zeros(cohesion), [1.0], self.dear, self.dear])
         self.programs += 1
-        solution = solve_conic(
-            np.concatenate(
-                [np.full(moves, 1e-10), np.full(2 * count, 1e-10), np.zeros(1 + 2 * wrenches)]
-            ),
-            cost,
-            rows.csc(),
-            np.concatenate(right),
-            Cones(zero=wrenches, nonnegative=bounds + turns + opens),
-            ConicOptions(tolerance=tolerance),
+        found = least_lack(
+            self.statics,
+            moved,
+            corner,
+            self.options.spread,
+            Reach(point.force, trust),
+            tolerance=1e-8,
             stop=self.stop,
         )
-        if solution.status is not ConicStatus.SOLVED:
-            return None
-        x = solution.x
-        return _Found(x[:moves].reshape(-1, 6), x[normal:shear], x[shear:cohesion], float(cost @ x))
+        return None if found is None else found.change

@@ -2,8 +2,9 @@
 
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
-from drystone.stability.check import CheckOptions, check
+from drystone.stability.check import check
 from drystone.stability.cra import CRAOptions, solve_cra
+from drystone.stability.options import CheckOptions
 from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
 from drystone.stability.rbe import RBEOptions, solve_rbe
 from drystone.stability.resting import try_rest

@@ -9,7 +9,8 @@ from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.progress import Progress
 from drystone.results import Result
-from drystone.stability.cascade import Cascade, CheckOptions
+from drystone.stability.cascade import Cascade
+from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 
 

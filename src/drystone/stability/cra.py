@@ -18,7 +18,8 @@ from drystone.formulations.rest_state import RestOptions
 from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Verdict
-from drystone.stability.cascade import Cascade, CheckOptions
+from drystone.stability.cascade import Cascade
+from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.search import SEARCH_LIMIT, Search
 

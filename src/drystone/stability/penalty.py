@@ -17,7 +17,8 @@ from drystone.formulations.rest_state import RestOptions
 from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
 from drystone.stability.attempts import TO_REST
-from drystone.stability.cascade import Cascade, CheckOptions
+from drystone.stability.cascade import Cascade
+from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.statics import Statics

@@ -7,6 +7,7 @@ import pytest
 
 from drystone import LoadCase, models
 from drystone.detection import find_contacts
+from drystone.formulations.range_program import Reach, least_lack
 from drystone.formulations.stiffness_range import RangeOptions, evened, settle, spread_of
 from drystone.stability.problem import Problem
 
@@ -94,3 +95,27 @@ def test_stopping_ends_the_steps(statics):
     motion = np.random.default_rng(3).standard_normal((1, 6))
     found = settle(statics, motion, stop=lambda: True)
     assert found.iterations <= 1
+
+
+def test_what_a_step_promises_comes_true_because_friction_turns_with_the_slide(statics, state):
+    """The program's derivative against a finite difference, and against one without the turn."""
+    rng = np.random.default_rng(8)
+    motion = state.motion + 0.3 * rng.standard_normal((1, 6)) * np.abs(state.motion).mean()
+    motion = motion * 1e-2 / np.abs(statics.displacement(motion)[:, 0]).max()
+    moved = statics.displacement(motion)
+    corner = np.flatnonzero(moved[:, 0] < 0.0)
+    held = least_lack(statics, moved, corner, 1e4)
+    assert held is not None
+    slide = moved[corner, 1:]
+    force = np.zeros((statics.corner_count, 3))
+    force[corner, 1:] = -(held.shear / np.linalg.norm(slide, axis=1))[:, None] * slide
+
+    def error(friction):
+        step = least_lack(statics, moved, corner, 1e4, Reach(friction, 0.1))
+        assert step is not None
+        after = least_lack(statics, statics.displacement(motion + step.change), corner, 1e4)
+        assert after is not None
+        return abs(after.lack - step.lack) / (held.lack - step.lack)
+
+    assert error(force) < 0.01
+    assert error(0.0 * force) > 0.1
