@@ -12,6 +12,7 @@ import numpy as np
 
 from drystone.geometry.arrays import Floats
 from drystone.results import Verdict
+from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.model import Model
 from drystone.sequence.stages import Answer, members
 
@@ -180,6 +181,19 @@ class Plan:
         together = () if step is None else self.steps[step].blocks
         return tuple(b for b in together if b != block)
 
+    def directions(self, number: int) -> tuple[Floats, ...]:
+        """Per block of a step (g, 3) unit: it can be moved in along sums of these, factors >= 0.
+
+        Its joints with what is in place by then block every other translation.
+        """
+        removal = RemovalTest(self.model)
+        placed = placed_before(self, number)
+        out = []
+        for block in self.steps[number].blocks:
+            out.append(0.0 - removal.freedom(block, placed).generators)
+            placed |= 1 << block
+        return tuple(out)
+
     @property
     def counts(self) -> dict[str, int]:
         """Number of blocks of each status; nothing is known of blocks that were not planned."""
@@ -238,6 +252,7 @@ class Plan:
             "blocks": [names[b] for b in step.blocks],
             "status": [self.status[b].value for b in step.blocks],
             "motion": step.motion.tolist(),
+            "directions": [ways.tolist() for ways in self.directions(number)],
             "propped": [names[b] for b in step.props],
             "verdict": step.answer.verdict.value,
             "friction_used": step.answer.used,

@@ -103,3 +103,18 @@ def test_a_block_between_faces_that_pair_off_on_all_sides_is_impossible():
     found = plan(closed, find_contacts(closed).contacts)
     assert "block every translation" in found.impossible[6]
     assert found.counts["free"] == 0
+
+
+def test_a_plan_lists_the_directions_in_which_each_block_can_be_put_in():
+    blocks = (
+        box((3.0, 1.0, 1.0), (0.0, 0.0, -1.0), "floor"),
+        box((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), "left"),
+        box((1.0, 1.0, 1.0), (2.0, 0.0, 0.0), "right"),
+        box((1.0, 1.0, 1.0), (1.0, 0.0, 0.0), "last"),
+    )
+    shaft = Assembly(blocks, np.array([True, True, True, False]))
+    found = plan(shaft, find_contacts(shaft).contacts)
+    (ways,) = found.directions(0)
+    down_or_along = {(0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)}
+    assert {tuple(way) for way in ways.round(6) + 0.0} == down_or_along
+    assert found.to_dict()["steps"][0]["directions"] == [ways.tolist()]
