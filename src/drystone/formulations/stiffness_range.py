@@ -43,7 +43,7 @@ middle to twice as many states of the wedges of Kao 2023."""
 PATIENCE = 6
 """Steps with little progress after which a motion is given up."""
 
-CLOSER = (0.3, 0.6, 0.85)
+CLOSER = (0.3, 0.6, 0.85, 0.95)
 """Shares of a spread that are tried to bring stiffnesses closer, one after the other."""
 
 ALIKE = 2.0
