@@ -10,7 +10,11 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.checks import block_speed, check_forces, mechanism_defects, point_motion
 from drystone.contacts import Contacts
-from drystone.formulations.equilibrium import EquilibriumSolution, project_on_mechanisms
+from drystone.formulations.equilibrium import (
+    EquilibriumSolution,
+    held_still,
+    project_on_mechanisms,
+)
 from drystone.formulations.rest_state import RestState
 from drystone.geometry.arrays import Bools, Floats
 from drystone.stability.problem import Problem
@@ -56,14 +60,17 @@ def found_mechanism(
     """The mechanism of an equilibrium that was not found, from the multiplier or solved for.
 
     Close to the limit the multiplier of a failed program may miss the tolerance; the projection of
-    the loads onto the cone of mechanisms does not. It is left out, or given up, where ``stop`` says
-    so.
+    the loads onto the cone of mechanisms does not, once what hardly moves is held still. It is left
+    out, or given up, where ``stop`` says so.
     """
     mechanism = checked_mechanism(problem, solution)
     if mechanism is not None or stop():
         return mechanism
     projected = project_on_mechanisms(problem.statics, stop=stop)
-    return None if projected is None else checked_mechanism(problem, projected)
+    mechanism = None if projected is None else checked_mechanism(problem, projected)
+    if projected is None or mechanism is not None or stop():
+        return mechanism
+    return checked_mechanism(problem, held_still(problem.statics, projected))
 
 
 def moving_blocks(assembly: Assembly, mechanism: Floats) -> tuple[int, ...]:

@@ -14,6 +14,7 @@ from drystone import (
     find_contacts,
     models,
 )
+from drystone.checks import mechanism_defects
 from drystone.formulations.compliance import uniform
 from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.formulations.rest import find_rest
@@ -173,6 +174,23 @@ def test_that_nothing_balances_is_proved_where_the_multiplier_is_too_coarse(fric
     found = solve_rbe(shelf, contacts, options=RBEOptions.feasibility())
     assert found.verdict is Verdict.UNSTABLE
     assert "no contact forces" in check(shelf, contacts).message
+
+
+@pytest.mark.parametrize(
+    ("friction", "axis", "angle"),
+    [(0.44, (1.0, -1.0, 0.0), 6.0), (0.62, (1.0, 0.5, 0.0), 7.4), (0.7, (-1.0, 0.3, 0.0), 46.0)],
+)
+def test_that_nothing_balances_is_proved_where_most_blocks_stand_still(friction, axis, angle):
+    shelf = models.shelf()
+    contacts = find_contacts(shelf, friction=friction).contacts
+    load = LoadCase.tilt(shelf, axis, angle)
+    found = solve_rbe(shelf, contacts, load, options=RBEOptions.feasibility())
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.mechanism is not None
+    violation, power = mechanism_defects(shelf, contacts, load, found.mechanism)
+    assert violation <= 1e-8
+    assert power > 0.1
+    assert "no contact forces" in check(shelf, contacts, load).message
 
 
 @pytest.mark.parametrize(
