@@ -13,7 +13,7 @@ import pytest
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Verdict, models
 from drystone.checks import corner_motion
 from drystone.detection import find_contacts
-from drystone.stability import FrictionCone, check, solve_rbe
+from drystone.stability import FrictionCone, check, solve_cra, solve_rbe
 
 Axis = tuple[float, float, float]
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)
@@ -137,6 +137,26 @@ def test_a_wedge_stands_less_far_on_joints_that_are_more_alike(
     assert found.spread is not None
     assert found.spread <= 1.01 * spread
     assert beyond.spread is None
+
+
+@pytest.mark.parametrize("spread", [200.0, 3.0])
+def test_joints_of_the_state_that_is_told_differ_as_told(spread: float) -> None:
+    """Next to it is a state of eq. 5.6, whose joints are five times as unlike."""
+    model = models.wedge("b")
+    contacts = find_contacts(model, friction=0.695).contacts
+    load = LoadCase.tilt(model, (-1.24, 0.121, 0.682), 54.1)
+    found = check(model, contacts, load, options=CheckOptions(spread=spread))
+    level = solve_cra(model, contacts, load)
+    assert found.spread is not None
+    assert found.spread <= spread
+    assert ("5.6" in found.message) == (spread > 100.0)
+    for each in (found, level):
+        assert each.force is not None
+        assert each.displacement is not None
+        overlap = -corner_motion(model, contacts, each.displacement)[:, 0]
+        pressed = each.force[:, 0] > 1e-6 * each.force[:, 0].max()
+        stiffness = each.force[pressed, 0] / overlap[pressed]
+        assert each.spread == pytest.approx(stiffness.max() / stiffness.min(), rel=1e-6)
 
 
 @pytest.mark.parametrize(("height", "stands"), [("short", (60, 50, 70)), ("tall", (37, 34, 48))])

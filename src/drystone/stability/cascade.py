@@ -8,7 +8,7 @@ from drystone.formulations import compliance
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
-from drystone.formulations.stiffness_range import spread_of
+from drystone.formulations.stiffness_range import ROUNDING, spread_of
 from drystone.geometry.arrays import Floats
 from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
@@ -161,9 +161,17 @@ class Cascade:
         return candidate if candidate.stands else None
 
     def _levelled(self, look: Search, state: CompatibleState) -> Candidate | None:
-        """The state of eq. 5.6 nearby, if there is one."""
-        candidate = self._answering(look, look.levelled(state.motion))
-        self.level = candidate is not None
+        """The state of eq. 5.6 nearby, if there is one on joints that differ no more than they may.
+
+        Equal overlaps are no equal stiffnesses: those are as unlike as the forces.
+        """
+        level = look.levelled(state.motion)
+        spread = spread_of(self.problem.statics, level)
+        if spread > self.options.spread * ROUNDING:
+            return None
+        candidate = self._answering(look, level)
+        if candidate is not None:
+            self.level, self.spread = True, spread
         return candidate
 
     # -- the answers ----------------------------------------------------------------------------

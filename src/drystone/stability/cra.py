@@ -12,9 +12,10 @@ from drystone.checks import check_forces, corner_motion
 from drystone.contacts import Contacts
 from drystone.formulations import compliance
 from drystone.formulations.coupled import equal_overlap
-from drystone.formulations.improvement import improve
+from drystone.formulations.improvement import CompatibleState, improve
 from drystone.formulations.rest import find_rest
 from drystone.formulations.rest_state import RestOptions
+from drystone.formulations.stiffness_range import spread_of
 from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Verdict
@@ -52,6 +53,7 @@ class _State:
     displacement: Floats
     residuals: Residuals
     slide: float
+    spread: float
     iterations: int
 
 
@@ -129,6 +131,7 @@ def solve_cra(
         displacement=best.displacement,
         residuals=best.residuals,
         eta=best.slide,
+        spread=None if base.spread is None else best.spread,
         stopped=clock.reason,
         options=chosen,
         solver="equal-overlap path",
@@ -180,5 +183,6 @@ def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) 
         displacement,
         replace(residuals, overlap=max(spread, deeper)),
         slide,
+        spread_of(problem.statics, CompatibleState(motion, force, 0.0, iterations)),
         iterations,
     )
