@@ -47,6 +47,9 @@ class Evaluator:
     ----------
     solved
         Parts that were checked, as against remembered ones.
+    asked
+        Parts that had to be known for the first time: those that were checked, without what workers
+        looked at ahead in vain, and those from the checkpoint. It depends on neither.
     solve_s
         Time spent on them, from here.
 
@@ -65,9 +68,11 @@ class Evaluator:
     ) -> None:
         self.model = model
         self.solved = 0
+        self.asked = 0
         self.solve_s = 0.0
         self._known: dict[Stage, Answer] = {}
         self._ahead: dict[Stage, Answer] = {}
+        self._kept: dict[Stage, Answer] = {}
         self._factory = None if isinstance(executor, Executor) else executor
         self._executor = executor if isinstance(executor, Executor) else None
         self._revivals = 0
@@ -75,7 +80,7 @@ class Evaluator:
         self._file = None if checkpoint is None else Path(checkpoint)
         self._saved = time.monotonic()
         if self._file is not None and self._file.exists():
-            self._known = read_checkpoint(self._file, model)
+            self._kept = read_checkpoint(self._file, model)
 
     @functools.cached_property
     def _payload(self) -> bytes:
@@ -124,8 +129,12 @@ class Evaluator:
         missing = []
         for part in dict.fromkeys(part for some in parts for part in some):
             if not self._has(part, forces):
+                self.asked += 1
+                key = part._replace(near=None)
                 if part in self._ahead:
-                    self._known[part._replace(near=None)] = self._ahead.pop(part)
+                    self._known[key] = self._ahead.pop(part)
+                elif key in self._kept and not (forces and self._kept[key].stands):
+                    self._known[key] = self._kept[key]
                 else:
                     missing.append(part)
         if missing:
@@ -133,7 +142,13 @@ class Evaluator:
             further = dict.fromkeys(part for stage in ahead for part in self.model.parts(stage))
             for part in missing:
                 further.pop(part, None)
-            new = [p for p in further if p not in self._ahead and self._find(p) is None]
+            new = [
+                p
+                for p in further
+                if p not in self._ahead
+                and p._replace(near=None) not in self._kept
+                and self._find(p) is None
+            ]
             for number, (part, found) in enumerate(self._solve([*missing, *new])):
                 if number < len(missing):
                     self._known[part._replace(near=None)] = found
@@ -154,7 +169,7 @@ class Evaluator:
         """Write the checkpoint, if there is one."""
         self._saved = time.monotonic()
         if self._file is not None:
-            write_checkpoint(self._file, self.model, self._known)
+            write_checkpoint(self._file, self.model, self._kept | self._known)
 
     def _find(self, part: Stage) -> Answer | None:
         """What is known of a part: the judge's word, else that it stands however it was asked."""

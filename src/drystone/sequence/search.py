@@ -81,9 +81,9 @@ class Search:
         self.push([root])
         while self.heap:
             node = heapq.heappop(self.heap)[-1]
-            before = self.evaluator.solved
+            before = self.evaluator.asked
             answer = self.look_well(node) if self.small else self.look(node)
-            waited += max(LOOK, self.evaluator.solved - before)
+            waited += max(LOOK, self.evaluator.asked - before)
             stands = answer.stands and self.can_hold(node)
             key = (node.placed, node.props, frozenset(() if stands else node.group))
             if key in closed and closed[key] <= node.cost:

@@ -68,6 +68,28 @@ def test_two_workers_give_the_same_plan_to_the_last_bit(alone):
     assert essence(arch_plan(executor=LocalWorkers(2))) == alone
 
 
+def planned_in_haste(**options: object) -> Plan:
+    """A plan whose patience ends, of which what it asked for decides when."""
+    assembly = arch(0.3, 9)
+    contacts = find_contacts(assembly, friction=0.4).contacts
+    return plan(assembly, contacts, options=PlanOptions(patience=8.0), **options)  # type: ignore[arg-type]
+
+
+def test_what_workers_look_at_in_vain_does_not_cost_patience():
+    with ThreadPoolExecutor(4) as executor:
+        together = planned_in_haste(executor=executor)
+    one = planned_in_haste()
+    assert together.solved > one.solved
+    assert essence(together) == essence(one)
+
+
+def test_what_a_checkpoint_knows_costs_patience_as_before(tmp_path):
+    file = tmp_path / "stages.json"
+    first, again = (planned_in_haste(checkpoint=file) for _ in range(2))
+    assert again.solved < first.solved
+    assert [step[:3] for step in essence(again)] == [step[:3] for step in essence(first)]
+
+
 def mortal(
     marker: Path, parent: int, assembly: Assembly, contacts: Contacts, load: LoadCase
 ) -> Result:
