@@ -32,6 +32,11 @@ class Files:
     print: Path | None
     csv: Path | None
 
+    @property
+    def wanted(self) -> list[str]:
+        """Names of those that were asked for."""
+        return [str(one) for one in (self.html, self.print, self.csv) if one is not None]
+
     def write(self, plan: Plan, margins: Margins | None, waiting: Waiting) -> list[str]:
         """Write them, all or none, and name them."""
         if not plan.steps:
@@ -166,6 +171,8 @@ def plan(
         output.emit(data)
     else:
         _show(data, found)
+        if files.wanted and not found.steps:
+            output.console().print(f"not written: {', '.join(files.wanted)}")
     counts = found.counts
     helped = counts["propped"] + counts["impossible"]
     return 0 if found.steps and found.verdict.value == "stable" and not helped else 1

@@ -142,3 +142,10 @@ def test_a_person_reads_why_no_block_can_be_put_in(stack, capsys):
     out = capsys.readouterr().out
     assert "NO PLAN" in out
     assert "impossible: block-1: too heavy" in out
+
+
+def test_files_that_there_is_no_plan_for_are_named(stack, tmp_path, capsys):
+    page = tmp_path / "plan.html"
+    assert main(["plan", stack, "--payload", "1", "--html", str(page)]) == 1
+    assert "not written" in capsys.readouterr().out
+    assert not page.exists()
