@@ -187,6 +187,12 @@ def _transfer(frame: Floats, lever: Floats, block: Ints) -> Floats:
     return out
 
 
+def require_blocks_of(assembly: Assembly, contacts: Contacts) -> None:
+    """Raise InputError where contacts name blocks that the assembly does not have."""
+    if contacts.count and max(contacts.block_a.max(), contacts.block_b.max()) >= len(assembly):
+        raise InputError("the contacts name blocks that the assembly does not have")
+
+
 def build_statics(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Statics:
     """The dimensionless problem of an assembly.
 
@@ -206,8 +212,7 @@ def build_statics(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Sta
             f"the load case '{load.name}' moves supports",
             remedy="ask 'settle' what that does, or take a case without settlement",
         )
-    if contacts.count and max(contacts.block_a.max(), contacts.block_b.max()) >= count:
-        raise InputError("the contacts name blocks that the assembly does not have")
+    require_blocks_of(assembly, contacts)
     free = assembly.free
     slot = np.full(count, -1, dtype=np.intp)
     slot[free] = np.arange(len(free))

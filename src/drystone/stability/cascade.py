@@ -222,6 +222,7 @@ class Cascade:
 
     def _first_motion(self) -> Result:
         problem = self.problem
+        left_out = f"; {self.clock.reason} before all else was tried" if self.clock.late() else ""
         for state in self.attempts.falling_states():
             motion = first_motion(problem, state)
             if motion is not None:
@@ -231,7 +232,7 @@ class Cascade:
                         "forces could balance the loads, but only prestress would bring them "
                         f"about: {words}"
                     )
-                return self._unstable(words, motion)
+                return self._unstable(words + left_out, motion)
         tried = self.attempts.tried
         those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
         words = f"no rest state in {those}, and no proof that there is none; more samples may help"

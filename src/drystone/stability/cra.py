@@ -10,6 +10,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.checks import check_forces, corner_motion
 from drystone.contacts import Contacts
+from drystone.errors import InputError
 from drystone.formulations import compliance
 from drystone.formulations.coupled import equal_overlap
 from drystone.formulations.improvement import CompatibleState, improve
@@ -20,7 +21,7 @@ from drystone.geometry.arrays import Floats
 from drystone.loads import LoadCase
 from drystone.results import Residuals, Result, Verdict
 from drystone.stability.cascade import Cascade
-from drystone.stability.options import CheckOptions
+from drystone.stability.options import CheckOptions, require_time_limit
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.search import SEARCH_LIMIT, Search
 
@@ -45,6 +46,14 @@ class CRAOptions:
     slide_limit: float = 1000.0
     slips: tuple[float, ...] = (1.0, 10.0, 0.1)
     time_limit_s: float = float("inf")
+
+    def __post_init__(self) -> None:
+        positive = (self.tolerance, self.slide_limit, *self.slips)
+        if not all(value > 0.0 for value in positive):
+            raise InputError(
+                f"tolerance, slide limit and slip lengths are {positive}", remedy="give more than 0"
+            )
+        require_time_limit(self.time_limit_s)
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,5 +44,12 @@ class CheckOptions:
             raise InputError("numbers of tries cannot be negative", remedy="give 0 or more")
         if not 1.0 <= self.spread < np.inf:
             raise InputError(f"the spread is {self.spread}", remedy="give a number of 1 or more")
-        if not self.time_limit_s >= 0.0:
-            raise InputError(f"the time limit is {self.time_limit_s} s", remedy="give 0 or more")
+        if self.seed < 0:
+            raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
+        require_time_limit(self.time_limit_s)
+
+
+def require_time_limit(limit_s: float) -> None:
+    """Raise InputError where a time limit is below zero, or no number."""
+    if not limit_s >= 0.0:
+        raise InputError(f"the time limit is {limit_s} s", remedy="give 0 or more")

@@ -10,6 +10,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.checks import check_forces
 from drystone.contacts import Contacts
+from drystone.errors import InputError
 from drystone.formulations import compliance
 from drystone.formulations.compliance import Compliance
 from drystone.formulations.rest import find_rest
@@ -18,7 +19,7 @@ from drystone.loads import LoadCase
 from drystone.results import Result, Verdict
 from drystone.stability.attempts import TO_REST
 from drystone.stability.cascade import Cascade
-from drystone.stability.options import CheckOptions
+from drystone.stability.options import CheckOptions, require_time_limit
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.statics import Statics
@@ -44,6 +45,11 @@ class PenaltyOptions:
 
     ground: float = 1e-8
     time_limit_s: float = float("inf")
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.ground < np.inf:
+            raise InputError(f"the ground is {self.ground}", remedy="give more than 0")
+        require_time_limit(self.time_limit_s)
 
 
 def solve_cra_penalty(

@@ -15,7 +15,7 @@ from drystone.contacts import Contacts
 from drystone.formulations.tangent import TangentSystem
 from drystone.geometry.arrays import Bools, Floats
 from drystone.loads import LoadCase
-from drystone.statics import Statics, build_statics
+from drystone.statics import Statics, build_statics, require_blocks_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,7 @@ class Problem:
             Load or contacts of another assembly.
         """
         case = load if load is not None else LoadCase.gravity(assembly)
+        require_blocks_of(assembly, contacts)
         fixed = assembly.fixed
         active = ~(fixed[contacts.block_a] & fixed[contacts.block_b])
         part = contacts if active.all() else contacts.select(active)

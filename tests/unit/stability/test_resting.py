@@ -20,7 +20,16 @@ from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.formulations.rest import find_rest
 from drystone.formulations.rest_state import RestOptions, RestState
 from drystone.solvers.conic import ConicSolution, ConicStatus
-from drystone.stability import RBEOptions, check, solve_rbe, try_rest
+from drystone.stability import (
+    CRAOptions,
+    PenaltyOptions,
+    RBEOptions,
+    check,
+    solve_cra,
+    solve_cra_penalty,
+    solve_rbe,
+    try_rest,
+)
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, first_motion
 
@@ -194,12 +203,30 @@ def test_that_nothing_balances_is_proved_where_most_blocks_stand_still(friction,
 
 
 @pytest.mark.parametrize(
-    "wrong",
-    [{"samples": -1}, {"spread": 0.5}, {"spread": float("inf")}, {"time_limit_s": float("nan")}],
+    ("options", "wrong"),
+    [
+        (CheckOptions, {"samples": -1}),
+        (CheckOptions, {"spread": 0.5}),
+        (CheckOptions, {"spread": float("inf")}),
+        (CheckOptions, {"seed": -1}),
+        (CheckOptions, {"time_limit_s": float("nan")}),
+        (CRAOptions, {"tolerance": float("nan")}),
+        (CRAOptions, {"slide_limit": 0.0}),
+        (CRAOptions, {"slips": (1.0, -1.0)}),
+        (CRAOptions, {"time_limit_s": -1.0}),
+        (PenaltyOptions, {"ground": 0.0}),
+        (PenaltyOptions, {"time_limit_s": -1.0}),
+    ],
 )
-def test_options_out_of_range_are_refused(wrong):
+def test_options_out_of_range_are_refused(options, wrong):
     with pytest.raises(InputError):
-        CheckOptions(**wrong)
+        options(**wrong)
+
+
+@pytest.mark.parametrize("analyse", [check, solve_cra, solve_cra_penalty, solve_rbe, try_rest])
+def test_contacts_of_a_larger_assembly_are_refused(analyse):
+    with pytest.raises(InputError, match="does not have"):
+        analyse(models.tower(2), JOINTS)
 
 
 def test_a_motion_that_the_joints_resist_is_no_first_motion():

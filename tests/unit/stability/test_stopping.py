@@ -1,5 +1,6 @@
 """Stopped from outside or by the time: with what is known, and nothing that is not."""
 
+import itertools
 import os
 import signal
 from collections.abc import Callable
@@ -10,7 +11,15 @@ from scipy import sparse
 
 from drystone import LoadCase, Result, Verdict, find_contacts, models
 from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
-from drystone.stability import RBEOptions, check, solve_cra, solve_cra_penalty, solve_rbe, try_rest
+from drystone.stability import (
+    CheckOptions,
+    RBEOptions,
+    check,
+    solve_cra,
+    solve_cra_penalty,
+    solve_rbe,
+    try_rest,
+)
 from drystone.stability.problem import Clock
 
 ARCH = models.arch(0.15)
@@ -65,6 +74,20 @@ def test_what_falls_is_unstable_only_with_its_proof():
     for answer in answers:
         assert answer.verdict is not Verdict.STABLE
         assert (answer.mechanism is not None) == (answer.verdict is Verdict.UNSTABLE)
+
+
+def test_a_fall_told_before_the_search_has_ended_says_so():
+    """Joints that are unlike might hold this wedge: only the search, which takes longest, knows."""
+    wedge = models.wedge("b")
+    contacts = find_contacts(wedge, friction=0.84).contacts
+    load = LoadCase.tilt(wedge, (1.0, 0.0, 0.0), 61.0)
+    options = CheckOptions(samples=0, search_tries=8)
+    asked = itertools.count()
+    whole = check(wedge, contacts, load, options=options, stop=lambda: next(asked) < 0)
+    broken = check(wedge, contacts, load, options=options, stop=after(next(asked) // 2))
+    assert (whole.verdict, broken.verdict) == (Verdict.UNSTABLE, Verdict.UNSTABLE)
+    assert whole.message.endswith("it starts to move")
+    assert broken.message == f"{whole.message}; it was interrupted before all else was tried"
 
 
 @pytest.mark.parametrize("analyse", [solve_cra, solve_rbe, solve_cra_penalty])
