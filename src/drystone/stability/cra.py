@@ -48,11 +48,13 @@ class CRAOptions:
     time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
-        positive = (self.tolerance, self.slide_limit, *self.slips)
-        if not all(value > 0.0 for value in positive):
+        if not all(value > 0.0 for value in (self.tolerance, *self.slips)):
             raise InputError(
-                f"tolerance, slide limit and slip lengths are {positive}", remedy="give more than 0"
+                f"the tolerance is {self.tolerance}, slip lengths are {self.slips}",
+                remedy="give more than 0",
             )
+        if not self.slide_limit >= 0.0:
+            raise InputError(f"the slide limit is {self.slide_limit}", remedy="give 0 or more")
         require_time_limit(self.time_limit_s)
 
 
