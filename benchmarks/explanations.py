@@ -34,10 +34,7 @@ EXPLANATIONS: dict[tuple[str, str], str] = {
     ("cube-curve-tall x mu 0.84", "5.6"): HOOD.format("41.4 is the limit"),
     ("cube-curve-tall xy mu 0.84", "5.6"): HOOD.format("43.2 is the limit"),
     ("cube-curve-tall xny mu 0.84", "5.6"): HOOD.format("59.8 is the limit"),
-    ("cube-curve-short xy mu 0.84", "5.6"): (
-        "from 67.1 degrees on no state with equal overlaps was found: four strips press at once "
-        "and cannot all overlap alike; on joints that need not, the hood stands to 75."
-    ),
+    ("cube-curve-short xy mu 0.84", "5.6"): HOOD.format("67.1 is the limit"),
     ("cube-curve-tall xy mu 0.84", "3DEC"): (
         "the slide over which friction builds up decides: 36.6 degrees over one contact overlap, "
         "38.7 over three, 41.9 over ten, which is ours; a little beyond it jams and holds again."
