@@ -53,6 +53,15 @@ def test_what_does_not_rest_is_undecided_after_every_law():
     assert check(ARCH, JOINTS, leaning).verdict is Verdict.UNSTABLE
 
 
+@pytest.mark.parametrize(("count", "angle"), [(200, 0.2), (400, 0.0)])
+def test_a_high_tower_that_leans_on_the_ground_for_a_while_stands(count, angle):
+    tower = models.tower(count)
+    contacts = find_contacts(tower, friction=0.6).contacts
+    load = LoadCase.tilt(tower, (1.0, 0.0, 0.0), angle)
+    found = check(tower, contacts, load, options=CheckOptions(samples=0, search=False))
+    assert found.verdict is Verdict.STABLE
+
+
 @pytest.mark.parametrize("friction", [0.2, 2.0])
 def test_what_presses_on_nothing_is_not_called_resting(friction):
     wedged = models.h_model()
