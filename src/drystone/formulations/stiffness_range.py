@@ -37,8 +37,8 @@ LOADED = 1e-6
 """Forces below this share of the largest say nothing of the stiffness of their joint."""
 
 SOFT = 1.0 / 3.0
-"""Stiffness at the beginning, by the middle of the range: motions led from the stiffer side of the
-middle to twice as many states of the wedges of Kao 2023."""
+"""Scale of the motion at the beginning, by the one that puts stiffnesses midway. It hardly matters:
+from a tenth to one as many starts led to a state."""
 
 PATIENCE = 6
 """Steps with little progress after which a motion is given up."""
