@@ -133,7 +133,7 @@ class Attempts:
         state = self._rest(springs, glance if brief else TO_REST, start)
         share = self.problem.ground_share(state.ground)
         most = share.max()
-        over = most >= 0.5 or (brief and not (state.converged and most < FALLS_FROM))
+        over = most >= 0.5 or (brief and not (state.converged and most < CLEARLY))
         if not over and state.converged and most >= CLEARLY:
             # high towers lean as much on this ground, and come to rest on weaker
             over = first_motion(self.problem, state) is not None
