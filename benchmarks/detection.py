@@ -25,9 +25,10 @@ import shapely
 
 import drystone
 from drystone import Assembly, io
+from drystone.arrays import Floats
 from drystone.detection import find_contacts
-from drystone.geometry.arrays import Floats
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vectors
+from drystone.model import Model
 from drystone.models import cube_curve, curve_three_blocks, random_pack, wall
 
 WALLS = {403: (13, 31, 1_122), 1_988: (28, 71, 5_767), 10_017: (63, 159, 29_608)}
@@ -249,7 +250,9 @@ def strips() -> None:
         line = f"{count:>6}"
         for model, axis in ((curve_three_blocks(count), "y"), (cube_curve(strips=count), "-x")):
             contacts = find_contacts(model, friction=0.84).contacts
-            limit = limit_tilt(model, contacts, axis, upper=90.0, options=LimitOptions(width=0.1))
+            limit = limit_tilt(
+                Model(model, contacts), axis, upper=90.0, options=LimitOptions(width=0.1)
+            )
             value = limit.best.value
             reached = "above 90" if value is None else f"{value:.1f}"
             line += f"  {contacts.count:>6}  {reached:>22}"

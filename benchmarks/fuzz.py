@@ -36,7 +36,7 @@ from drystone import io
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.errors import InputError
-from drystone.io import Model
+from drystone.io import Contents
 from drystone.loads import LoadCase
 from drystone.models import arch, concave, tower
 
@@ -104,14 +104,14 @@ def samples() -> dict[str, list[bytes]]:
     with tempfile.TemporaryDirectory() as folder:
         for model in models:
             contacts = find_contacts(model).contacts
-            full = Model(model, contacts, (LoadCase.gravity(model),))
+            full = Contents(model, contacts, (LoadCase.gravity(model),))
             for name in SHARES:
                 made[name] += _written(full, name, Path(folder))
     made["stl"].append(_binary_stl(models[0]))
     return {name: files for name, files in made.items() if files}
 
 
-def _written(model: Model, name: str, folder: Path) -> list[bytes]:
+def _written(model: Contents, name: str, folder: Path) -> list[bytes]:
     if name == "npz":
         io.write(model, folder / "model.json", format="drystone-npz")
         return [(folder / "model.npz").read_bytes()]
@@ -316,7 +316,7 @@ def _warm_up(files: dict[str, list[bytes]]) -> None:
 
 def _file(name: str, data: bytes, folder: Path) -> Path:
     if name == "npz":
-        from drystone.io.npz import digest
+        from drystone.io.own.npz import digest
 
         (folder / "model.npz").write_bytes(data)
         told = {"file": "model.npz", "sha256": digest(data)}

@@ -18,9 +18,8 @@ from pathlib import Path
 import numpy as np
 
 import drystone
-from drystone import Assembly, Contacts, LoadCase, io
+from drystone import Assembly, Contacts, LoadCase, io, supports
 from drystone.detection import find_contacts
-from drystone.io import supports
 from drystone.limits import (
     Bracket,
     Limit,
@@ -31,6 +30,7 @@ from drystone.limits import (
     limit_tilt,
     tilt_sweep,
 )
+from drystone.model import Model
 from drystone.models import arch, buttressed_arch, dome, ferris_wall, incline, lune, tower
 from drystone.stability import FrictionCone
 
@@ -70,7 +70,7 @@ def slippery_walls(assembly: Assembly) -> Contacts:
 
 def tilt(assembly: Assembly, friction: float, axis: str, **options: object) -> Limit:
     chosen = LimitOptions(width=0.01, **options)  # type: ignore[arg-type]  # passed on
-    return limit_tilt(assembly, joints(assembly, friction), axis, options=chosen)
+    return limit_tilt(Model(assembly, joints(assembly, friction)), axis, options=chosen)
 
 
 def thinnest_arch(voussoirs: int, width: float) -> Limit:
@@ -86,11 +86,11 @@ def thinnest_arch(voussoirs: int, width: float) -> Limit:
 def pushed_wall(number: int) -> Limit:
     assembly = ferris_wall(number)
     contacts = joints(assembly, 0.65)
-    return limit_load(assembly, contacts, LoadCase.seismic(assembly, 1.0))
+    return limit_load(Model(assembly, contacts), LoadCase.seismic(assembly, 1.0))
 
 
 def least_friction(assembly: Assembly, start: float) -> Limit:
-    return limit_friction(assembly, joints(assembly, start))
+    return limit_friction(Model(assembly, joints(assembly, start)))
 
 
 def cases() -> list[Case]:
@@ -163,12 +163,12 @@ def sweeps() -> list[str]:
     assembly = arch(0.15)
     contacts = joints(assembly, float(np.tan(np.deg2rad(43.0))))
     began, cpu = time.perf_counter(), time.process_time()
-    alone = tilt_sweep(assembly, contacts, 16)
+    alone = tilt_sweep(Model(assembly, contacts), 16)
     one, busy = time.perf_counter() - began, time.process_time() - cpu
     with ProcessPoolExecutor(2) as executor:
         list(executor.map(abs, (1, 2)))  # the processes have started
         began = time.perf_counter()
-        together = tilt_sweep(assembly, contacts, 16, executor=executor)
+        together = tilt_sweep(Model(assembly, contacts), 16, executor=executor)
         two = time.perf_counter() - began
     same = np.array_equal(alone.rest, together.rest) and np.array_equal(
         alone.equilibrium, together.equilibrium
@@ -189,8 +189,8 @@ def real(path: str) -> list[str]:
     contacts = joints(assembly, 0.84)
     lines = [f"{Path(path).name}, {len(assembly)} blocks, {contacts.count} joints:", ""]
     for name, find in (
-        ("tilt about x [deg]", lambda: limit_tilt(assembly, contacts, "x")),
-        ("least friction", lambda: limit_friction(assembly, contacts)),
+        ("tilt about x [deg]", lambda: limit_tilt(Model(assembly, contacts), "x")),
+        ("least friction", lambda: limit_friction(Model(assembly, contacts))),
     ):
         began, cpu = time.perf_counter(), time.process_time()
         limit = find()

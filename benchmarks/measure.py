@@ -25,6 +25,7 @@ from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Res
 from drystone.checks import mechanism_defects, unbalanced_wrench
 from drystone.geometry.frames import rotation_about
 from drystone.limits import LimitOptions, limit_tilt
+from drystone.model import Model
 from drystone.stability import check, solve_rbe
 
 RESIDUAL = 1e-8
@@ -78,7 +79,7 @@ def defect(result: Result) -> str:
     if result.verdict is Verdict.EQUILIBRIUM_EXISTS:
         if result.force is None:
             return "no forces"
-        wrench, scale = unbalanced_wrench(assembly, contacts, load, result.force)
+        wrench, scale = unbalanced_wrench(Model(assembly, contacts, load), result.force)
         free = assembly.free
         worst = float((np.linalg.norm(wrench[free], axis=1) / scale[free]).max())
         slack = contacts.friction[contacts.interface] * result.force[:, 0]
@@ -88,7 +89,7 @@ def defect(result: Result) -> str:
     if result.mechanism is None:
         return "no mechanism"
     apart = replace(contacts, friction=np.zeros(contacts.count))
-    closing, power = mechanism_defects(assembly, apart, load, result.mechanism)
+    closing, power = mechanism_defects(Model(assembly, apart, load), result.mechanism)
     return "" if closing <= CLOSING and power > 0.0 else f"mechanism closes by {closing:.1e}"
 
 
@@ -118,7 +119,7 @@ def measure(work: Workload, whole: bool, enough_s: float = ENOUGH_S) -> dict[str
         "one_thread": idle_threads(),
     }
     if whole and work.task is Task.VERDICT:
-        full, row["whole_s"] = timed(lambda: check(assembly, contacts, load), enough_s)
+        full, row["whole_s"] = timed(lambda: check(Model(assembly, contacts, load)), enough_s)
         row["whole_verdict"] = full.verdict.value
         row["right"] = row["right"] and full.verdict is work.expected
         row["samples"] = f"{full.samples.standing} of {full.samples.tried}"
@@ -129,8 +130,8 @@ def _question(
     work: Workload, assembly: Assembly, contacts: Contacts, load: LoadCase
 ) -> Callable[[], Result]:
     if work.task is Task.BALANCE:
-        return lambda: solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility())
-    return lambda: check(assembly, contacts, load, options=UNIFORM)
+        return lambda: solve_rbe(Model(assembly, contacts, load), options=RBEOptions.feasibility())
+    return lambda: check(Model(assembly, contacts, load), options=UNIFORM)
 
 
 def _share(result: Result, phase: str) -> float:
@@ -144,10 +145,9 @@ def _tilt_limit(
 ) -> dict[str, Any]:
     def find() -> tuple[float, float]:
         limit = limit_tilt(
-            assembly,
-            contacts,
+            Model(assembly, contacts),
             work.axis,
-            check=lambda a, c, load: check(a, c, load, options=CheckOptions(samples=0)),
+            check=lambda a, c, load: check(Model(a, c, load), options=CheckOptions(samples=0)),
             options=LimitOptions(width=0.05),
         )
         return limit.equilibrium.value, limit.best.value

@@ -20,10 +20,19 @@ from benchmarks.machine import description
 from drystone import Assembly, CheckOptions, Contacts, LoadCase
 from drystone.checks import check_forces
 from drystone.detection import find_contacts
-from drystone.geometry.arrays import Floats
 from drystone.io import read
-from drystone.models import arch, corbelled_wall, tower
-from drystone.models.sequences import bridge, leaning_tower, snake
+from drystone.model import Model
+from drystone.models import (
+    arch,
+    bridge,
+    corbelled_bridge,
+    corbelled_wall,
+    leaning_column,
+    snake,
+    tower,
+    winding_column,
+)
+from drystone.reproduce.assembly import niche, ring_dome
 from drystone.results import Verdict
 from drystone.sequence import (
     Order,
@@ -34,17 +43,7 @@ from drystone.sequence import (
     least_buildable_friction,
     plan,
 )
-from drystone.sequence.stages import members
-from drystone.shells import (
-    Body,
-    Edge,
-    Layout,
-    Patch,
-    Shape,
-    Side,
-    build_shell,
-)
-from drystone.shells import dome as dome_shape
+from drystone.sequence.stage.stages import members
 from drystone.stability import check
 
 PAGE = Path(__file__).parents[1] / "docs" / "sequence.md"
@@ -55,31 +54,6 @@ COLD_STAGES = 6
 AIMS = {"vault": 5.0, "dome": 10.0, "armadillo": 180.0}
 """[s]"""
 BY_COURSE = Rules(order=Order.COURSE)
-
-
-def vault(wedge: float) -> Assembly:
-    """A niche of 37 voussoirs in five courses, held by a wall on three sides, open at the top."""
-    top, radius = math.radians(72.0), 3.0
-
-    def point(u: Floats, v: Floats) -> Floats:
-        latitude, longitude = top * u, np.pi * (v - 0.5)
-        ring = radius * np.cos(latitude)
-        return np.stack(
-            [ring * np.cos(longitude), ring * np.sin(longitude), radius * np.sin(latitude)],
-            axis=-1,
-        )
-
-    supports = (Edge(0, Side.BOTTOM), Edge(0, Side.LEFT), Edge(0, Side.RIGHT))
-    shape = Shape((Patch(point, name="niche"),), supports=supports, name="niche")
-    layout = Layout(courses=5, blocks=7, wedge=wedge)
-    return build_shell(shape, layout, Body(thickness=0.35)).assembly
-
-
-def dome() -> Assembly:
-    """Five closed rings of twelve voussoirs, from 20 to 47.5 degrees of latitude."""
-    eye = 5.0 * math.cos(math.radians(47.5))
-    shape = dome_shape(radius=5.0, oculus=eye, springing_deg=20.0)
-    return build_shell(shape, Layout(courses=5, blocks=12, wedge=0.2), Body(thickness=0.5)).assembly
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +97,10 @@ def planned(name: str, assembly: Assembly, friction: float, rules: Rules) -> Row
     """Plan a model; stops the run when a stage of the plan does not stand."""
     contacts = find_contacts(assembly, friction=friction).contacts
     began = time.process_time()
-    found = plan(assembly, contacts, options=PlanOptions(rules=rules))
+    found = plan(Model(assembly, contacts), options=PlanOptions(rules=rules))
     spent = time.process_time() - began
     if spent < 1.0:
-        spent = cpu(lambda: plan(assembly, contacts, options=PlanOptions(rules=rules)), 1.0)
+        spent = cpu(lambda: plan(Model(assembly, contacts), options=PlanOptions(rules=rules)), 1.0)
     answers = [a for step in found.steps for a in (*step.during, step.answer)]
     if not found.steps or not all(answer.stands for answer in answers):
         raise SystemExit(f"{name}: {found.message or 'a stage does not stand'}")
@@ -135,7 +109,7 @@ def planned(name: str, assembly: Assembly, friction: float, rules: Rules) -> Row
         others = np.delete(np.arange(len(assembly)), standing).tolist()
         force = np.zeros((contacts.corner_count, 3))
         force[step.answer.corner] = step.answer.force
-        rest = check_forces(assembly.with_fixed(others), contacts, found.model.load, force)
+        rest = check_forces(Model(assembly.with_fixed(others), contacts, found.model.load), force)
         if rest.largest > 1e-8:
             raise SystemExit(f"{name}: forces of a stage are out of balance by {rest.largest:.1e}")
     chosen = np.unique(np.linspace(0, len(found.steps) - 1, COLD_STAGES).round().astype(int))
@@ -153,7 +127,7 @@ def cold_check(found: Plan, number: int, friction: float) -> float:
 
     def work() -> None:
         contacts = find_contacts(some, friction=friction).contacts
-        if check(some, contacts, options=CheckOptions()).verdict is Verdict.UNSTABLE:
+        if check(Model(some, contacts), options=CheckOptions()).verdict is Verdict.UNSTABLE:
             raise SystemExit(f"stage {number + 1} of the plan falls when it is built anew")
 
     return cpu(work, 0.1)
@@ -190,9 +164,9 @@ def helped(found: Plan) -> str:
 
 def shells() -> str:
     """The vault with its wedges, and the dome."""
-    rows = [planned(f"vault, wedge {w:g}", vault(w), VAULT_FRICTION, BY_COURSE)
+    rows = [planned(f"vault, wedge {w:g}", niche(w), VAULT_FRICTION, BY_COURSE)
             for w in VAULT_WEDGES]  # fmt: skip
-    rows.append(planned("dome", dome(), DOME_FRICTION, BY_COURSE))
+    rows.append(planned("dome", ring_dome(), DOME_FRICTION, BY_COURSE))
     ring = helped(rows[-1].plan)
     note = (
         f"\n\nThe dome, {ring}. Aims: {AIMS['vault']:g} s for a vault, {AIMS['dome']:g} s for the "
@@ -202,13 +176,15 @@ def shells() -> str:
 
 
 def designs() -> str:
-    """Tower, snake, bridge, and three that everyone knows."""
+    """Columns, bridges, the snake, and three that everyone knows."""
     rows = [
         planned(name, assembly, 0.6, Rules())
         for name, assembly in (
-            ("leaning tower", leaning_tower()),
-            ("snake", snake()),
-            ("bridge", bridge()),
+            ("leaning column", leaning_column()),
+            ("winding column", winding_column()),
+            ("corbelled bridge", corbelled_bridge()),
+            ("bridge of the source", bridge()),
+            ("snake of the source", snake()),
             ("stack of 10", tower(11)),
             ("corbelled wall", corbelled_wall()),
         )
@@ -216,7 +192,11 @@ def designs() -> str:
     rows.append(planned("arch, 1 hand", arch(0.3, 7), 0.4, Rules(hands=1)))
     rows.append(planned("arch, 2 hands", arch(0.3, 7), 0.4, Rules(hands=2)))
     lines = [table(rows), ""]
-    for name, family in (("leaning tower", leaning_tower), ("snake", snake), ("bridge", bridge)):
+    for name, family in (
+        ("leaning column", leaning_column),
+        ("winding column", winding_column),
+        ("corbelled bridge", corbelled_bridge),
+    ):
         low, high = least(family())
         lines.append(
             f"- {name}: built without props from friction {high:.3f}, not at {low:.3f} and below."
@@ -233,7 +213,7 @@ def least(assembly: Assembly) -> tuple[float, float]:
 
 
 def _plan_of(assembly: Assembly, contacts: Contacts) -> Plan:
-    return plan(assembly, contacts, LoadCase.gravity(assembly))
+    return plan(Model(assembly, contacts, LoadCase.gravity(assembly)))
 
 
 def armadillo(path: Path) -> str:

@@ -18,9 +18,10 @@ import numpy as np
 import drystone
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, Verdict
 from drystone.detection import DetectionOptions, find_contacts
-from drystone.geometry import polygon
-from drystone.geometry.polyhedron import edge_defects
+from drystone.geometry.body.polyhedron import edge_defects
+from drystone.geometry.plane import polygon
 from drystone.limits import LimitOptions, limit_friction, limit_tilt
+from drystone.model import Model
 from drystone.shells import (
     SAMPLES,
     Body,
@@ -126,7 +127,7 @@ def limits(built: Built) -> str:
     """Verdict, and largest tilt about x and y and least friction: balanced, and standing."""
     assembly, contacts = built.shell.assembly, built.contacts
     start = time.process_time()
-    result = check(assembly, contacts)
+    result = check(Model(assembly, contacts))
     cost = time.process_time() - start
     cells = " | ".join(["not searched"] * 3)
     if built.size in PRECISION:
@@ -139,14 +140,14 @@ def limits(built: Built) -> str:
                 return _stands(assembly, contacts, LoadCase.tilt(assembly, vector, angle), UNIFORM)
 
             options = LimitOptions(full=False, width=degrees)
-            bound = limit_tilt(assembly, contacts, axis, options=options).equilibrium.stands
+            bound = limit_tilt(Model(assembly, contacts), axis, options=options).equilibrium.stands
             return f"{last_true(stands, 0.0, bound, degrees):.1f} / {bound:.1f}"
 
         def at(friction: float) -> bool:
             return _stands(assembly, contacts.with_friction(friction), None, UNIFORM)
 
         options = LimitOptions(full=False, width=coefficient)
-        bound = limit_friction(assembly, contacts, options=options).equilibrium.stands
+        bound = limit_friction(Model(assembly, contacts), options=options).equilibrium.stands
         least = f"{last_true(at, 0.6, bound, coefficient):.2f} / {bound:.2f}"
         cells = f"{tilt('x')} | {tilt('y')} | {least}"
     tried = f" ({result.samples.standing} of {result.samples.tried})"
@@ -162,7 +163,7 @@ def limits(built: Built) -> str:
 def _stands(
     assembly: Assembly, contacts: Contacts, load: LoadCase | None, options: CheckOptions
 ) -> bool:
-    return check(assembly, contacts, load, options=options).verdict is Verdict.STABLE
+    return check(Model(assembly, contacts, load), options=options).verdict is Verdict.STABLE
 
 
 def flat(size: int) -> str:
@@ -171,7 +172,7 @@ def flat(size: int) -> str:
     shell = build_shell(rectangular_plan(6.0, 5.0), layout, Body(thickness=0.2))
     contacts = find_contacts(shell.assembly, options=TIGHTEST).contacts
     start = time.process_time()
-    verdict = check(shell.assembly, contacts).verdict
+    verdict = check(Model(shell.assembly, contacts)).verdict
     cost = time.process_time() - start
     assert verdict is Verdict.UNSTABLE
     most = _stands(shell.assembly, contacts.with_friction(MOST_FRICTION), None, UNIFORM)

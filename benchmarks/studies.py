@@ -37,6 +37,10 @@ class Study:
         Published: 3DEC, CRA and RBE; None where not published.
     tolerance : [degrees]
         Half the last digit of the published 3DEC figure, and some: 0.5 or 1.5.
+    sofistik : [degrees]
+        Published for the curved joints (table 6.4).
+    published_axis
+        Name of the axis in the source, where ours is another.
     """
 
     model: str
@@ -48,6 +52,8 @@ class Study:
     cra: float
     rbe: float | None
     tolerance: float = 0.5
+    sofistik: float | None = None
+    published_axis: str = ""
 
     @property
     def key(self) -> str:
@@ -78,31 +84,38 @@ def studies() -> list[Study]:
                 found.append(Study(f"type-{kind}", name, build, axis, friction, *published))
     for mu, dem, cra in ((0.84, 40, 40), (0.10, 5, 5)):
         build = partial(models.concave, "short")
-        found.append(Study("concave-short", "y", build, Y, mu, dem, cra, None, 1.5))
+        found.append(
+            Study("concave-short", "y", build, Y, mu, dem, cra, None, 1.5, published_axis="x")
+        )
     for mu, dem, cra in ((0.84, 56, 54), (0.10, 10, 9)):
         build = partial(models.concave, "long")
         # published as "xy", but the figures are those of the tilt about y: the plank slides out at
         # tan(tilt) = mu (1 + 2 c / d), its centre c beyond the slab's edge and hooked d behind it
-        found.append(Study("concave-long", "y", build, Y, mu, dem, cra, None, 1.5))
-    for name, axis, dem, cra, rbe in (
-        ("y", Y, 8, 8, 8),
-        ("-y", (0.0, -1.0, 0.0), 53, 53, 53),
-        ("x", X, 24, 24, 26),
-        ("xy", XY, 11, 12, 12),
-        ("xny", XNY, 46, 47, 48),
+        found.append(
+            Study("concave-long", "y", build, Y, mu, dem, cra, None, 1.5, published_axis="xy")
+        )
+    for name, axis, dem, cra, rbe, sofistik in (
+        ("y", Y, 8, 8, 8, 8),
+        ("-y", (0.0, -1.0, 0.0), 53, 53, 53, 53),
+        ("x", X, 24, 24, 26, 24),
+        ("xy", XY, 11, 12, 12, 12),
+        ("xny", XNY, 46, 47, 48, 47),
     ):
         build = models.curve_three_blocks
-        found.append(Study("curve-3-blocks", name, build, axis, 0.84, dem, cra, rbe, 1.5))
+        found.append(Study("curve-3-blocks", name, build, axis, 0.84, dem, cra, rbe, 1.5, sofistik))
     for height, angles in (
-        ("short", ((72, 70), (68, 69), (80, 79))),
-        ("tall", ((41, 40), (39, 39), (59, 51))),
+        ("short", ((72, 70, 70), (68, 69, 64), (80, 79, 79))),
+        ("tall", ((41, 40, 38), (39, 39, 38), (59, 51, 58))),
     ):
-        for (name, axis), (dem, cra) in zip(
+        for (name, axis), (dem, cra, sofistik) in zip(
             (("x", (-1.0, 0.0, 0.0)), ("xy", XY), ("xny", XNY)), angles, strict=True
         ):
             build = partial(models.cube_curve, height)
             model = f"cube-curve-{height}"
-            found.append(Study(model, name, build, axis, 0.84, dem, cra, 180.0, 1.5))
+            turned = "x, which runs along -x of the files" if name == "x" else ""
+            found.append(
+                Study(model, name, build, axis, 0.84, dem, cra, 180.0, 1.5, sofistik, turned)
+            )
     for angle, tilt in ((43.0, 8.2), (21.8, 3.0)):
         mu = float(np.tan(np.deg2rad(angle)))
         found.append(Study("arch", "y", models.arch, Y, mu, tilt, tilt, tilt))

@@ -5,7 +5,6 @@ python examples/dome.py
 
 from pathlib import Path
 
-from drystone.detection import find_contacts
 from drystone.results import Result
 from drystone.shells import Body, Ground, Layout, build_shell, dome, write_schedule
 from drystone.stability import check
@@ -18,11 +17,12 @@ def main(folder: Path = Path()) -> Result:
     layout = Layout(courses=5, width=1.6)
     body = Body(thickness=0.35, register_deg=10.0, ground=Ground.SPRINGERS)
     shell = build_shell(shape, layout, body)
-    contacts = find_contacts(shell.assembly, friction=0.6).contacts
-    result = check(shell.assembly, contacts)
+    result = check(shell.assembly, friction=0.6)
     save_page(result, folder / "dome.html")
     write_schedule(shell, folder / "dome.csv")
-    print(f"{len(shell.voussoirs)} voussoirs, {contacts.count} joints: {result.verdict.value}")
+    print(
+        f"{len(shell.voussoirs)} voussoirs, {result.contacts.count} joints: {result.verdict.value}"
+    )
     return result
 
 

@@ -5,7 +5,6 @@ python examples/freeform.py
 
 from pathlib import Path
 
-from drystone.detection import find_contacts
 from drystone.results import Result
 from drystone.shells import Layout, build_shell, find_form, three_legged_plan, write_schedule
 from drystone.stability import check
@@ -16,12 +15,11 @@ def main(folder: Path = Path()) -> Result:
     """Find the form, build, check, and write the page and the schedule."""
     form = find_form(three_legged_plan(reach=6.0, waist=2.5, foot=2.4), height=2.5, thickness=0.2)
     shell = build_shell(form.shape, Layout(courses=6, width=1.0, wedge=-0.1))
-    contacts = find_contacts(shell.assembly, friction=0.6).contacts
-    result = check(shell.assembly, contacts)
+    result = check(shell.assembly, friction=0.6)
     save_page(result, folder / "freeform.html")
     write_schedule(shell, folder / "freeform.csv")
     print(
-        f"{len(shell.voussoirs)} voussoirs, {contacts.count} joints, largest warp "
+        f"{len(shell.voussoirs)} voussoirs, {result.contacts.count} joints, largest warp "
         f"{shell.planar.warp_before:.1%} of a block made planar: {result.verdict.value}"
     )
     return result

@@ -15,9 +15,9 @@ SIZE = (8.0, 4.8)
 
 def main(folder: Path = Path()) -> tuple[drystone.Result, drystone.Result]:
     """Check both models and draw them."""
-    standing = drystone.check(vault(), drystone.find_contacts(vault(), friction=0.6).contacts)
+    standing = drystone.check(vault(), friction=0.6)
     drystone.save_figure(standing, folder / "vault.png", size=SIZE, dpi=110, layers=["resultants"])
-    falling = drystone.check(shelf(), drystone.find_contacts(shelf(), friction=0.9).contacts)
+    falling = drystone.check(shelf(), friction=0.9)
     view = (0.25, -1.0, 0.2)
     drystone.save_figure(falling, folder / "shelf.png", size=SIZE, dpi=110, toward=view, layers=[])
     return standing, falling

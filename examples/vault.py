@@ -5,7 +5,6 @@ python examples/vault.py
 
 from pathlib import Path
 
-from drystone.detection import find_contacts
 from drystone.results import Result
 from drystone.shells import Body, Layout, barrel_vault, build_shell, write_schedule, write_unrolled
 from drystone.stability import check
@@ -17,12 +16,13 @@ def main(folder: Path = Path()) -> Result:
     shape = barrel_vault(span=5.0, length=4.0, rise=2.0)
     layout = Layout(courses=11, blocks=4, wedge=0.2)
     shell = build_shell(shape, layout, Body(thickness=0.35))
-    contacts = find_contacts(shell.assembly, friction=0.6).contacts
-    result = check(shell.assembly, contacts)
+    result = check(shell.assembly, friction=0.6)
     save_page(result, folder / "vault.html")
     write_schedule(shell, folder / "vault.csv")
     write_unrolled(shell, folder / "vault.svg")
-    print(f"{len(shell.voussoirs)} voussoirs, {contacts.count} joints: {result.verdict.value}")
+    print(
+        f"{len(shell.voussoirs)} voussoirs, {result.contacts.count} joints: {result.verdict.value}"
+    )
     return result
 
 

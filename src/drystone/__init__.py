@@ -8,9 +8,7 @@ gives it.
 
 >>> import drystone
 >>> from drystone.models import tower
->>> assembly = tower(3)
->>> contacts = drystone.find_contacts(assembly, friction=0.6).contacts
->>> drystone.check(assembly, contacts).verdict
+>>> drystone.check(tower(3), friction=0.6).verdict
 <Verdict.STABLE: 'stable'>
 """
 
@@ -28,7 +26,6 @@ if TYPE_CHECKING:
     from drystone.errors import InputError as InputError
     from drystone.errors import MissingDependency as MissingDependency
     from drystone.errors import SolverError as SolverError
-    from drystone.io import Model as Model
     from drystone.io import read as read
     from drystone.io import write as write
     from drystone.limits import limit_friction as limit_friction
@@ -37,6 +34,7 @@ if TYPE_CHECKING:
     from drystone.limits import limit_thickness as limit_thickness
     from drystone.limits import limit_tilt as limit_tilt
     from drystone.loads import LoadCase as LoadCase
+    from drystone.model import Model as Model
     from drystone.results import Residuals as Residuals
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
@@ -64,7 +62,7 @@ _HOME = {
     "InputError": "errors",
     "LoadCase": "loads",
     "MissingDependency": "errors",
-    "Model": "io",
+    "Model": "model",
     "RBEOptions": "stability",
     "Residuals": "results",
     "Result": "results",
@@ -89,6 +87,9 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
+_ROOMS = ("limits", "models", "sequence", "shells", "view")
+"""Packages that are there as attributes after ``import drystone``."""
+
 __all__ = list(_HOME)
 
 
@@ -97,8 +98,10 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(f"drystone.{_HOME[name]}"), name)
         globals()[name] = value
         return value
+    if name in _ROOMS:
+        return import_module(f"drystone.{name}")
     raise AttributeError(f"module 'drystone' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return sorted([*__all__, *_ROOMS, "__version__"])

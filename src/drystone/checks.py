@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from drystone.arrays import Floats, Ints, cross
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
-from drystone.geometry.arrays import Floats, Ints, cross
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.results import Residuals
 
 PRESSED = 1e-7
@@ -38,9 +38,7 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], relative)
 
 
-def unbalanced_wrench(
-    assembly: Assembly, contacts: Contacts, load: LoadCase, force: Floats
-) -> tuple[Floats, Floats]:
+def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
     """Sum of all wrenches (n, 6) on each block about its centroid, and what acts on it (n,).
 
     Parameters
@@ -52,6 +50,7 @@ def unbalanced_wrench(
     wrench : (n, 6) [N, N m]; the moments are divided by the block's size: [N]
     scale : (n,) [N]
     """
+    assembly, contacts, load = model.assembly, model.contacts, model.load
     a, b = _corner_blocks(contacts)
     world = np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
     size = assembly.size
@@ -66,9 +65,7 @@ def unbalanced_wrench(
 
 
 def check_forces(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase,
+    model: Model,
     force: Floats,
     displacement: Floats | None = None,
     *,
@@ -84,8 +81,9 @@ def check_forces(
     prop : (n, 6) [N, N m], optional
         What props supply to the blocks.
     """
+    assembly, contacts = model.assembly, model.contacts
     free = ~assembly.fixed
-    total, scale = unbalanced_wrench(assembly, contacts, load, force)
+    total, scale = unbalanced_wrench(model, force)
     if prop is not None:
         total = total + np.concatenate([prop[:, :3], prop[:, 3:] / assembly.size[:, None]], axis=1)
     equilibrium = float((np.linalg.norm(total[free], axis=1) / scale[free]).max(initial=0.0))
@@ -122,9 +120,7 @@ def check_forces(
     return Residuals(equilibrium, tension, cone, complementarity, alignment)
 
 
-def mechanism_defects(
-    assembly: Assembly, contacts: Contacts, load: LoadCase, motion: Floats
-) -> tuple[float, float]:
+def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
     """How far a motion is from being a collapse mechanism (Farkas certificate).
 
     Where every corner opens at least as fast as friction times its slide and the loads do work,
@@ -138,6 +134,7 @@ def mechanism_defects(
     power
         Work of the loads by the sum of its absolute parts: positive for a proof, at most 1.
     """
+    assembly, contacts = model.assembly, model.contacts
     moved = corner_motion(assembly, contacts, motion)
     friction = contacts.friction[contacts.interface]
     short = friction * np.linalg.norm(moved[:, 1:], axis=1) - moved[:, 0]
@@ -147,7 +144,7 @@ def mechanism_defects(
     reference = np.maximum(local, 1e-9 * max(float(speed.max(initial=0.0)), 1e-300))
     violation = float((np.maximum(0.0, short) / reference).max(initial=0.0))
     free = ~assembly.fixed
-    parts = load.wrench[free] * motion[free]
+    parts = model.load.wrench[free] * motion[free]
     gross = float(np.abs(parts).sum())
     return violation, float(parts.sum()) / gross if gross > 0.0 else 0.0
 

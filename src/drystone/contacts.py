@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.errors import InputError, MissingDependency
-from drystone.geometry import polygon
-from drystone.geometry.arrays import (
+from drystone.arrays import (
     Bools,
     Floats,
     Ints,
@@ -19,7 +17,11 @@ from drystone.geometry.arrays import (
     frozen_floats,
     frozen_ints,
     frozen_points,
+    whole,
 )
+from drystone.display import OneLine
+from drystone.errors import InputError, MissingDependency, counted
+from drystone.geometry.plane import polygon
 
 if TYPE_CHECKING:
     import networkx
@@ -29,7 +31,30 @@ DEFAULT_FRICTION = 0.6
 
 
 @dataclass(frozen=True, eq=False)
-class Contacts:
+class Interface(OneLine):
+    """One interface, as ``contacts[i]`` gives it.
+
+    Attributes
+    ----------
+    blocks
+        Positions of blocks a and b.
+    frame : (3, 3)
+        Rows n, u, v; n points from a to b.
+    area : [m2]
+    friction
+    corners : (c, 3) [m]
+        Counter-clockwise about n.
+    """
+
+    blocks: tuple[int, int]
+    frame: Floats
+    area: float
+    friction: float
+    corners: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts(OneLine):
     """Planar interfaces between pairs of blocks; several per pair are normal.
 
     Parameters
@@ -47,6 +72,14 @@ class Contacts:
         with a hole is stored as several interfaces.
     interface : (k,)
         Interface of each corner, ascending.
+
+    Examples
+    --------
+    >>> from drystone import find_contacts
+    >>> from drystone.models import tower
+    >>> contacts = find_contacts(tower(3)).contacts
+    >>> len(contacts), contacts[1].blocks, contacts[1].area
+    (2, (1, 2), 1.0)
     """
 
     block_a: Ints
@@ -58,14 +91,15 @@ class Contacts:
     interface: Ints
 
     def __post_init__(self) -> None:
-        m = len(self.block_a)
+        block_a = frozen_ints(self.block_a, (None,), "block_a")
+        m = len(block_a)
         checked: dict[str, Any] = {
-            "block_a": frozen_ints(self.block_a, (m,), "block_a"),
+            "block_a": block_a,
             "block_b": frozen_ints(self.block_b, (m,), "block_b"),
-            "frame": frozen_floats(np.reshape(self.frame, (-1, 3, 3)), (m, 3, 3), "frame"),
+            "frame": frozen_floats(self.frame, (m, 3, 3), "frame"),
             "area": frozen_floats(self.area, (m,), "area"),
             "friction": check_friction(self.friction, m),
-            "point": frozen_points(np.reshape(self.point, (-1, 3)), (None, 3), "point"),
+            "point": frozen_points(self.point, (None, 3), "point"),
             "interface": frozen_ints(self.interface, (None,), "interface"),
         }
         interface = checked["interface"]
@@ -82,12 +116,35 @@ class Contacts:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
+    def _summary(self) -> str:
+        return f"{counted(self.count, 'interface')}, {counted(self.corner_count, 'corner')}"
+
     @classmethod
     def empty(cls) -> Contacts:
         """No interface at all."""
         none = np.zeros(0, dtype=np.intp)
         return cls(
             none, none, np.zeros((0, 3, 3)), np.zeros(0), np.zeros(0), np.zeros((0, 3)), none
+        )
+
+    def __len__(self) -> int:
+        return self.count
+
+    def __iter__(self) -> Iterator[Interface]:
+        return (self[i] for i in range(self.count))
+
+    def __getitem__(self, interface: int) -> Interface:
+        """One interface by its position; negative positions count from the end."""
+        i = whole(interface, "the position of an interface")
+        if not -self.count <= i < self.count:
+            raise InputError(f"there is no interface {i}", remedy=f"there are {self.count}")
+        i %= self.count
+        return Interface(
+            (int(self.block_a[i]), int(self.block_b[i])),
+            self.frame[i],
+            float(self.area[i]),
+            float(self.friction[i]),
+            self.polygon(i),
         )
 
     @property
@@ -138,7 +195,11 @@ class Contacts:
             New position of each block, where the blocks are renumbered as well.
         """
         mask = np.zeros(self.count, dtype=bool)
-        mask[interfaces] = True
+        try:
+            mask[interfaces] = True
+        except IndexError as error:
+            remedy = f"give positions up to {self.count - 1}, or a mask ({self.count},)"
+            raise InputError("no such interfaces", remedy=remedy) from error
         a, b = self.block_a[mask], self.block_b[mask]
         return (
             self._part(mask, a, b)

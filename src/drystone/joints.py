@@ -1,134 +1,124 @@
-"""Where a structure works hard: the forces of every joint held against what the joint can take."""
+"""What holds in every interface: resultant, use of friction and section, pressure, thrust line."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly
+from drystone.arrays import Floats, Ints, frozen
+from drystone.assembly import Assembly, Blocks
 from drystone.contacts import Contacts
-from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, Ints
-from drystone.geometry.kern import edge_ratio, kern_ratio, peak_pressure
-from drystone.results import Result
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
+from drystone.geometry.plane.kern import edge_ratio, kern_ratio, peak_pressure
+from drystone.table import Table
 from drystone.virtual import joint_sections
 
 LOADED = 1e-9
 """A joint with less normal force than this share of the largest carries nothing worth a ratio."""
 
+UNITS = {
+    "area": "m2",
+    "normal": "N",
+    "tangential": "N",
+    "torque": "N m",
+    "eccentricity": "m",
+    "mean_pressure": "Pa",
+    "peak_pressure": "Pa",
+    "force_x": "N",
+    "force_y": "N",
+    "force_z": "N",
+    "x": "m",
+    "y": "m",
+    "z": "m",
+}
+"""Units of the columns of a joint table."""
+
 
 @dataclass(frozen=True, eq=False)
-class JointTable:
-    """One row per interface, arrays of length m.
+class Resultants(OneLine):
+    """One force per interface.
 
     Attributes
     ----------
-    blocks : (m,) pairs of names, a and b
-    area : [m2]
-    normal : [N], positive in compression
-    tangential : [N]
-    torque : [N m] about the normal, on block b, at the centre of pressure
+    force : (m, 3) [N]
+        On block b, world axes.
     position : (m, 3) [m]
-        Centre of pressure; the centroid where nothing presses.
-    friction_use
-        Tangential over friction times normal: 1 slides.
-    eccentricity : [m]
-        Distance of the centre of pressure from the centroid of the joint.
-    kern_ratio
-        The same as a share of the way to the rim of the kern: above 1 the joint opens.
-    edge_ratio
-        The same as a share of the way to the rim of the joint: 1 is a hinge.
-    mean_pressure, peak_pressure : [Pa]
-        The peak is that of a linear pressure that does not pull; infinite on the rim.
-    over_strength : bool
-        The peak exceeds the strength, where one was given.
-    strength : [Pa] or None
+        Centre of pressure; the interface's centroid where the normal force vanishes.
+    torque : (m,) [N m]
+        Moment about the normal, on block b, at the centre of pressure.
+    normal : (m,) [N]
+        Component along n, positive in compression.
+    tangential : (m,) [N]
+        Length of the component in the plane.
     """
 
-    blocks: tuple[tuple[str, str], ...]
-    area: Floats
+    force: Floats
+    position: Floats
+    torque: Floats
     normal: Floats
     tangential: Floats
-    torque: Floats
-    position: Floats
-    friction_use: Floats
-    eccentricity: Floats
-    kern_ratio: Floats
-    edge_ratio: Floats
-    mean_pressure: Floats
-    peak_pressure: Floats
-    over_strength: np.ndarray
-    strength: float | None
 
-    COLUMNS = (
-        "area", "normal", "tangential", "torque", "friction_use", "eccentricity", "kern_ratio",
-        "edge_ratio", "mean_pressure", "peak_pressure", "over_strength",
-    )  # fmt: skip
-    """Names of the plain columns."""
-
-    def __len__(self) -> int:
-        return len(self.blocks)
-
-    def rows(self, joints: Sequence[int] | Ints | None = None) -> list[dict[str, Any]]:
-        """Plain values of some joints, all when left out; lengths in m, forces in N."""
-        chosen = range(len(self)) if joints is None else [int(i) for i in joints]
-        return [
-            {
-                "joint": i,
-                "block_a": self.blocks[i][0],
-                "block_b": self.blocks[i][1],
-                **{name: getattr(self, name)[i].item() for name in self.COLUMNS},
-                "x": float(self.position[i, 0]),
-                "y": float(self.position[i, 1]),
-                "z": float(self.position[i, 2]),
-            }
-            for i in chosen
-        ]
-
-    def worst(self, count: int = 10) -> Ints:
-        """Joints nearest to sliding or to turning about an edge, worst first."""
-        use = np.maximum(self.friction_use, self.edge_ratio)
-        return np.lexsort((-self.normal, -use))[:count]
+    def _summary(self) -> str:
+        largest = float(self.normal.max(initial=0.0))
+        return f"{counted(len(self.normal), 'interface')}, largest normal force {largest:.3g} N"
 
 
-def joint_table(result: Result, *, strength: float | None = None) -> JointTable:
-    """Forces, utilisation, eccentricity and pressure of every joint.
+def world_forces(contacts: Contacts, force: Floats) -> Floats:
+    """Corner forces (k, 3) in world axes, from those in the frames of their interfaces."""
+    return np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
 
-    Parameters
-    ----------
-    result
-        With forces.
-    strength : [Pa], optional
-        Joints whose peak pressure exceeds it are marked.
 
-    Raises
-    ------
-    InputError
-        The result has no forces, or the strength is not above zero.
+def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
+    """Resultants of corner forces (k, 3) [N], local n, u, v, on block b."""
+    interface = contacts.interface
+    n = contacts.frame[:, 0]
+    world = world_forces(contacts, force)
 
-    Examples
-    --------
-    >>> import drystone
-    >>> from drystone.models import tower
-    >>> assembly = tower(2)
-    >>> contacts = drystone.find_contacts(assembly).contacts
-    >>> table = joint_table(drystone.check(assembly, contacts))
-    >>> table.mean_pressure.round(1).tolist(), table.peak_pressure.round(1).tolist()
-    ([23544.0], [23544.0])
-    """
-    if result.force is None:
-        raise InputError(
-            "the result has no forces", remedy="ask for those of a structure that stands"
+    def total(values: Floats) -> Floats:
+        out: Floats = np.zeros((contacts.count, *values.shape[1:]))
+        np.add.at(out, interface, values)
+        return out
+
+    resultant = total(world)
+    normal = total(force[:, 0])
+    lever = contacts.point - contacts.centroid[interface]
+    shift = total(force[:, :1] * lever)
+    pressing = normal > 1e-12 * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
+    position = contacts.centroid + np.where(
+        pressing[:, None], shift / np.where(pressing, normal, 1.0)[:, None], 0.0
+    )
+    moment = total(np.cross(contacts.point - position[interface], world))
+    torque = np.einsum("mi,mi->m", moment, n)
+    tangential = np.linalg.norm(resultant - normal[:, None] * n, axis=1)
+    return Resultants(*map(frozen, (resultant, position, torque, normal, tangential)))
+
+
+def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
+    """Tangential by friction coefficient times normal force (m,); infinite without capacity."""
+    normal, tangential = resultants.normal, resultants.tangential
+    capacity = contacts.friction * normal
+    least = LOADED * max(float(normal.max(initial=0.0)), 1e-300)
+    loaded = normal > least
+    return frozen(
+        np.where(
+            loaded & (capacity > 0.0),
+            tangential / np.where(capacity > 0.0, capacity, 1.0),
+            np.where(loaded & (tangential > least), np.inf, 0.0),
         )
-    if strength is not None and not 0.0 < strength < float("inf"):
-        raise InputError(f"strength is {strength}", remedy="give a pressure in Pa above zero")
-    contacts = result.contacts
-    names = result.assembly.names
-    resultants = result.resultants()
+    )
+
+
+def joint_table(
+    contacts: Contacts,
+    names: Sequence[str],
+    resultants: Resultants,
+    utilisation: Floats,
+) -> Table:
+    """The table of :meth:`drystone.Result.joints`."""
     normal = resultants.normal
     loaded = normal > LOADED * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
     origin, corners, made = joint_sections(contacts)
@@ -145,30 +135,36 @@ def joint_table(result: Result, *, strength: float | None = None) -> JointTable:
     peak = mean * (1.0 + kern_ratio(made, corners, start, opposite))
     for i in np.flatnonzero(loaded & has_area & (within > 1.0)):
         peak[i] = peak_pressure(corners[start[i] : start[i + 1]], float(normal[i]), at[i])
-    over = np.zeros(len(mean), dtype=bool) if strength is None else peak > strength
-    return JointTable(
-        blocks=tuple(
-            (names[a], names[b])
-            for a, b in zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
-        ),
-        area=contacts.area,
-        normal=normal,
-        tangential=resultants.tangential,
-        torque=resultants.torque,
-        position=origin + np.einsum("mi,mij->mj", at, contacts.frame[:, 1:]),
-        friction_use=result.utilisation(),
-        eccentricity=np.linalg.norm(at - made.centroid, axis=1),
-        kern_ratio=within,
-        edge_ratio=rim,
-        mean_pressure=mean,
-        peak_pressure=peak,
-        over_strength=over,
-        strength=strength,
-    )
+    position = origin + np.einsum("mi,mij->mj", at, contacts.frame[:, 1:])
+    columns = {
+        "joint": np.arange(contacts.count),
+        "block_a": [names[a] for a in contacts.block_a],
+        "block_b": [names[b] for b in contacts.block_b],
+        "area": contacts.area,
+        "normal": normal,
+        "tangential": resultants.tangential,
+        "torque": resultants.torque,
+        "friction_use": utilisation,
+        "eccentricity": np.linalg.norm(at - made.centroid, axis=1),
+        "kern_ratio": within,
+        "edge_ratio": rim,
+        "mean_pressure": mean,
+        "peak_pressure": peak,
+        "over_strength": np.zeros(len(mean), dtype=bool),
+        **{f"force_{axis}": resultants.force[:, i] for i, axis in enumerate("xyz")},
+        **{axis: position[:, i] for i, axis in enumerate("xyz")},
+    }
+    return Table("joints", columns, UNITS)
+
+
+def worst_joints(table: Table, count: int = 10) -> Ints:
+    """Rows of a joint table nearest to sliding or to turning about an edge, worst first."""
+    use = np.maximum(table["friction_use"], table["edge_ratio"])
+    return np.lexsort((-table["normal"], -use))[:count]
 
 
 @dataclass(frozen=True, eq=False)
-class ThrustLine:
+class ThrustLine(OneLine):
     """Where the force passes from block to block along a row of voussoirs.
 
     Attributes
@@ -185,26 +181,11 @@ class ThrustLine:
     force: Floats
 
 
-def thrust_line(result: Result, blocks: Sequence[int | str] | None = None) -> ThrustLine:
-    """The polyline through the centres of pressure of successive joints.
-
-    Parameters
-    ----------
-    result
-        With forces.
-    blocks
-        Voussoirs in order, by name or position. Left out, the model must be one chain.
-
-    Raises
-    ------
-    InputError
-        No forces, successive blocks that do not touch, or no single chain.
-    """
-    if result.force is None:
-        raise InputError("the result has no forces", remedy="ask for those of one that stands")
-    contacts, assembly = result.contacts, result.assembly
+def thrust_line(
+    assembly: Assembly, contacts: Contacts, resultants: Resultants, blocks: Blocks | None = None
+) -> ThrustLine:
+    """The line of :meth:`drystone.Result.thrust_line`."""
     order = chain(assembly, contacts) if blocks is None else assembly.indices(blocks).tolist()
-    resultants = result.resultants()
     point, force = np.zeros((len(order) - 1, 3)), np.zeros((len(order) - 1, 3))
     for i, (a, b) in enumerate(pairwise(order)):
         onward = (contacts.block_a == a) & (contacts.block_b == b)
@@ -249,4 +230,14 @@ def chain(assembly: Assembly, contacts: Contacts) -> list[int]:
     return order
 
 
-__all__ = ["JointTable", "ThrustLine", "chain", "joint_table", "thrust_line"]
+__all__ = [
+    "Resultants",
+    "ThrustLine",
+    "chain",
+    "joint_table",
+    "resultants_of",
+    "thrust_line",
+    "utilisation_of",
+    "world_forces",
+    "worst_joints",
+]

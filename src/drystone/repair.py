@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drystone.arrays import Floats, frozen_points
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
 from drystone.errors import InputError, counted
-from drystone.geometry import coincidence
-from drystone.geometry.arrays import Floats, frozen_points
-from drystone.geometry.parts import separate_parts
-from drystone.geometry.polyhedron import Loop
+from drystone.geometry.body.parts import separate_parts
+from drystone.geometry.body.polyhedron import Loop
+from drystone.geometry.mend import coincidence
 
 MERGE = 1e-6
 """Vertices nearer than this share of a block's size are merged when asked to; chosen, the digits of

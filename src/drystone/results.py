@@ -4,15 +4,29 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly
+from drystone.arrays import Floats, number
+from drystone.assembly import Assembly, Blocks
 from drystone.contacts import Contacts
-from drystone.geometry.arrays import Floats, Ints
+from drystone.display import Card, OneLine
+from drystone.errors import InputError, counted
+from drystone.joints import (
+    Resultants,
+    ThrustLine,
+    joint_table,
+    resultants_of,
+    thrust_line,
+    utilisation_of,
+    world_forces,
+)
 from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.table import Table
 
 
 class Verdict(enum.Enum):
@@ -29,7 +43,7 @@ class Verdict(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Residuals:
+class Residuals(OneLine):
     """How well each condition is met, recomputed from points and cross products.
 
     All dimensionless: forces by mean block weight, lengths by block size.
@@ -60,14 +74,7 @@ class Residuals:
     @property
     def largest(self) -> float:
         """The worst of them."""
-        return max(
-            self.equilibrium,
-            self.tension,
-            self.cone,
-            self.complementarity,
-            self.alignment,
-            self.overlap,
-        )
+        return max(astuple(self))
 
 
 @dataclass(frozen=True)
@@ -78,33 +85,8 @@ class Samples:
     standing: int = 0
 
 
-@dataclass(frozen=True)
-class Resultants:
-    """One force per interface.
-
-    Attributes
-    ----------
-    force : (m, 3) [N]
-        On block b, world axes.
-    position : (m, 3) [m]
-        Centre of pressure; the interface's centroid where the normal force vanishes.
-    torque : (m,) [N m]
-        Moment about the normal, on block b, at the centre of pressure.
-    normal : (m,) [N]
-        Component along n, positive in compression.
-    tangential : (m,) [N]
-        Length of the component in the plane.
-    """
-
-    force: Floats
-    position: Floats
-    torque: Floats
-    normal: Floats
-    tangential: Floats
-
-
 @dataclass(frozen=True, eq=False)
-class Result:
+class Result(Card):
     """Answer of an analysis, with the model that it belongs to.
 
     Attributes
@@ -112,6 +94,8 @@ class Result:
     method
         ``rbe``, ``rest``, ``cra``, ``cra-penalty``, or ``check`` for the whole cascade.
     verdict
+    model
+        What was asked about.
     message
         One sentence for a person, with the remedy where there is one.
     force : (k, 3) [N], local n, u, v, on block b; n >= 0 is compression
@@ -138,9 +122,7 @@ class Result:
 
     method: str
     verdict: Verdict
-    assembly: Assembly
-    contacts: Contacts
-    load: LoadCase
+    model: Model
     message: str = ""
     force: Floats | None = None
     tension: Floats | None = None
@@ -158,8 +140,52 @@ class Result:
     iterations: int = 0
     time_s: Mapping[str, float] = field(default_factory=dict)
 
+    def _summary(self) -> str:
+        blocks, joints = len(self.assembly), self.contacts.count
+        return (
+            f"{self.verdict.value}, {counted(blocks, 'block')}, {counted(joints, 'interface')}, "
+            f"'{self.message}'"
+        )
+
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        forces = self.force is not None and len(self.contacts) > 0 and not self.falls
+        normal, used = self.resultants.normal, self.utilisation
+        return f"{self.verdict.value}: {self.message}", {
+            "model": self.model._summary(),
+            "falls": ", ".join(self.falling_names),
+            "largest normal force": f"{normal.max():.4g} N" if forces else "",
+            "largest use of friction": f"{100.0 * used.max():.3g} %" if forces else "",
+            "method": self.method,
+            "time": f"{sum(self.time_s.values()):.2g} s" if self.time_s else "",
+        }
+
     def __bool__(self) -> bool:
-        raise TypeError("a result is neither true nor false; ask for its .verdict")
+        raise TypeError("a result is neither true nor false; ask for .stable, .falls or .verdict")
+
+    @property
+    def stable(self) -> bool:
+        """Whether it was shown to stand."""
+        return self.verdict is Verdict.STABLE
+
+    @property
+    def falls(self) -> bool:
+        """Whether it was shown to fall."""
+        return self.verdict is Verdict.UNSTABLE
+
+    @property
+    def assembly(self) -> Assembly:
+        """The blocks of the model."""
+        return self.model.assembly
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts of the model."""
+        return self.model.contacts
+
+    @property
+    def load(self) -> LoadCase:
+        """The load of the model."""
+        return self.model.load
 
     @property
     def falling_names(self) -> tuple[str, ...]:
@@ -168,51 +194,106 @@ class Result:
 
     def world_force(self) -> Floats:
         """Corner forces (k, 3) [N] on block b in world axes; zero where there are none."""
-        contacts = self.contacts
-        if self.force is None:
-            return np.zeros((contacts.corner_count, 3))
-        frame = contacts.frame[contacts.interface]
-        return np.einsum("ki,kij->kj", self.force, frame)
+        return world_forces(self.contacts, self._local_force)
 
+    @property
+    def _local_force(self) -> Floats:
+        return np.zeros((self.contacts.corner_count, 3)) if self.force is None else self.force
+
+    @cached_property
     def resultants(self) -> Resultants:
-        """Force, centre of pressure and torque of every interface."""
-        contacts = self.contacts
-        m = contacts.count
-        corner = self.world_force()
-        local = self.force if self.force is not None else np.zeros((contacts.corner_count, 3))
+        """Force, centre of pressure and torque of every interface; zero without forces."""
+        return resultants_of(self.contacts, self._local_force)
 
-        def total(values: Floats) -> Floats:
-            return _per_interface(values, contacts.interface, m)
-
-        force = total(corner)
-        normal = total(local[:, 0])
-        lever = contacts.point - contacts.centroid[contacts.interface]
-        shift = total(local[:, :1] * lever)
-        pressing = normal > 1e-12 * max(float(np.abs(normal).max(initial=0.0)), 1e-300)
-        position = contacts.centroid + np.where(
-            pressing[:, None], shift / np.where(pressing, normal, 1.0)[:, None], 0.0
-        )
-        arm = contacts.point - position[contacts.interface]
-        moment = total(np.cross(arm, corner))
-        torque = np.einsum("mi,mi->m", moment, contacts.frame[:, 0])
-        tangential = np.linalg.norm(force - normal[:, None] * contacts.frame[:, 0], axis=1)
-        return Resultants(force, position, torque, normal, tangential)
-
+    @cached_property
     def utilisation(self) -> Floats:
         """Friction utilisation (m,): tangential over friction times normal resultant, 0 to 1."""
-        resultants = self.resultants()
-        capacity = self.contacts.friction * resultants.normal
-        scale = max(float(resultants.normal.max(initial=0.0)), 1e-300)
-        loaded = resultants.normal > 1e-9 * scale
-        share: Floats = np.where(
-            loaded & (capacity > 0.0),
-            resultants.tangential / np.where(capacity > 0.0, capacity, 1.0),
-            np.where(loaded & (resultants.tangential > 1e-9 * scale), np.inf, 0.0),
-        )
-        return share
+        return utilisation_of(self.contacts, self.resultants)
 
+    def joints(self, *, strength: float | None = None) -> Table:
+        """Forces, utilisation, eccentricity and pressure of every interface.
 
-def _per_interface(values: Floats, interface: Ints, count: int) -> Floats:
-    out: Floats = np.zeros((count, *values.shape[1:]))
-    np.add.at(out, interface, values)
-    return out
+        Parameters
+        ----------
+        strength : [Pa], optional
+            Interfaces whose peak pressure exceeds it are marked.
+
+        Returns
+        -------
+        Table
+            One row per interface.
+
+        Columns
+        -------
+        joint, block_a, block_b
+            Position of the interface, names of its blocks.
+        area [m2]
+        normal [N]
+            Positive in compression.
+        tangential [N]
+        torque [N m]
+            About the normal, on block b, at the centre of pressure.
+        friction_use
+            Tangential over friction times normal: 1 slides.
+        eccentricity [m]
+            Distance of the centre of pressure from the centroid of the joint.
+        kern_ratio
+            The same as a share of the way to the rim of the kern: above 1 the joint opens.
+        edge_ratio
+            The same as a share of the way to the rim of the joint: 1 is a hinge.
+        mean_pressure, peak_pressure [Pa]
+            The peak is that of a linear pressure that does not pull; infinite on the rim.
+        over_strength
+            Whether the peak exceeds the strength, where one was given.
+        force_x, force_y, force_z [N]
+            Resultant on block b, world axes.
+        x, y, z [m]
+            Centre of pressure; the centroid where nothing presses.
+
+        Raises
+        ------
+        InputError
+            There are no forces, or the strength is not above zero.
+
+        Examples
+        --------
+        >>> import drystone
+        >>> from drystone.models import tower
+        >>> table = drystone.check(tower(2)).joints()
+        >>> table["mean_pressure"].round(1).tolist(), table["peak_pressure"].round(1).tolist()
+        ([23544.0], [23544.0])
+        """
+        if strength is None:
+            return self._joint_table
+        if not number(strength, "strength") > 0.0:
+            raise InputError(f"strength is {strength}", remedy="give a pressure in Pa above zero")
+        made = self._joint_table
+        over = {"over_strength": made["peak_pressure"] > strength}
+        return Table(made.title, {**made.columns, **over}, made.units)
+
+    @cached_property
+    def _joint_table(self) -> Table:
+        self._require_forces()
+        return joint_table(self.contacts, self.assembly.names, self.resultants, self.utilisation)
+
+    def thrust_line(self, blocks: Blocks | None = None) -> ThrustLine:
+        """The polyline through the centres of pressure of successive joints.
+
+        Parameters
+        ----------
+        blocks
+            Voussoirs in order, by name or position. Left out, the model must be one chain.
+
+        Raises
+        ------
+        InputError
+            There are no forces, successive blocks do not touch, or there is no single chain.
+        """
+        self._require_forces()
+        return thrust_line(self.assembly, self.contacts, self.resultants, blocks)
+
+    def _require_forces(self) -> None:
+        if self.force is None:
+            raise InputError(
+                "the result has no forces", remedy="ask for those of a structure that stands"
+            )

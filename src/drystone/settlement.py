@@ -5,18 +5,21 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
+from drystone.arrays import Bools, Floats, Ints, of_type
 from drystone.assembly import Assembly
 from drystone.checks import block_speed, check_forces, corner_motion
-from drystone.contacts import Contacts
-from drystone.errors import InputError
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
 from drystone.formulations.settlement import solve_settlement
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.results import Residuals, Result, Verdict
+from drystone.settings import Options, checked_call
 from drystone.solvers.conic import ConicStatus
 from drystone.statics import build_statics
 
@@ -26,7 +29,7 @@ point on a problem whose compliance is small against the motion."""
 
 
 @dataclass(frozen=True)
-class SettlementOptions:
+class SettlementOptions(Options):
     """Options of :func:`settle`.
 
     Attributes
@@ -42,12 +45,14 @@ class SettlementOptions:
     step_limit: int = 60
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not 0.0 < self.compliance < float("inf"):
             raise InputError(f"compliance is {self.compliance}", remedy="give a number above zero")
+        self._refuse_below(1, "step_limit")
 
 
 @dataclass(frozen=True, eq=False)
-class Settlement:
+class Settlement(OneLine):
     """First-order answer to a motion of supports.
 
     Attributes
@@ -66,6 +71,10 @@ class Settlement:
     opening: Floats
     slide: Floats
     size: float
+
+    def _summary(self) -> str:
+        opened = counted(len(self.open_joints()), "joint")
+        return f"{self.result.verdict.value}, {opened} open, supports move {self.size:.3g} m"
 
     def open_joints(self, share: float = 0.05) -> Ints:
         """Interfaces with a corner that opens by more than a share of the support's motion.
@@ -96,38 +105,37 @@ class Settlement:
         """
         if self.before.force is None or self.result.force is None:
             raise InputError("there are no forces to compare", remedy="see whether it stands")
-        return self.result.resultants().force - self.before.resultants().force
+        return self.result.resultants.force - self.before.resultants.force
 
 
 def support_forces(result: Result) -> Floats:
     """The force (n, 3) [N] that each fixed block gives to the free ones, zero for those."""
     assembly, contacts = result.assembly, result.contacts
-    force = result.resultants().force
+    force = result.resultants.force
     total = np.zeros((len(assembly), 3))
     np.add.at(total, contacts.block_a, force)
     np.subtract.at(total, contacts.block_b, force)
     return np.where(assembly.fixed[:, None], total, 0.0)
 
 
+@checked_call
 def settle(
-    assembly: Assembly,
-    contacts: Contacts,
+    given: Given,
     motion: Mapping[int | str, Any] | None = None,
-    load: LoadCase | None = None,
     *,
     options: SettlementOptions | None = None,
+    **how: Unpack[How],
 ) -> Settlement:
     """The load path that small motions of supports cause in stiff, compliant blocks.
 
     Parameters
     ----------
-    assembly, contacts
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     motion
         Per fixed block its translation [m] (3,), or translation and rotation [m, rad] (6,) about
         its centroid; world axes. Supports that are not named rest. It is added to what the load
         prescribes (:meth:`drystone.LoadCase.settlement`).
-    load
-        Self-weight when left out.
     options
 
     Raises
@@ -143,39 +151,40 @@ def settle(
     >>> from drystone.models import box
     >>> feet = [box((0.2, 1.0, 0.2), (x, 0.0, 0.0), n) for n, x in zip("abc", (0.0, 1.9, 3.8))]
     >>> plank = box((4.0, 1.0, 0.2), (0.0, 0.0, 0.2), "plank")
-    >>> assembly = drystone.Assembly((*feet, plank)).with_fixed("abc")
-    >>> contacts = drystone.find_contacts(assembly).contacts
-    >>> settled = settle(assembly, contacts, {"b": (0.0, 0.0, -0.01)})
-    >>> [assembly.names[contacts.block_a[i]] for i in settled.open_joints()]
+    >>> assembly = drystone.Assembly((*feet, plank)).with_fixed(list("abc"))
+    >>> model = drystone.Model.of(assembly)
+    >>> settled = settle(model, {"b": (0.0, 0.0, -0.01)})
+    >>> [assembly.names[model.contacts.block_a[i]] for i in settled.open_joints()]
     ['b']
     """
-    chosen = options if options is not None else SettlementOptions()
-    case = _case(assembly, motion, load)
+    chosen = SettlementOptions.of(options)
+    given = as_model(given, **how)
+    assembly, contacts = given.assembly, given.contacts
+    case = _case(assembly, motion, given.load)
     prescribed = np.zeros((len(assembly), 6)) if case.motion is None else case.motion
     size = float(block_speed(assembly, prescribed).max())
-    model = _Model(assembly, contacts, case, chosen, size)
-    before, after = _state(model, np.zeros_like(prescribed)), _state(model, prescribed)
+    task = _Task(given.with_load(case), chosen, size)
+    before, after = _state(task, np.zeros_like(prescribed)), _state(task, prescribed)
     moved = prescribed if after.displacement is None else after.displacement
     relative = corner_motion(Assembly(assembly.blocks), contacts, moved)
     slide = np.linalg.norm(relative[:, 1:], axis=1)
     return Settlement(after, before, relative[:, 0], slide, size)
 
 
-class _Model(NamedTuple):
-    assembly: Assembly
-    contacts: Contacts
-    load: LoadCase
+class _Task(NamedTuple):
+    model: Model
     options: SettlementOptions
     size: float
 
 
-def _state(model: _Model, prescribed: Floats) -> Result:
+def _state(task: _Task, prescribed: Floats) -> Result:
     """Forces and motions under a prescribed motion (n, 6) of the supports."""
-    assembly, contacts, load, chosen, size = model
+    model, chosen, size = task
+    assembly, contacts, load = model.assembly, model.contacts, model.load
     began = time.perf_counter()
-    active = ~(assembly.fixed[contacts.block_a] & assembly.fixed[contacts.block_b])
+    active = model.active
     part = contacts.select(active)
-    statics = build_statics(assembly, part, replace(load, motion=None))
+    statics = build_statics(Model(assembly, part, replace(load, motion=None)))
     if not statics.load.any():
         raise InputError("nothing loads the free blocks", remedy="add their weight")
     loose = Assembly(assembly.blocks)  # supports that move are no supports to the kinematics
@@ -191,7 +200,7 @@ def _state(model: _Model, prescribed: Floats) -> Result:
     if solution.raw.status is ConicStatus.INFEASIBLE:
         message = "no contact forces were found that balance the loads; see whether it stands"
     if solved:
-        residuals = _residuals(assembly, contacts, load, force, moved)
+        residuals = _residuals(model, force, moved)
         message = f"Coulomb friction is met to {solution.defect:.1e} of the mean load only"
         if residuals.largest <= CHECKED:
             verdict = Verdict.STABLE
@@ -200,9 +209,7 @@ def _state(model: _Model, prescribed: Floats) -> Result:
     return Result(
         method="settlement",
         verdict=verdict,
-        assembly=assembly,
-        contacts=contacts,
-        load=load if prescribed.any() else replace(load, motion=None),
+        model=model if prescribed.any() else model.with_load(replace(load, motion=None)),
         message=message,
         force=force if solved else None,
         displacement=moved if solved else None,
@@ -214,12 +221,13 @@ def _state(model: _Model, prescribed: Floats) -> Result:
     )
 
 
-def _case(
-    assembly: Assembly, motion: Mapping[int | str, Any] | None, load: LoadCase | None
-) -> LoadCase:
+def _case(assembly: Assembly, motion: Mapping[int | str, Any] | None, load: LoadCase) -> LoadCase:
     """The load with every motion in it."""
-    case = LoadCase.gravity(assembly) if load is None else load
-    for block, given in (motion or {}).items():
+    case = load
+    remedy = 'give translations by name of the block, such as {"base": (0.0, 0.0, -0.01)}'
+    motions = {} if motion is None else motion
+    of_type(motions, Mapping, "the motion", remedy)  # type: ignore[type-abstract]
+    for block, given in motions.items():
         case = case + LoadCase.settlement(assembly, block, given)
     if case.motion is None:
         raise InputError("no support moves", remedy="give a motion")
@@ -231,12 +239,11 @@ def _case(
     return case
 
 
-def _residuals(
-    assembly: Assembly, contacts: Contacts, load: LoadCase, force: Floats, moved: Floats
-) -> Residuals:
+def _residuals(model: Model, force: Floats, moved: Floats) -> Residuals:
     """Equilibrium of the free blocks, and contact conditions with the supports in motion."""
-    at_rest = check_forces(assembly, contacts, load, force)
-    following = check_forces(Assembly(assembly.blocks), contacts, load, force, moved)
+    at_rest = check_forces(model, force)
+    loose = replace(model, assembly=Assembly(model.assembly.blocks))
+    following = check_forces(loose, force, moved)
     return replace(following, equilibrium=at_rest.equilibrium)
 
 

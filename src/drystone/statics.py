@@ -18,11 +18,9 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
+from drystone.arrays import Bools, Floats, Ints
 from drystone.errors import InputError
-from drystone.geometry.arrays import Bools, Floats, Ints
-from drystone.loads import LoadCase
+from drystone.model import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,32 +185,21 @@ def _transfer(frame: Floats, lever: Floats, block: Ints) -> Floats:
     return out
 
 
-def require_blocks_of(assembly: Assembly, contacts: Contacts) -> None:
-    """Raise InputError where contacts name blocks that the assembly does not have."""
-    if contacts.count and max(contacts.block_a.max(), contacts.block_b.max()) >= len(assembly):
-        raise InputError("the contacts name blocks that the assembly does not have")
-
-
-def build_statics(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Statics:
-    """The dimensionless problem of an assembly.
+def build_statics(model: Model) -> Statics:
+    """The dimensionless problem of a model.
 
     Raises
     ------
     InputError
-        The load or the contacts belong to another assembly; the load moves supports; no support;
-        nothing free.
+        The load moves supports.
     """
+    assembly, contacts, load = model.assembly, model.contacts, model.load
     count = len(assembly)
-    if load.wrench.shape[0] != count:
-        raise InputError(
-            f"the load has {load.wrench.shape[0]} wrenches, the assembly {count} blocks"
-        )
     if load.motion is not None:
         raise InputError(
             f"the load case '{load.name}' moves supports",
             remedy="ask 'settle' what that does, or take a case without settlement",
         )
-    require_blocks_of(assembly, contacts)
     free = assembly.free
     slot = np.full(count, -1, dtype=np.intp)
     slot[free] = np.arange(len(free))

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from drystone.arrays import Bools, Floats, Ints, frozen_floats
 from drystone.contacts import Contacts
 from drystone.errors import InputError
-from drystone.geometry.arrays import Bools, Floats, Ints, frozen_floats
 from drystone.geometry.frames import unit
-from drystone.geometry.kern import Sections, kern, sections
-from drystone.geometry.polygon import loop_means
+from drystone.geometry.plane.kern import Sections, kern, sections
+from drystone.geometry.plane.polygon import loop_means
 
 Choice = Sequence[int] | Ints | Bools | None
 """Interfaces by position or mask; all when None."""

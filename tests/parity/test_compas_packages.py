@@ -16,6 +16,7 @@ from drystone.compat import from_compas, to_compas
 from drystone.compat.compas import CompasKind
 from drystone.detection import find_contacts
 from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.models import arch, box, vault
 from drystone.results import Result, Verdict
 
@@ -32,7 +33,7 @@ def result_of(assembly: Assembly) -> Result:
     contacts = find_contacts(assembly).contacts
     force = np.arange(3.0 * contacts.corner_count).reshape(-1, 3)
     load = LoadCase.gravity(assembly)
-    return Result("rbe", Verdict.UNDECIDED, assembly, contacts, load, force=force)
+    return Result("rbe", Verdict.UNDECIDED, Model(assembly, contacts, load), force=force)
 
 
 def dense(assembly: Assembly) -> Assembly:

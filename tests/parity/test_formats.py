@@ -8,6 +8,7 @@ import pytest
 from drystone import check, find_contacts, io
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
+from drystone.model import Model
 from drystone.models import arch, concave, vault
 
 EXACT = ("drystone", "drystone-npz", "compas-assembly", "compas-dem", "obj", "stl", "ply")
@@ -17,7 +18,7 @@ SUFFIX = {"obj": ".obj", "stl": ".stl", "ply": ".ply", "glb": ".glb"}
 def through(assembly: Assembly, name: str, folder: Path) -> Assembly:
     path = folder / f"model{SUFFIX.get(name, '.json')}"
     io.write(assembly, path, format=name)
-    return Assembly(io.read(path).assembly.blocks, assembly.fixed)
+    return Assembly(io.read_file(path).assembly.blocks, assembly.fixed)
 
 
 def interfaces(contacts: Contacts) -> list[tuple[int, int, float]]:
@@ -42,7 +43,5 @@ def test_every_format_gives_the_same_contacts(
 @pytest.mark.parametrize("friction", [0.15, 0.6])
 def test_every_format_gives_the_same_verdict(tmp_path: Path, name: str, friction: float) -> None:
     one, other = arch(voussoirs=12), through(arch(voussoirs=12), name, tmp_path)
-    verdicts = [
-        check(a, find_contacts(a, friction=friction).contacts).verdict for a in (one, other)
-    ]
+    verdicts = [check(Model.of(a, friction=friction)).verdict for a in (one, other)]
     assert verdicts[0] is verdicts[1]

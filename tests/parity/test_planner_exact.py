@@ -7,6 +7,7 @@ from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.detection import find_contacts
 from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.models import box
 from drystone.sequence import Plan, PlanOptions, Rules, check_once, plan
 
@@ -33,7 +34,10 @@ def standing_heaps() -> list[tuple[Assembly, Contacts, Rules]]:
     while len(found) < CASES:
         assembly = heap(rng, int(rng.integers(4, 9)))
         contacts = find_contacts(assembly, friction=0.6).contacts
-        if check_once(assembly, contacts, LoadCase.gravity(assembly)).verdict.value == "stable":
+        if (
+            check_once(Model(assembly, contacts, LoadCase.gravity(assembly))).verdict.value
+            == "stable"
+        ):
             # every other one is made harder: its first box may only come last but one
             hard = [("b3", "b0")] if len(found) % 4 == 1 else []
             found.append((assembly, contacts, Rules(hands=1 + len(found) % 2, before=hard)))
@@ -48,7 +52,7 @@ def together(found: Plan) -> int:
 def pairs() -> list[tuple[Plan, Plan]]:
     return [
         tuple(
-            plan(assembly, contacts, options=PlanOptions(rules=rules, exact=exact))
+            plan(Model(assembly, contacts), options=PlanOptions(rules=rules, exact=exact))
             for exact in (False, True)
         )
         for assembly, contacts, rules in standing_heaps()

@@ -3,6 +3,7 @@
 import pytest
 
 from drystone import InputError, LoadCase, MissingDependency, Verdict, find_contacts
+from drystone.model import Model
 from drystone.models import arch, shelf, stool, wedge
 from drystone.stability import solve_cra
 from drystone.stability.reference import solve_cra_reference
@@ -25,8 +26,8 @@ def test_whatever_the_reference_finds_our_analysis_finds_too(name):
     model, friction, angle = CASES[name]
     contacts = find_contacts(model, friction=friction).contacts
     load = LoadCase.tilt(model, X, angle)
-    reference = solve_cra_reference(model, contacts, load)
-    ours = solve_cra(model, contacts, load)
+    reference = solve_cra_reference(Model(model, contacts, load))
+    ours = solve_cra(Model(model, contacts, load))
     assert ours.verdict is not Verdict.UNDECIDED
     if reference.verdict is Verdict.STABLE:
         assert ours.verdict is Verdict.STABLE
@@ -38,7 +39,7 @@ def test_a_large_model_is_refused_with_a_remedy():
     model = arch(0.15, voussoirs=120)
     contacts = find_contacts(model, friction=0.8).contacts
     with pytest.raises(InputError, match="use solve_cra"):
-        solve_cra_reference(model, contacts)
+        solve_cra_reference(Model(model, contacts))
 
 
 def test_without_the_extra_the_error_names_it(monkeypatch):
@@ -46,4 +47,4 @@ def test_without_the_extra_the_error_names_it(monkeypatch):
     model = stool()
     contacts = find_contacts(model, friction=0.6).contacts
     with pytest.raises(MissingDependency, match=r"drystone\[reference\]"):
-        solve_cra_reference(model, contacts)
+        solve_cra_reference(Model(model, contacts))

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from drystone import solve_rbe
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.kern import convex_hull, edge_ratio, kern, kern_ratio, sections
-from drystone.joints import joint_table
+from drystone.geometry.plane.kern import convex_hull, edge_ratio, kern, kern_ratio, sections
 from drystone.limits import LimitOptions, limit_shrink, limit_tilt, thrust_bounds
+from drystone.model import Model
 from drystone.models import arch
 from drystone.virtual import shrink, to_kern
 from tests.oracle import touching_faces
@@ -17,9 +17,9 @@ from tests.oracle import touching_faces
 ARCH = arch(0.2, 9)
 JOINTS = touching_faces(ARCH, 0.7)
 BOUND = LimitOptions(full=False, width=0.01)
-TILT = limit_tilt(ARCH, JOINTS, "y", options=BOUND).equilibrium.value
-THRUST = thrust_bounds(ARCH, JOINTS, "springer-right", (1.0, 0.0, 0.0))
-TABLE = joint_table(THRUST.least_state) if THRUST.least_state is not None else None
+TILT = limit_tilt(Model(ARCH, JOINTS), "y", options=BOUND).equilibrium.value
+THRUST = thrust_bounds(Model(ARCH, JOINTS), "springer-right", (1.0, 0.0, 0.0))
+TABLE = THRUST.least_state.joints() if THRUST.least_state is not None else None
 
 
 @settings(max_examples=4, deadline=None, derandomize=True)
@@ -35,20 +35,22 @@ def test_limits_and_shares_do_not_depend_on_size_density_or_direction(
     moved = ARCH.transformed(scale * rotation, (scale * 40.0, 0.0, 0.0)).with_density(density)
     joints = touching_faces(moved, 0.7)
     axis = rotation @ np.array([0.0, 1.0, 0.0])
-    limit = limit_tilt(moved, joints, axis, options=BOUND)
+    limit = limit_tilt(Model(moved, joints), axis, options=BOUND)
     assert limit.equilibrium.value == pytest.approx(TILT, abs=1e-4)
-    bounds = thrust_bounds(moved, joints, "springer-right", rotation[:, 0])
+    bounds = thrust_bounds(Model(moved, joints), "springer-right", rotation[:, 0])
     unit = scale**3 * density / 2400.0
     assert bounds.least == pytest.approx(THRUST.least * unit, rel=1e-6)
     assert bounds.most == pytest.approx(THRUST.most * unit, rel=1e-6)
     assert TABLE is not None
     assert bounds.least_state is not None
-    table = joint_table(bounds.least_state)
+    table = bounds.least_state.joints()
     for name in ("friction_use", "kern_ratio", "edge_ratio"):
-        found, expected = np.sort(getattr(table, name)), np.sort(getattr(TABLE, name))
+        found, expected = np.sort(table[name]), np.sort(TABLE[name])
         np.testing.assert_allclose(found, expected, atol=1e-4)
     np.testing.assert_allclose(
-        np.sort(table.mean_pressure), np.sort(TABLE.mean_pressure) * unit / scale**2, rtol=1e-4
+        np.sort(table["mean_pressure"]),
+        np.sort(TABLE["mean_pressure"]) * unit / scale**2,
+        rtol=1e-4,
     )
 
 
@@ -78,7 +80,7 @@ def test_kern_and_ratios_follow_any_affine_map(seed: int, shear: float, stretch:
 def test_smaller_joints_never_stand_where_larger_ones_do_not(one: float, other: float) -> None:
     small, large = min(one, other), max(one, other)
     stands = [
-        solve_rbe(ARCH, shrink(JOINTS, factor)).verdict.value == "equilibrium exists"
+        solve_rbe(Model(ARCH, shrink(JOINTS, factor))).verdict.value == "equilibrium exists"
         for factor in (small, large)
     ]
     assert stands[0] <= stands[1]
@@ -87,7 +89,7 @@ def test_smaller_joints_never_stand_where_larger_ones_do_not(one: float, other: 
 def test_what_stands_within_its_kerns_stands_with_a_third_of_its_joints_left_over() -> None:
     thick = arch(0.5, 9)
     joints = touching_faces(thick, 0.9)
-    assert solve_rbe(thick, to_kern(joints)).verdict.value == "equilibrium exists"
-    limit = limit_shrink(thick, joints, options=LimitOptions(full=False))
+    assert solve_rbe(Model(thick, to_kern(joints))).verdict.value == "equilibrium exists"
+    limit = limit_shrink(Model(thick, joints), options=LimitOptions(full=False))
     assert limit.equilibrium.value is not None
     assert limit.equilibrium.value < 1.0 / 3.0

@@ -5,6 +5,7 @@ import pytest
 
 from drystone import Assembly, LoadCase, Verdict, check, find_contacts, solve_rbe
 from drystone.checks import check_forces, mechanism_defects
+from drystone.model import Model
 from drystone.models import box
 from drystone.stability import RBEOptions
 
@@ -45,18 +46,18 @@ def test_random_piles_get_verdicts_that_their_proofs_support(batch):
         angle = rng.uniform(0.0, 2.0 * np.pi)
         axis = (np.cos(angle), np.sin(angle), 0.0)
         load = LoadCase.tilt(model, axis, float(rng.uniform(0.0, 40.0)))
-        result = check(model, contacts, load)
-        balance = solve_rbe(model, contacts, load, options=RBEOptions(tension=False))
+        result = check(Model(model, contacts, load))
+        balance = solve_rbe(Model(model, contacts, load), options=RBEOptions(tension=False))
         seen[result.verdict] += 1
         if balance.verdict is Verdict.UNSTABLE:
             assert result.verdict is Verdict.UNSTABLE
         if result.verdict is Verdict.STABLE:
             assert balance.verdict is Verdict.EQUILIBRIUM_EXISTS
-            again = check_forces(model, contacts, load, result.force, result.displacement)
+            again = check_forces(Model(model, contacts, load), result.force, result.displacement)
             assert again.largest <= 1e-8
         if result.verdict is Verdict.UNSTABLE:
             closing = contacts.with_friction(0.0)
-            violation, power = mechanism_defects(model, closing, load, result.mechanism)
+            violation, power = mechanism_defects(Model(model, closing, load), result.mechanism)
             assert violation <= 1e-5
             assert power > 0.0
     assert seen[Verdict.UNDECIDED] == 0

@@ -3,10 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from drystone import find_contacts, models
+from drystone import Contacts, InputError, find_contacts
+from drystone.models import tower
+from tests.oracle import touching_faces
 
-STACK = find_contacts(models.tower(5)).contacts.with_friction([0.3, 0.4, 0.5, 0.6])
+STACK = find_contacts(tower(5)).contacts.with_friction([0.3, 0.4, 0.5, 0.6])
 
 
 def test_a_part_is_what_its_arrays_make_and_read_only() -> None:
@@ -32,3 +35,29 @@ def test_contacts_of_some_blocks_are_numbered_as_these() -> None:
 
 def test_no_interface_makes_a_part_as_well() -> None:
     assert STACK.select(np.zeros(4, dtype=bool)).count == 0
+
+
+def test_an_interface_is_taken_out_by_its_position() -> None:
+    contacts = touching_faces(tower(4), 0.7)
+    assert len(contacts) == 3
+    assert [one.blocks for one in contacts] == [(0, 1), (1, 2), (2, 3)]
+    last = contacts[-1]
+    assert (last.blocks, last.area, last.friction) == ((2, 3), 1.0, 0.7)
+    assert np.array_equal(last.corners, contacts.polygon(2))
+    assert np.array_equal(last.frame, contacts.frame[2])
+    assert len(Contacts.empty()) == 0
+
+
+@pytest.mark.parametrize(
+    ("position", "words"),
+    [
+        (3, "there is no interface 3; there are 3"),
+        (-4, "there is no interface -4"),
+        (1.0, r"position of an interface is 1\.0"),
+        ("block-1", "position of an interface is 'block-1'"),
+        (slice(2), "give a whole number"),
+    ],
+)
+def test_what_is_no_interface_is_refused(position: object, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        touching_faces(tower(4), 0.7)[position]  # type: ignore[index]

@@ -6,6 +6,7 @@ import importlib
 import inspect
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,9 @@ MODULES = sorted(
     for path in PACKAGE.rglob("*.py")
     if path.name != "__main__.py"
 )
+
+
+ROOMS = ["limits", "models", "sequence", "shells", "view"]
 
 
 def source(module: str) -> str:
@@ -51,7 +55,7 @@ def test_all_is_what_is_visible() -> None:
     """In a fresh interpreter: other tests import modules, which then are visible as well."""
     code = "import drystone; print(*(n for n in dir(drystone) if not n.startswith('_')))"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert run.stdout.split() == sorted(drystone.__all__)
+    assert run.stdout.split() == sorted([*drystone.__all__, *ROOMS])
 
 
 def test_a_star_import_brings_every_public_name() -> None:
@@ -65,6 +69,13 @@ def test_type_checkers_see_the_same_names_in_the_same_places() -> None:
     assert set(homes) == set(drystone.__all__)
     for name, module in homes.items():
         assert getattr(drystone, name) is getattr(importlib.import_module(module), name)
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_packages_are_there_after_import(room: str) -> None:
+    code = f"import drystone; print(drystone.{room}.__name__)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == f"drystone.{room}"
 
 
 def test_an_unknown_name_is_refused() -> None:
@@ -90,3 +101,14 @@ def test_examples_in_docstrings_are_true(module: str) -> None:
 
 def test_there_are_examples() -> None:
     assert len(WITH_EXAMPLES) > 20
+
+
+def test_the_version_stands_in_one_place() -> None:
+    """The build takes it from the package; no other file of the project may say another."""
+    checkout = Path(__file__).parents[2]  # the package under test may be installed elsewhere
+    project = tomllib.loads((checkout / "pyproject.toml").read_text("utf-8"))
+    assert project["project"]["dynamic"] == ["version"]
+    assert "version" not in project["project"]
+    source = checkout / project["tool"]["hatch"]["version"]["path"]
+    assert source == checkout / "src" / "drystone" / "__init__.py"
+    assert f'__version__ = "{drystone.__version__}"' in source.read_text("utf-8")

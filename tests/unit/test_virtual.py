@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drystone import Contacts, InputError, Verdict, solve_rbe
-from drystone.geometry.kern import kern_ratio, sections
+from drystone.geometry.plane.kern import kern_ratio, sections
+from drystone.model import Model
 from drystone.models import arch, tower
 from drystone.virtual import (
     joint_sections,
@@ -87,16 +88,16 @@ def test_no_interfaces_stay_no_interfaces() -> None:
 def test_forces_on_the_kern_stay_within_the_kern_of_the_whole_joint() -> None:
     thick = arch(0.6, 12)
     joints = touching_faces(thick, 0.9)
-    result = solve_rbe(thick, to_kern(joints))
+    result = solve_rbe(Model(thick, to_kern(joints)))
     assert result.verdict is Verdict.EQUILIBRIUM_EXISTS
     origin, corners, made = joint_sections(joints)
-    position = result.resultants().position - origin
+    position = result.resultants.position - origin
     at = np.einsum("mij,mj->mi", joints.frame[:, 1:], position)
     assert kern_ratio(made, corners, joints.start, at).max() <= 1.0 + 1e-6
 
 
 def test_a_thin_arch_leaves_its_kern_and_the_penalised_form_shows_where() -> None:
-    result = solve_rbe(ARCH, to_kern(JOINTS))
+    result = solve_rbe(Model(ARCH, to_kern(JOINTS)))
     assert result.verdict is Verdict.UNSTABLE
     assert result.tension is not None
     pulled = np.bincount(result.contacts.interface, result.tension, minlength=JOINTS.count)

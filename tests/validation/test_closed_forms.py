@@ -7,6 +7,7 @@ import pytest
 
 from drystone import Assembly, LoadCase, Result, Verdict, models
 from drystone.detection import find_contacts
+from drystone.model import Model
 from drystone.stability import check, solve_rbe
 from tests.oracle import Oracle, down, touching_faces
 
@@ -18,7 +19,7 @@ def verdict(
     assembly: Assembly, friction: float, axis: tuple[float, float, float] = Y, tilt: float = 0.0
 ) -> Result:
     contacts = find_contacts(assembly, friction=friction).contacts
-    result = check(assembly, contacts, LoadCase.tilt(assembly, axis, tilt))
+    result = check(Model(assembly, contacts, LoadCase.tilt(assembly, axis, tilt)))
     if result.verdict is STABLE:
         assert result.residuals is not None
         assert result.residuals.largest <= 1e-8
@@ -77,14 +78,14 @@ def test_h_and_a_fall_at_every_friction(make: type, friction: float) -> None:
 def test_h_and_a_are_in_equilibrium_for_rbe(make: type, friction: float) -> None:
     model = make()
     contacts = find_contacts(model, friction=friction).contacts
-    assert solve_rbe(model, contacts).verdict is Verdict.EQUILIBRIUM_EXISTS
+    assert solve_rbe(Model(model, contacts)).verdict is Verdict.EQUILIBRIUM_EXISTS
 
 
 def test_exactly_two_pieces_of_the_shelf_fall() -> None:
     shelf = models.shelf()
     contacts = find_contacts(shelf, friction=0.9).contacts
-    assert solve_rbe(shelf, contacts).verdict is Verdict.EQUILIBRIUM_EXISTS
-    result = check(shelf, contacts)
+    assert solve_rbe(Model(shelf, contacts)).verdict is Verdict.EQUILIBRIUM_EXISTS
+    result = check(Model(shelf, contacts))
     assert result.verdict is UNSTABLE
     assert set(result.falling) == {9, 10}
 
@@ -148,5 +149,5 @@ def test_rbe_agrees_with_linear_programs_on_random_stacks(seed: int) -> None:
     outer = Oracle(stack, brute, sides=32).balances(gravity)
     assert inner is outer  # the seeds keep clear of the limit
     contacts = find_contacts(stack, friction=friction).contacts
-    result = solve_rbe(stack, contacts, LoadCase.tilt(stack, axis, angle))
+    result = solve_rbe(Model(stack, contacts, LoadCase.tilt(stack, axis, angle)))
     assert result.verdict is (Verdict.EQUILIBRIUM_EXISTS if inner else UNSTABLE)

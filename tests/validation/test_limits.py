@@ -7,7 +7,6 @@ import pytest
 
 from drystone import Assembly, Contacts, LoadCase, RBEOptions, Verdict, check, solve_rbe
 from drystone.formulations.equilibrium import FrictionCone, Objective
-from drystone.joints import joint_table
 from drystone.limits import (
     Limit,
     LimitOptions,
@@ -19,6 +18,7 @@ from drystone.limits import (
     limit_tilt,
     thrust_bounds,
 )
+from drystone.model import Model
 from drystone.models import (
     arch,
     box,
@@ -60,13 +60,13 @@ def both(limit: Limit, width: float) -> tuple[float, float]:
 @pytest.mark.parametrize(("friction", "expected"), [(0.4, 21.801), (2.0, 45.0)])
 def test_a_cube_on_a_cube_slides_or_topples(friction: float, expected: float) -> None:
     assembly = tower(2)
-    limit = limit_tilt(assembly, touching_faces(assembly, friction), "x", options=QUICK)
+    limit = limit_tilt(Model(assembly, touching_faces(assembly, friction)), "x", options=QUICK)
     assert both(limit, 0.01) == pytest.approx((expected, expected), abs=0.01)
 
 
 def test_least_friction_of_a_block_on_an_incline_is_the_tangent_of_its_angle() -> None:
     assembly = incline(20.0)
-    limit = limit_friction(assembly, touching_faces(assembly, 0.6), options=FINE)
+    limit = limit_friction(Model(assembly, touching_faces(assembly, 0.6)), options=FINE)
     assert both(limit, 1e-3) == pytest.approx(np.tan(np.deg2rad([20.0, 20.0])), abs=1e-3)
 
 
@@ -76,8 +76,7 @@ def test_a_load_on_a_corbel_overturns_it_about_the_edge() -> None:
     assembly = Assembly((wall, corbel), np.array([True, False]))
     live = LoadCase.point_load(assembly, "corbel", (0.0, 0.0, -1000.0), (1.4, 0.5, 1.5))
     limit = limit_load(
-        assembly,
-        touching_faces(assembly, 0.6),
+        Model(assembly, touching_faces(assembly, 0.6)),
         live,
         options=LimitOptions(scan=2, width=1e-3),
     )
@@ -89,7 +88,10 @@ def test_a_block_pulled_sideways_slides_at_friction_times_weight() -> None:
     assembly = tower(2)
     live = LoadCase.point_load(assembly, 1, (3.0, 4.0, 0.0), (0.5, 0.5, 1.0))
     limit = limit_load(
-        assembly, touching_faces(assembly, 0.35), live, upper=1e4, options=LimitOptions(scan=2)
+        Model(assembly, touching_faces(assembly, 0.35)),
+        live,
+        upper=1e4,
+        options=LimitOptions(scan=2),
     )
     expected = 0.35 * WEIGHT / 5.0
     assert both(limit, 1e-4 * expected) == pytest.approx((expected, expected), rel=1e-4)
@@ -101,7 +103,10 @@ def test_a_gravity_wall_overturns_about_its_toe() -> None:
     # earth pressure of 1 Pa at mid-height on the back of the wall, width 4 m, height 3 m
     live = LoadCase.surface_load(assembly, "wall", 1.0, facing=(-1.0, 0.0, 0.0))
     limit = limit_load(
-        assembly, touching_faces(assembly, 0.9), live, upper=1e6, options=LimitOptions(width=0.1)
+        Model(assembly, touching_faces(assembly, 0.9)),
+        live,
+        upper=1e6,
+        options=LimitOptions(width=0.1),
     )
     expected = 12.0 * WEIGHT * 0.5 / (12.0 * 1.5)
     assert both(limit, 0.1) == pytest.approx((expected, expected), abs=0.1)
@@ -110,14 +115,14 @@ def test_a_gravity_wall_overturns_about_its_toe() -> None:
 def test_a_tower_stands_on_joints_shrunk_to_the_lean_of_its_load() -> None:
     assembly = tower(3)
     load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), np.rad2deg(np.arctan(0.25)))
-    limit = limit_shrink(assembly, touching_faces(assembly, 0.6), load, options=FINE)
+    limit = limit_shrink(Model(assembly, touching_faces(assembly, 0.6), load), options=FINE)
     # two cubes: their centre of mass, 1 m up, leans by 0.25 m out of 0.5 m
     assert both(limit, 1e-3) == pytest.approx((0.5, 0.5), abs=1e-3)
 
 
 def test_a_block_between_walls_balances_at_any_tilt_but_never_rests() -> None:
     assembly = h_model()
-    limit = limit_tilt(assembly, touching_faces(assembly, 0.6), "x", options=QUICK)
+    limit = limit_tilt(Model(assembly, touching_faces(assembly, 0.6)), "x", options=QUICK)
     assert limit.equilibrium.stands == 180.0
     assert limit.equilibrium.falls is None
     assert limit.rest is not None
@@ -130,9 +135,9 @@ def test_a_tilt_about_an_axis_that_is_not_horizontal_is_bisected() -> None:
     assembly = tower(2)
     contacts = touching_faces(assembly, 0.4)
     axis = np.array([1.0, 0.0, 1.0])
-    assert not Tilt(assembly, contacts, LoadCase.gravity(assembly), axis).is_planar()
+    assert not Tilt(Model(assembly, contacts, LoadCase.gravity(assembly)), axis).is_planar()
     options = LimitOptions(full=False, width=0.01)
-    limit = limit_tilt(assembly, contacts, axis, options=options)
+    limit = limit_tilt(Model(assembly, contacts), axis, options=options)
     # down turns about the axis to a slope a with cos a = (1 + cos t) / 2
     slope = np.arctan(0.4)
     expected = np.rad2deg(np.arccos(2.0 * np.cos(slope) - 1.0))
@@ -164,7 +169,9 @@ def test_friction_below_which_no_thickness_of_the_arch_stands(
     for ratio in thicknesses:
         assembly = arch(ratio, 80)
         contacts = touching_faces(assembly, friction)
-        verdicts.append(solve_rbe(assembly, contacts, options=RBEOptions(tension=False)).verdict)
+        verdicts.append(
+            solve_rbe(Model(assembly, contacts), options=RBEOptions(tension=False)).verdict
+        )
     assert (Verdict.EQUILIBRIUM_EXISTS in verdicts) == stands
 
 
@@ -173,7 +180,7 @@ def test_tilt_of_the_semicircular_arch(angle: float, expected: float) -> None:
     # Kao et al. 2022: 8.2 and 3.0 degrees by RBE, CRA and a discrete-element program
     assembly = arch(0.15)
     contacts = touching_faces(assembly, float(np.tan(np.deg2rad(angle))))
-    limit = limit_tilt(assembly, contacts, "y", options=QUICK)
+    limit = limit_tilt(Model(assembly, contacts), "y", options=QUICK)
     equilibrium, rest = both(limit, 0.01)
     assert equilibrium == pytest.approx(expected, abs=0.02)
     assert rest == pytest.approx(expected, abs=0.05)
@@ -185,9 +192,9 @@ BUTTRESSED_JOINTS = touching_faces(BUTTRESSED, 0.6)
 
 def test_least_friction_and_tilt_of_the_buttressed_arch() -> None:
     # Whiting et al. 2009: 0.31 and 12 degrees
-    friction = limit_friction(BUTTRESSED, BUTTRESSED_JOINTS, options=BOUND)
+    friction = limit_friction(Model(BUTTRESSED, BUTTRESSED_JOINTS), options=BOUND)
     assert friction.equilibrium.value == pytest.approx(0.309, abs=2e-3)
-    tilt = limit_tilt(BUTTRESSED, BUTTRESSED_JOINTS, "y", options=BOUND)
+    tilt = limit_tilt(Model(BUTTRESSED, BUTTRESSED_JOINTS), "y", options=BOUND)
     assert tilt.equilibrium.value == pytest.approx(12.1, abs=0.1)
 
 
@@ -198,9 +205,9 @@ def beside(block: str) -> np.ndarray:
 
 
 def crown_thrust(contacts: Contacts) -> float:
-    result = solve_rbe(BUTTRESSED, contacts)
+    result = solve_rbe(Model(BUTTRESSED, contacts))
     assert result.verdict is Verdict.EQUILIBRIUM_EXISTS
-    return float(result.resultants().normal[beside("voussoir-07")].mean())
+    return float(result.resultants.normal[beside("voussoir-07")].mean())
 
 
 def test_a_smaller_joint_at_the_keystone_raises_the_thrust() -> None:
@@ -212,17 +219,19 @@ def test_a_smaller_joint_at_the_keystone_raises_the_thrust() -> None:
 def test_the_least_thrust_stands_at_the_extrados_of_the_crown() -> None:
     key = beside("voussoir-07")
     up = thrust_bounds(
-        BUTTRESSED, shift(BUTTRESSED_JOINTS, (0.0, 0.0, 1.0), 0.0, key), "right-0", (1.0, 0, 0)
+        Model(BUTTRESSED, shift(BUTTRESSED_JOINTS, (0.0, 0.0, 1.0), 0.0, key)),
+        "right-0",
+        (1.0, 0, 0),
     )
-    free = thrust_bounds(BUTTRESSED, BUTTRESSED_JOINTS, "right-0", (1.0, 0, 0))
+    free = thrust_bounds(Model(BUTTRESSED, BUTTRESSED_JOINTS), "right-0", (1.0, 0, 0))
     assert up.least == pytest.approx(free.least, rel=1e-5)
     assert up.most < free.most
 
 
 def test_the_crown_of_the_buttressed_arch_leaves_its_kern() -> None:
-    table = joint_table(solve_rbe(BUTTRESSED, BUTTRESSED_JOINTS))
-    assert (table.kern_ratio[beside("voussoir-07")] > 1.0).all()
-    fitted = solve_rbe(BUTTRESSED, to_kern(BUTTRESSED_JOINTS))
+    table = solve_rbe(Model(BUTTRESSED, BUTTRESSED_JOINTS)).joints()
+    assert (table["kern_ratio"][beside("voussoir-07")] > 1.0).all()
+    fitted = solve_rbe(Model(BUTTRESSED, to_kern(BUTTRESSED_JOINTS)))
     assert fitted.verdict is Verdict.UNSTABLE
     assert fitted.tension is not None
     pull = np.bincount(fitted.contacts.interface, fitted.tension)
@@ -235,9 +244,9 @@ def test_quadratic_and_linear_resultants_of_the_buttressed_arch_differ_a_little(
 ) -> None:
     # where friction leaves the least thrust free, both choose it and agree
     joints = BUTTRESSED_JOINTS.with_friction(friction)
-    quadratic = solve_rbe(BUTTRESSED, joints).resultants()
+    quadratic = solve_rbe(Model(BUTTRESSED, joints)).resultants
     options = RBEOptions(objective=Objective.LINEAR)
-    linear = solve_rbe(BUTTRESSED, joints, options=options).resultants()
+    linear = solve_rbe(Model(BUTTRESSED, joints), options=options).resultants
     apart = float(np.linalg.norm(quadratic.position - linear.position, axis=1).max())
     assert (apart < 1e-6) == alike
     assert apart < 0.02
@@ -250,9 +259,9 @@ DOME_JOINTS = touching_faces(DOME, 0.6)
 def test_tilt_of_the_dome_with_the_pyramid_of_the_source_and_with_the_cone() -> None:
     # Kao et al. 2022: 32 degrees, with a pyramid that grants up to 8.2 % more friction
     loose = LimitOptions(full=False, width=0.1, cone=FrictionCone.octagon())
-    pyramid = limit_tilt(DOME, DOME_JOINTS, "y", options=loose).equilibrium.value
+    pyramid = limit_tilt(Model(DOME, DOME_JOINTS), "y", options=loose).equilibrium.value
     tight = LimitOptions(full=False, width=0.1)
-    exact = limit_tilt(DOME, DOME_JOINTS, "y", options=tight).equilibrium.value
+    exact = limit_tilt(Model(DOME, DOME_JOINTS), "y", options=tight).equilibrium.value
     assert pyramid == pytest.approx(32.0, abs=1.0)
     assert exact is not None
     assert pyramid is not None
@@ -263,8 +272,8 @@ def test_hoops_of_the_dome_are_idle_below_and_alike_all_around() -> None:
     ring = np.array([int(name[1:3]) for name in DOME.names])
     row = ring[DOME_JOINTS.block_a]
     hoop = row == ring[DOME_JOINTS.block_b]
-    quadratic = solve_rbe(DOME, DOME_JOINTS).resultants().normal
-    linear = solve_rbe(DOME, DOME_JOINTS, options=RBEOptions(objective=Objective.LINEAR))
+    quadratic = solve_rbe(Model(DOME, DOME_JOINTS)).resultants.normal
+    linear = solve_rbe(Model(DOME, DOME_JOINTS), options=RBEOptions(objective=Objective.LINEAR))
     largest = quadratic.max()
     assert quadratic[hoop & (row < 3)].max() < 1e-6 * largest
     assert quadratic[hoop & (row > 6)].min() > 1e-2 * largest
@@ -275,7 +284,7 @@ def test_hoops_of_the_dome_are_idle_below_and_alike_all_around() -> None:
         )
 
     assert uneven(quadratic) < 1e-6 * largest
-    assert uneven(linear.resultants().normal) > 1e-6 * largest
+    assert uneven(linear.resultants.normal) > 1e-6 * largest
 
 
 def slippery_walls(assembly: Assembly) -> Contacts:
@@ -301,7 +310,7 @@ def test_associative_load_factors_of_the_walls(number: int, expected: float) -> 
     # Ferris and Tin-Loi 2001
     assembly = ferris_wall(number)
     contacts = touching_faces(assembly, 0.65)
-    limit = limit_load(assembly, contacts, LoadCase.seismic(assembly, 1.0), options=BOUND)
+    limit = limit_load(Model(assembly, contacts), LoadCase.seismic(assembly, 1.0), options=BOUND)
     assert limit.equilibrium.value == pytest.approx(expected, abs=1e-4)
 
 
@@ -309,8 +318,7 @@ def test_the_compatible_load_factor_of_a_wall_is_not_above_the_associative_one()
     assembly = ferris_wall(1)
     contacts = touching_faces(assembly, 0.65)
     limit = limit_load(
-        assembly,
-        contacts,
+        Model(assembly, contacts),
         LoadCase.seismic(assembly, 1.0),
         options=LimitOptions(scan=2, width=0.02),
     )
@@ -318,4 +326,4 @@ def test_the_compatible_load_factor_of_a_wall_is_not_above_the_associative_one()
     assert limit.rest.stands is not None
     assert limit.rest.stands > 0.5
     above = LoadCase.gravity(assembly) + 0.6440 * LoadCase.seismic(assembly, 1.0)
-    assert check(assembly, contacts, above).verdict is Verdict.UNSTABLE
+    assert check(Model(assembly, contacts, above)).verdict is Verdict.UNSTABLE

@@ -10,37 +10,40 @@ from collections.abc import Callable
 
 import pytest
 
-from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Verdict, models
+from drystone import Assembly, CheckOptions, LoadCase, RBEOptions, Verdict, models
 from drystone.checks import corner_motion
 from drystone.detection import find_contacts
+from drystone.model import Model
 from drystone.stability import FrictionCone, check, solve_cra, solve_rbe
 
 Axis = tuple[float, float, float]
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)
 
 
-Judge = Callable[[Assembly, Contacts, LoadCase], Verdict]
+Judge = Callable[[Model], Verdict]
 
 
-def uniform(model: Assembly, contacts: Contacts, load: LoadCase) -> Verdict:
+def uniform(model: Model) -> Verdict:
     options = CheckOptions(samples=0, search=False)
-    return check(model, contacts, load, options=options).verdict
+    return check(model, options=options).verdict
 
 
-def balanced_on_the_octagon(model: Assembly, contacts: Contacts, load: LoadCase) -> Verdict:
+def balanced_on_the_octagon(model: Model) -> Verdict:
     options = RBEOptions(cone=FrictionCone.octagon(), tension=False)
-    return solve_rbe(model, contacts, load, options=options).verdict
+    return solve_rbe(model, options=options).verdict
 
 
-def searched(model: Assembly, contacts: Contacts, load: LoadCase) -> Verdict:
-    return check(model, contacts, load).verdict
+def searched(model: Model) -> Verdict:
+    return check(model).verdict
 
 
 def sides(
     judge: Judge, model: Assembly, friction: float, axis: Axis, below: float, above: float
 ) -> list[Verdict]:
     contacts = find_contacts(model, friction=friction).contacts
-    return [judge(model, contacts, LoadCase.tilt(model, axis, tilt)) for tilt in (below, above)]
+    return [
+        judge(Model(model, contacts, LoadCase.tilt(model, axis, tilt))) for tilt in (below, above)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -131,8 +134,8 @@ def test_a_wedge_stands_less_far_on_joints_that_are_more_alike(
     model = models.wedge("b")
     contacts = find_contacts(model, friction=0.84).contacts
     options = CheckOptions(samples=0, spread=spread)
-    found = check(model, contacts, LoadCase.tilt(model, X, stands), options=options)
-    beyond = check(model, contacts, LoadCase.tilt(model, X, 58.0), options=options)
+    found = check(Model(model, contacts, LoadCase.tilt(model, X, stands)), options=options)
+    beyond = check(Model(model, contacts, LoadCase.tilt(model, X, 58.0)), options=options)
     assert (found.verdict, beyond.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
     assert found.spread is not None
     assert found.spread <= 1.01 * spread
@@ -145,8 +148,8 @@ def test_joints_of_the_state_that_is_told_differ_as_told(spread: float) -> None:
     model = models.wedge("b")
     contacts = find_contacts(model, friction=0.695).contacts
     load = LoadCase.tilt(model, (-1.24, 0.121, 0.682), 54.1)
-    found = check(model, contacts, load, options=CheckOptions(spread=spread))
-    level = solve_cra(model, contacts, load)
+    found = check(Model(model, contacts, load), options=CheckOptions(spread=spread))
+    level = solve_cra(Model(model, contacts, load))
     assert found.spread is not None
     assert found.spread <= spread
     assert ("5.6" in found.message) == (spread > 100.0)
@@ -167,7 +170,10 @@ def test_hooded_blocks_stand_well_inside_the_published_limits(
     contacts = find_contacts(model, friction=0.84).contacts
     axes = ((-1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (1.0, -1.0, 0.0))
     for axis, angle in zip(axes, stands, strict=True):
-        assert check(model, contacts, LoadCase.tilt(model, axis, angle)).verdict is Verdict.STABLE
+        assert (
+            check(Model(model, contacts, LoadCase.tilt(model, axis, angle))).verdict
+            is Verdict.STABLE
+        )
 
 
 @pytest.mark.parametrize(
@@ -179,7 +185,7 @@ def test_hooked_plank_stands_to_the_published_angle(
 ) -> None:
     model = models.concave(length)  # type: ignore[arg-type]
     contacts = find_contacts(model, friction=friction).contacts
-    assert check(model, contacts, LoadCase.tilt(model, Y, angle)).verdict is Verdict.STABLE
+    assert check(Model(model, contacts, LoadCase.tilt(model, Y, angle))).verdict is Verdict.STABLE
 
 
 @pytest.mark.parametrize(
@@ -193,7 +199,7 @@ def test_hooked_plank_slides_out_well_above_the_published_angle(
     model = models.concave(length)  # type: ignore[arg-type]
     contacts = find_contacts(model, friction=friction).contacts
     options = CheckOptions(spread=2.0)
-    found = check(model, contacts, LoadCase.tilt(model, Y, angle), options=options)
+    found = check(Model(model, contacts, LoadCase.tilt(model, Y, angle)), options=options)
     assert found.verdict is not Verdict.STABLE
 
 
@@ -202,7 +208,7 @@ def test_forces_press_only_where_blocks_overlap(angle: float) -> None:
     """Eq. 5.6: a force needs an overlap; one that rounding makes is none."""
     model = models.concave()
     contacts = find_contacts(model, friction=0.10).contacts
-    found = check(model, contacts, LoadCase.tilt(model, Y, angle))
+    found = check(Model(model, contacts, LoadCase.tilt(model, Y, angle)))
     if found.verdict is Verdict.STABLE:
         assert found.force is not None
         assert found.displacement is not None

@@ -2,15 +2,17 @@
 
 import pytest
 
-from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION, dome, vault
+from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
+from drystone.model import Model
+from drystone.reproduce.assembly import niche, ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
 
 
 def planned(assembly: Assembly, friction: float) -> Plan:
     contacts = find_contacts(assembly, friction=friction).contacts
-    return plan(assembly, contacts, options=PlanOptions(rules=BY_COURSE))
+    return plan(Model(assembly, contacts), options=PlanOptions(rules=BY_COURSE))
 
 
 def course(name: str) -> int:
@@ -19,7 +21,7 @@ def course(name: str) -> int:
 
 @pytest.fixture(scope="module")
 def round_plan() -> Plan:
-    return planned(dome(), DOME_FRICTION)
+    return planned(ring_dome(), DOME_FRICTION)
 
 
 def test_a_dome_is_built_of_free_blocks_and_pairs_without_props(round_plan):
@@ -47,16 +49,16 @@ def test_the_first_blocks_of_the_steep_rings_are_the_held_ones(round_plan):
 
 
 def test_deeper_wedges_need_less_help():
-    shallow, deep = (planned(vault(wedge), VAULT_FRICTION).counts for wedge in (0.1, 0.3))
+    shallow, deep = (planned(niche(wedge), VAULT_FRICTION).counts for wedge in (0.1, 0.3))
     assert shallow["free"] + shallow["held"] + shallow["propped"] == 37
     assert deep == {"support": 15, "free": 37, "held": 0, "propped": 0, "impossible": 0}
     assert shallow["free"] < 37
 
 
 def test_no_block_is_propped_that_stands_without_at_all_of_its_stages():
-    assembly = vault(0.02)
+    assembly = niche(0.02)
     contacts = find_contacts(assembly, friction=VAULT_FRICTION).contacts
-    found = plan(assembly, contacts)
+    found = plan(Model(assembly, contacts))
     assert found.props
     judge = Evaluator(found.model)
     for prop in found.props:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from drystone.detection import find_contacts
-from drystone.models.sequences import bridge, leaning_tower, snake
+from drystone.model import Model
+from drystone.models import corbelled_bridge, leaning_column, winding_column
 from drystone.sequence import plan
 
 
@@ -30,15 +31,15 @@ def least_friction_of_bridge() -> float:
 @pytest.mark.parametrize(
     ("family", "least"),
     [
-        (leaning_tower, np.tan(np.deg2rad(8.0))),
-        (snake, 2.0 * np.pi * 0.25 / 4.0),
-        (bridge, least_friction_of_bridge()),
+        (leaning_column, np.tan(np.deg2rad(8.0))),
+        (winding_column, 2.0 * np.pi * 0.25 / 4.0),
+        (corbelled_bridge, least_friction_of_bridge()),
     ],
 )
 def test_it_is_built_block_by_block_above_its_least_friction_and_not_below(family, least):
     assembly = family()
     contacts = find_contacts(assembly).contacts
-    enough = plan(assembly, contacts.with_friction(1.03 * least))
+    enough = plan(Model(assembly, contacts.with_friction(1.03 * least)))
     assert enough.counts["free"] == len(assembly.free)
     assert enough.verdict.value == "stable"
-    assert plan(assembly, contacts.with_friction(0.97 * least)).steps == ()
+    assert plan(Model(assembly, contacts.with_friction(0.97 * least))).steps == ()

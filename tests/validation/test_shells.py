@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from drystone.detection import DetectionOptions, find_contacts
-from drystone.geometry import polygon
-from drystone.geometry.polyhedron import edge_defects
-from drystone.geometry.solid import solid_angles
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.body.polyhedron import edge_defects
+from drystone.geometry.body.solid import solid_angles
+from drystone.geometry.plane import polygon
+from drystone.geometry.plane.triangulate import triangulate
 from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.results import Verdict
 from drystone.shells import (
     SAMPLES,
@@ -24,7 +25,7 @@ from drystone.shells import (
     sample_shell,
     shape_volume,
 )
-from drystone.shells.planarise import warps
+from drystone.shells.blocks.planarise import warps
 from drystone.stability import CheckOptions, check
 
 TIGHTEST = DetectionOptions(gap=1e-6)
@@ -97,7 +98,7 @@ def test_blocks_stay_near_the_surface(kind):
 
 def test_the_shells_stand(kind):
     shell = SHELLS[kind]
-    result = check(shell.assembly, FOUND[kind].contacts, options=QUICK)
+    result = check(Model(shell.assembly, FOUND[kind].contacts), options=QUICK)
     assert result.verdict is Verdict.STABLE
     assert result.residuals.largest <= 1e-8
 
@@ -106,7 +107,7 @@ def test_the_plan_of_the_form_found_shell_does_not_stand_flat():
     layout = SAMPLES["form-found"][40].layout
     flat = build_shell(rectangular_plan(6.0, 5.0), layout, Body(thickness=0.2))
     contacts = find_contacts(flat.assembly, options=TIGHTEST).contacts
-    assert check(flat.assembly, contacts, options=QUICK).verdict is Verdict.UNSTABLE
+    assert check(Model(flat.assembly, contacts), options=QUICK).verdict is Verdict.UNSTABLE
 
 
 def test_a_hooked_dome_is_concave_and_stands():
@@ -121,7 +122,7 @@ def test_a_hooked_dome_is_concave_and_stands():
     assert max(pairs.count(pair) for pair in pairs) == 3  # both halves of the bed, and the step
     made = sum(shared_areas(shell).values())
     assert float(found.contacts.area.sum()) == pytest.approx(made, rel=1e-6)
-    assert check(shell.assembly, found.contacts, options=QUICK).verdict is Verdict.STABLE
+    assert check(Model(shell.assembly, found.contacts), options=QUICK).verdict is Verdict.STABLE
 
 
 def single_block(wedge):
@@ -141,7 +142,7 @@ def single_block(wedge):
 def leans(wedge, angle):
     assembly, contacts = single_block(wedge)
     tilt = LoadCase.tilt(assembly, (1.0, 0.0, 0.0), angle)
-    return check(assembly, contacts, tilt, options=QUICK).verdict is Verdict.STABLE
+    return check(Model(assembly, contacts, tilt), options=QUICK).verdict is Verdict.STABLE
 
 
 def test_a_plain_block_leans_until_its_weight_leaves_the_bed():

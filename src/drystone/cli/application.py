@@ -22,6 +22,7 @@ from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
 from drystone.cli.limit import limit
 from drystone.cli.plan import plan
+from drystone.cli.reproduce import reproduce
 from drystone.cli.settle import settle
 from drystone.cli.shell import shell
 from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY
@@ -78,7 +79,7 @@ def _program(
     """Does a structure of loose blocks stand by contact and friction alone?"""
 
 
-for _command in (check, inspect, convert, demo, settle, shell, plan):
+for _command in (check, inspect, convert, demo, settle, shell, plan, reproduce):
     app.command()(_command)
 app.add_typer(limit, name="limit")
 

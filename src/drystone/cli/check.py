@@ -39,7 +39,7 @@ def check(
         result = verdict.solve(prepared, waiting, time_limit)
         rows, said = tables.of(result)
         written = verdict.write([*files.of(result), *rows], waiting)
-    data = verdict.content(result, prepared, waiting.time_s, subject.model, files)
+    data = verdict.content(result, waiting.time_s, subject.model, files)
     data["files"] = written
     data["notes"] += said
     if as_json:

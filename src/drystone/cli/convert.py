@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from drystone.cli import options, output
-from drystone.cli.session import found, warnings_of
+from drystone.cli.session import warnings_of
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
@@ -44,6 +44,8 @@ def convert(
     from dataclasses import replace
 
     from drystone import io  # the program starts fast: work is imported when there is some
+    from drystone.model import Model
+    from drystone.supports import select as select_supports
 
     chosen = io.format_of(target, to)
     _refuse_other_suffix(target, chosen)
@@ -55,16 +57,17 @@ def convert(
         )
     with Waiting() as waiting:
         waiting.stage("read", f"reading {model}")
-        read = io.read(model, units=units, split=split)
+        read = io.read_file(model, units=units, split=split)
         notes = list(read.notes)
         if supports is not None:
             read = replace(
-                read, assembly=io.supports.select(read.assembly, supports), results=(), loads=()
+                read, assembly=select_supports(read.assembly, supports), results=(), loads=()
             )
         if contacts:
-            made, report = found(read.assembly, friction, waiting)
-            notes += warnings_of(report)
-            read = replace(read, contacts=made, results=())
+            waiting.stage("detect", "finding contacts")
+            made = Model.of(read.assembly, friction=friction)
+            notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
+            read = replace(read, contacts=made.contacts, results=())
         waiting.stage("write", f"writing {target}")
         io.write(read, target, format=to)
         waiting.wrote.append(target)

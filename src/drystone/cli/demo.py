@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from drystone.cli import options, output, verdict
-from drystone.cli.session import Prepared, found, weight
 from drystone.cli.waiting import Waiting
 
 
@@ -23,18 +22,16 @@ def demo(
     files = verdict.Files.checked(
         str(Path(folder) / "drystone-demo.html"), str(Path(folder) / "drystone-demo.png")
     )
+    from drystone.model import Model
     from drystone.models import (
         vault,
     )  # the program starts fast: work is imported when there is some
 
     with Waiting() as waiting:
         waiting.stage("read", "building the vault")
-        assembly = vault()
-        contacts, report = found(assembly, friction, waiting)
-        prepared = Prepared(assembly, contacts, weight(assembly, None), report, ())
-        result = verdict.solve(prepared, waiting, None)
+        result = verdict.solve(Model.of(vault(), friction=friction), waiting, None)
         files.write(result, waiting)
-    data = verdict.content(result, prepared, waiting.time_s, "built-in vault", files)
+    data = verdict.content(result, waiting.time_s, "built-in vault", files)
     if as_json:
         output.emit(data)
     else:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any, get_type_hints
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 from drystone.cli import joint_files, loading, options, verdict
-from drystone.cli.session import Prepared, prepare
+from drystone.cli.session import prepare
 from drystone.cli.waiting import Waiting
+
+if TYPE_CHECKING:
+    from drystone.model import Model
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,7 @@ class Subject:
     loads: loading.Loads = None
     cases: loading.Cases = None
 
-    def prepared(self, waiting: Waiting, finding: Finding | None = None, **more: Any) -> Prepared:
+    def prepared(self, waiting: Waiting, finding: Finding | None = None, **more: Any) -> Model:
         """See :func:`drystone.cli.session.prepare`; ``more`` are its other arguments."""
         given = _values(self) | ({} if finding is None else _values(finding))
         return prepare(given.pop("model"), waiting, **given, **more)

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drystone.cli import options, output, verdict
-from drystone.cli.session import found
+from drystone.cli.session import detection_options
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError, counted
 
 if TYPE_CHECKING:
+    from drystone.arrays import Floats
     from drystone.assembly import Assembly
     from drystone.detection import Detection, GapSweep
-    from drystone.geometry.arrays import Floats
     from drystone.io.build import Built
 
 LISTED = 20
@@ -52,7 +52,7 @@ def inspect(
     """
     files = verdict.Files.checked(html, png)
     from drystone import io  # the program starts fast: work is imported when there is some
-    from drystone.detection import Detection
+    from drystone.detection import find_contacts
 
     with Waiting() as waiting:
         waiting.stage("read", f"reading {model}")
@@ -61,9 +61,10 @@ def inspect(
         report = swept = None
         written: list[str] = []
         if assembly is not None:
-            contacts, report = found(assembly, None, waiting, gap, angle, edges)
+            waiting.stage("detect", "finding contacts")
+            detection = find_contacts(assembly, options=detection_options(gap, angle, edges))
+            report = detection.report
             swept = _swept(assembly, waiting) if sweep else None
-            detection = Detection(contacts, report)
             written = _draw(assembly, detection, swept, built.bare, files, waiting)
     blocks = [block for block in built.blocks if block is not None]
     held = (
@@ -114,7 +115,7 @@ def inspect(
 
 def _usable(built: Built, supports: str | None) -> tuple[Assembly | None, list[str]]:
     """The blocks in which contacts can be looked for, with their supports, and what to note."""
-    from drystone.io import supports as chosen
+    from drystone import supports as chosen
 
     assembly, notes = built.assembly, list(built.notes)
     if assembly is not None:

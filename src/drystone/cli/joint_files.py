@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,7 +13,7 @@ import typer
 from drystone.cli.options import output_path, positive
 
 if TYPE_CHECKING:
-    from drystone.io.files import Job
+    from drystone.files import Job
     from drystone.results import Result
 
 Joints: TypeAlias = Annotated[
@@ -41,26 +42,28 @@ class JointFiles:
         return [str(path) for path in self.paths]
 
     def of(self, result: Result) -> tuple[list[Job], list[str]]:
-        """What :func:`drystone.io.files.write_together` is to write, and remarks."""
+        """What :func:`drystone.files.write_together` is to write, and remarks."""
         if result.force is None:
             said = ["no joint table: there are no forces"] if self.paths else []
             return [], said
         if not self.paths and self.strength is None:
             return [], []
-        from drystone.io.joint_table import write_joints  # work is imported when there is some
-        from drystone.joints import joint_table
+        from drystone.files import write_bytes  # work is imported when there is some
         from drystone.view import save_report
 
-        table = joint_table(result, strength=self.strength)
+        table = result.joints(strength=self.strength)
         jobs: list[Job] = []
         for path in self.paths:
             if path.suffix.lower() == ".html":
                 jobs.append((path, partial(save_report, result, strength=self.strength)))
+            elif path.suffix.lower() == ".csv":
+                jobs.append((path, table.to_csv))
             else:
-                jobs.append((path, partial(write_joints, table)))
+                content = json.dumps({"strength": self.strength, **table.to_dict()})
+                jobs.append((path, partial(write_bytes, data=content.encode("utf-8"))))
         said = []
         if self.strength is not None:
-            over = int(table.over_strength.sum())
+            over = int(table["over_strength"].sum())
             said.append(
                 f"the peak pressure exceeds {self.strength / 1e6:g} MPa at {over} of "
                 f"{len(table)} joints"

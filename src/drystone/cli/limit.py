@@ -11,12 +11,12 @@ from drystone.cli import limit_answer, loading, options, verdict
 from drystone.cli.groups import Subject, expanded
 from drystone.cli.limit_models import thickness, tolerance
 from drystone.cli.limit_options import Search
-from drystone.cli.session import Prepared
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
     from drystone.limits import Limit
+    from drystone.model import Model
 
 limit = typer.Typer(
     help="By how much does it stand: largest tilt or load, least friction, thickness, joint size.",
@@ -57,12 +57,11 @@ def tilt(
 
         direction = _axis(axis)
         prepared = subject.prepared(waiting)
-        model = (prepared.assembly, prepared.contacts)
         with search.under_way(waiting) as common:
             if polar is not None:
-                sweep = limits.tilt_sweep(*model, polar, prepared.load, upper=upper, **common)
+                sweep = limits.tilt_sweep(prepared, polar, upper=upper, **common)
             else:
-                found = limits.limit_tilt(*model, direction, prepared.load, upper=upper, **common)
+                found = limits.limit_tilt(prepared, direction, upper=upper, **common)
     if polar is not None:
         return limit_answer.tell_sweep(sweep, subject.model, prepared, files, waiting, as_json)
     return limit_answer.tell(found, subject.model, prepared.notes, files, waiting, as_json)
@@ -86,11 +85,10 @@ def friction_(
 ) -> int:
     """The least friction coefficient at which a model stands."""
 
-    def find(prepared: Prepared, common: dict[str, Any]) -> Limit:
+    def find(prepared: Model, common: dict[str, Any]) -> Limit:
         from drystone.limits import limit_friction  # work is imported when there is some
 
-        model = (prepared.assembly, prepared.contacts, prepared.load)
-        return limit_friction(*model, upper=upper, scaled=scaled, **common)
+        return limit_friction(prepared, upper=upper, scaled=scaled, **common)
 
     return _answer(subject, search, seismic, find, html, as_json)
 
@@ -117,13 +115,12 @@ def load(
     """The largest factor of a load on top of the weight and of --load."""
     notes: list[str] = []
 
-    def find(prepared: Prepared, common: dict[str, Any]) -> Limit:
+    def find(prepared: Model, common: dict[str, Any]) -> Limit:
         from drystone.limits import limit_load  # as above
 
         live = loading.chosen_case(case, prepared.assembly, prepared.cases)
         notes.extend(live.notes)
-        model = (prepared.assembly, prepared.contacts)
-        return limit_load(*model, live, prepared.load, upper=upper, **common)
+        return limit_load(prepared, live, upper=upper, **common)
 
     return _answer(subject, search, seismic, find, html, as_json, notes)
 
@@ -140,10 +137,10 @@ def shrink(
 ) -> int:
     """The least share of the size of all joints; its inverse is a geometric safety factor."""
 
-    def find(prepared: Prepared, common: dict[str, Any]) -> Limit:
+    def find(prepared: Model, common: dict[str, Any]) -> Limit:
         from drystone.limits import limit_shrink  # as above
 
-        return limit_shrink(prepared.assembly, prepared.contacts, prepared.load, **common)
+        return limit_shrink(prepared, **common)
 
     return _answer(subject, search, seismic, find, html, as_json, more=limit_answer.safety_factor)
 
@@ -152,7 +149,7 @@ def _answer(
     subject: Subject,
     search: Search,
     seismic: str | None,
-    find: Callable[[Prepared, dict[str, Any]], Limit],
+    find: Callable[[Model, dict[str, Any]], Limit],
     html: str | None,
     as_json: bool,
     notes: list[str] | None = None,

@@ -9,12 +9,12 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from drystone.cli import output
-from drystone.cli.session import Prepared
 from drystone.cli.verdict import Files, write
 from drystone.cli.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.limits import Limit, TiltSweep
+    from drystone.model import Model
 
 TITLES = {
     "equilibrium": "some forces balance the loads",
@@ -61,7 +61,7 @@ def tell(
 
 
 def tell_sweep(
-    sweep: TiltSweep, model: str, prepared: Prepared, files: Files, waiting: Waiting, as_json: bool
+    sweep: TiltSweep, model: str, prepared: Model, files: Files, waiting: Waiting, as_json: bool
 ) -> int:
     """Print a polar sweep and write its plot."""
     data = {"model": model, **sweep.to_dict(), "notes": list(prepared.notes), "files": []}

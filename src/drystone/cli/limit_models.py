@@ -130,10 +130,8 @@ def tolerance(
         waiting.stage("solve", "drawing")
         with working(workers, waiting) as common:
             answer = limits.tolerance(
-                prepared.assembly,
-                prepared.contacts,
+                prepared,
                 kinds,
-                prepared.load,
                 draws=draws,
                 seed=seed,
                 **common,

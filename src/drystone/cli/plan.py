@@ -17,6 +17,7 @@ from drystone.cli.waiting import Waiting
 from drystone.errors import InputError, counted
 
 if TYPE_CHECKING:
+    from drystone.model import Model
     from drystone.sequence import ExecutorFactory, Margins, Plan, Rules
 
 LISTED = 40
@@ -41,7 +42,7 @@ class Files:
         """Write them, all or none, and name them."""
         if not plan.steps:
             return []
-        from drystone.io.files import Job
+        from drystone.files import Job
 
         jobs: list[Job] = []
         if self.html is not None or self.print is not None:
@@ -53,9 +54,7 @@ class Files:
             if self.print is not None:
                 jobs.append((self.print, partial(save_instructions, plan)))
         if self.csv is not None:
-            from drystone.sequence import save_table
-
-            jobs.append((self.csv, partial(save_table, plan, margins=margins)))
+            jobs.append((self.csv, (plan if margins is None else margins).table().to_csv))
         return verdict.write(jobs, waiting)
 
 
@@ -146,24 +145,22 @@ def plan(
         )
         judge = sequence.check_thoroughly if thorough else sequence.check_once
 
-        def plan_at(contacts: Any, saved: str | None = None) -> Plan:
+        def plan_at(model: Model, saved: str | None = None) -> Plan:
             return sequence.plan(
-                prepared.assembly, contacts, prepared.load, options=chosen, check=judge,
+                model, options=chosen, check=judge,
                 executor=executor, checkpoint=saved, progress=waiting,
             )  # fmt: skip
 
-        found = plan_at(prepared.contacts, checkpoint)
+        found = plan_at(prepared, checkpoint)
         waiting.stage("margins", "margins")
         measured = sequence.margins(found, progress=waiting) if margins and found.steps else None
-        swept = (
-            sequence.sweep_friction(prepared.contacts, frictions, plan_at) if frictions else None
-        )
+        swept = sequence.sweep_friction(prepared, frictions, plan_at) if frictions else None
         written = files.write(found, measured, waiting)
     data = found.to_dict() | {
         "model": subject.model,
         "notes": list(prepared.notes),
         "margins": None if measured is None else measured.to_dict(),
-        "friction_sweep": None if swept is None else swept.rows(),
+        "friction_sweep": None if swept is None else list(swept.table()),
         "files": written,
         "time_s": dict(waiting.time_s),
     }
@@ -263,10 +260,10 @@ def _show(data: Mapping[str, Any], found: Plan) -> None:
     )
     console.print(escape(data["message"]))
     table = Table("step", "block", "status", "with", "prop force [N]", "for stages", box=None)
-    rows = found.rows()
+    rows = list(found.table())
     for row in rows[:LISTED]:
         style = STYLE.get(row["status"], "")
-        force = f"{row['prop_force_N']:,.0f}" if row["prop_stages"] else ""
+        force = f"{row['prop_force']:,.0f}" if row["prop_stages"] else ""
         stages = str(row["prop_stages"] or "")
         table.add_row(
             str(row["stage"]), escape(row["block"]), row["status"], escape(row["with"]), force,

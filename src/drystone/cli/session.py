@@ -3,48 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from drystone.cli.loading import combined, loaded
 from drystone.cli.options import gravity_vector, positive
 from drystone.cli.waiting import Waiting
-from drystone.errors import InputError, counted
+from drystone.errors import InputError
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
-    from drystone.contacts import Contacts
-    from drystone.detection import ContactReport
-    from drystone.loads import LoadCase
+    from drystone.detection import ContactReport, DetectionOptions
+    from drystone.model import Model
 
 
 LISTED = 5
 """Blocks or pairs named in a warning."""
-
-
-@dataclass(frozen=True)
-class Prepared:
-    """Everything that an analysis needs.
-
-    Attributes
-    ----------
-    assembly
-    contacts
-    load
-    report
-        Of the contact search; ``None`` where the file brought its contacts.
-    notes
-        Remarks of the reader and of what was assumed here.
-    cases
-        The load cases of the file.
-    """
-
-    assembly: Assembly
-    contacts: Contacts
-    load: LoadCase
-    report: ContactReport | None
-    notes: tuple[str, ...]
-    cases: tuple[LoadCase, ...] = ()
 
 
 def prepare(
@@ -66,7 +40,7 @@ def prepare(
     cases: Sequence[str] | None = None,
     moves: Sequence[str] | None = None,
     settling: bool = False,
-) -> Prepared:
+) -> Model:
     """Read a model, fix its supports, find its contacts and load it with its weight and more.
 
     A load case of the file that moves supports is for ``settling`` only.
@@ -84,24 +58,24 @@ def prepare(
         )
     from drystone import io  # the commands start fast: work is imported when there is some
 
-    waiting.stage("read", f"reading {path}")
-    model = io.read(path, units=units, split=split)
-    assembly = supported(model.assembly, supports, path)
-    if density is not None:
-        assembly = with_density(assembly, density)
-    contacts, report = None if find_contacts else model.contacts, None
+    stages = {"read": ("read", f"reading {path}"), "contacts": ("detect", "finding contacts")}
+    model = io.read(
+        path,
+        supports=supports,
+        friction=friction,
+        density=density,
+        load=direction,
+        detection=detection_options(gap, angle, edges),
+        units=units,
+        split=split,
+        search=find_contacts,
+        progress=lambda stage, *_: waiting.stage(*stages[stage]),
+    )
+    assembly = model.assembly
+    require_support(assembly, path)
     notes = list(model.notes)
-    if contacts is None:
-        contacts, report = found(assembly, friction, waiting, gap, angle, edges)
-        notes += warnings_of(report)
-        if friction is None:
-            contacts, said = with_own_friction(assembly, contacts)
-            notes += said
-    else:
-        verb = "is" if contacts.count == 1 else "are"
-        notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
-        contacts = contacts if friction is None else contacts.with_friction(friction)
-    load = weight(assembly, direction)
+    notes += [] if model.report is None else warnings_of(model.report)
+    load = model.load
     if cases:
         if direction is not None or density is not None:
             raise InputError(
@@ -109,10 +83,8 @@ def prepare(
                 where="--case",
                 remedy="leave out --gravity and --density",
             )
-        load = combined(cases, model.loads)
-    elif model.loads and direction is None and density is None:
-        load = model.loads[0]
-        notes.append(f"the load case '{load.name}' of the file is used")
+        load = combined(cases, model.cases)
+        notes = [note for note in notes if not note.startswith("the load case")]
     load = loaded(assembly, load, loads, seismic, moves)
     if load.motion is not None and not settling:
         raise InputError(
@@ -121,76 +93,22 @@ def prepare(
             remedy="ask 'drystone settle', or choose --case without settlement",
         )
     notes += load.notes
-    return Prepared(assembly, contacts, load, report, tuple(notes), model.loads)
+    return replace(model, load=load, notes=tuple(notes))
 
 
-def supported(assembly: Assembly, spec: str | None, path: str) -> Assembly:
-    """The assembly with its supports; refused when nothing is fixed."""
-    from drystone.io import supports
-
-    if spec is not None:
-        assembly = supports.select(assembly, spec)
+def require_support(assembly: Assembly, path: str) -> None:
+    """Raise InputError where nothing is fixed."""
     if not assembly.fixed.any():
         raise InputError(
             "no block is fixed",
             where=path,
             remedy="add --supports lowest, below:Z or the names of blocks",
         )
-    return assembly
-
-
-def with_density(assembly: Assembly, density: float) -> Assembly:
-    """The same blocks, all of one density [kg/m3]."""
-    from drystone.assembly import Assembly, replace_block
-
-    blocks = tuple(replace_block(block, density=density) for block in assembly.blocks)
-    return Assembly(blocks, assembly.fixed)
-
-
-def found(
-    assembly: Assembly,
-    friction: float | None,
-    waiting: Waiting,
-    gap: float | None = None,
-    angle: float | None = None,
-    edges: str | None = None,
-) -> tuple[Contacts, ContactReport]:
-    """The contacts of an assembly and the report of the search.
-
-    Raises
-    ------
-    InputError
-        The gap is not a number between zero and one half, the angle not one between zero and 45
-        degrees, or edges not one of its words.
-    """
-    from drystone.contacts import DEFAULT_FRICTION
-    from drystone.detection import DetectionOptions, find_contacts
-
-    waiting.stage("detect", "finding contacts")
-    asked: dict[str, Any] = {"gap": gap, "angle": angle, "edges": edges}
-    options = DetectionOptions(**{key: value for key, value in asked.items() if value is not None})
-    detection = find_contacts(
-        assembly, friction=DEFAULT_FRICTION if friction is None else friction, options=options
-    )
-    return detection.contacts, detection.report
-
-
-def with_own_friction(assembly: Assembly, contacts: Contacts) -> tuple[Contacts, list[str]]:
-    """Contacts with the friction that blocks bring from their file, of two blocks the smaller."""
-    import numpy as np
-
-    given = [block.metadata.get("friction") for block in assembly.blocks]
-    own = np.array([x if isinstance(x, int | float) else np.nan for x in given], dtype=float)
-    if np.isnan(own).all():
-        return contacts, []
-    smaller = np.fmin(own[contacts.block_a], own[contacts.block_b])
-    friction = np.where(np.isnan(smaller), contacts.friction, smaller)
-    return contacts.with_friction(friction), ["joints have the friction that their blocks bring"]
 
 
 def warnings_of(report: ContactReport) -> list[str]:
     """What a user must hear of the contact search even when he did not ask for its report."""
-    from drystone.detection.advice import millimetres  # the commands start fast
+    from drystone.detection.report.advice import millimetres  # the commands start fast
 
     names = report.names
     said = []
@@ -210,11 +128,18 @@ def warnings_of(report: ContactReport) -> list[str]:
     return said
 
 
-def weight(assembly: Assembly, direction: tuple[float, float, float] | None) -> LoadCase:
-    """Self-weight, along ``direction`` [m/s2] with its size, else 9.81 along -z."""
-    from drystone.loads import LoadCase
+def detection_options(
+    gap: float | None = None, angle: float | None = None, edges: str | None = None
+) -> DetectionOptions:
+    """The tolerances of the contact search, from those options that were given.
 
-    if direction is None:
-        return LoadCase.gravity(assembly)
-    size = sum(x * x for x in direction) ** 0.5
-    return LoadCase.gravity(assembly, size, direction)
+    Raises
+    ------
+    InputError
+        The gap is not a number between zero and one half, the angle not one between zero and 45
+        degrees, or edges not one of its words.
+    """
+    from drystone.detection import DetectionOptions
+
+    asked: dict[str, Any] = {"gap": gap, "angle": angle, "edges": edges}
+    return DetectionOptions(**{key: value for key, value in asked.items() if value is not None})

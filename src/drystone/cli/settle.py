@@ -11,12 +11,12 @@ import typer
 
 from drystone.cli import loading, options, output, verdict
 from drystone.cli.groups import Finding, Subject, Written, expanded
-from drystone.cli.session import Prepared
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
-    from drystone.io.files import Job
+    from drystone.files import Job
+    from drystone.model import Model
     from drystone.settlement import Settlement
 
 LISTED = 12
@@ -57,8 +57,7 @@ def settle(
 
         waiting.stage("solve", "settling")
         chosen = SettlementOptions(compliance=compliance)
-        model = (prepared.assembly, prepared.contacts)
-        answer = solve(*model, load=prepared.load, options=chosen)
+        answer = solve(prepared, options=chosen)
         rows, said = tables.of(answer.result)
         written = verdict.write([*_pictures(answer, files), *rows], waiting)
     data = _content(answer, prepared, subject.model)
@@ -84,7 +83,7 @@ def _pictures(answer: Settlement, files: verdict.Files) -> list[Job]:
     )
 
 
-def _content(answer: Settlement, prepared: Prepared, model: str) -> dict[str, Any]:
+def _content(answer: Settlement, prepared: Model, model: str) -> dict[str, Any]:
     """The answer as plain values: forces in N, lengths in m, rotations in rad."""
     import numpy as np  # as above
 
@@ -130,7 +129,7 @@ def _content(answer: Settlement, prepared: Prepared, model: str) -> dict[str, An
         np.maximum.at(most, contacts.interface, distance)
         rows = [{**joint(i), "distance": float(most[i])} for i in where.tolist()]
         data[key] = sorted(rows, key=lambda row: -row["distance"])
-    first, last, change = before.resultants(), result.resultants(), answer.change()
+    first, last, change = before.resultants, result.resultants, answer.change()
     fixed = assembly.fixed
     for i in np.flatnonzero(~(fixed[contacts.block_a] & fixed[contacts.block_b])).tolist():
         one = {

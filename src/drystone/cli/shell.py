@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from drystone.cli import options, output, verdict
-from drystone.cli.session import Prepared, found, warnings_of, weight
+from drystone.cli.session import warnings_of
 from drystone.cli.surfaces import Wanted
 from drystone.cli.surfaces import surface as surface_of
 from drystone.cli.waiting import Waiting
@@ -117,6 +117,10 @@ def shell(
         register_deg=register,
         intrados=Intrados.STRAIGHT if straight else Intrados.OFFSET,
     )
+    from dataclasses import replace
+
+    from drystone.model import Model
+
     with Waiting() as waiting:
         waiting.stage("read", "building the shell")
         base = surface_of(
@@ -131,15 +135,15 @@ def shell(
             wedge=0.0 if wedge is None and not straight else wedge,
         )
         made = build_shell(base.shape, layout, body, progress=waiting)
-        contacts, report = found(made.assembly, friction, waiting)
-        notes = [*base.notes, *made.notes, *warnings_of(report)]
-        load = weight(made.assembly, None)
-        prepared = Prepared(made.assembly, contacts, load, report, tuple(notes))
-        result = verdict.solve(prepared, waiting, time_limit)
+        waiting.stage("detect", "finding contacts")
+        model = Model.of(made.assembly, friction=friction)
+        said = [] if model.report is None else warnings_of(model.report)
+        model = replace(model, notes=(*base.notes, *made.notes, *said))
+        result = verdict.solve(model, waiting, time_limit)
         paths = (model_path, schedule_path, unrolled_path)
         written = _write(made, paths, block_files, suffix, waiting)
         pictures.write(result, waiting)
-    data = verdict.content(result, prepared, waiting.time_s, base.shape.name, pictures)
+    data = verdict.content(result, waiting.time_s, base.shape.name, pictures)
     data["files"] = [*written, *data["files"]]
     data["shell"] = summary(made)
     if as_json:

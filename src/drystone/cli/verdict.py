@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drystone.cli import options, output
-from drystone.cli.session import Prepared
 from drystone.cli.waiting import Waiting
 from drystone.errors import counted
 
 if TYPE_CHECKING:
-    from drystone.io.files import Job
+    from drystone.files import Job
+    from drystone.model import Model
     from drystone.results import Result
 
 LISTED = 12
@@ -47,7 +47,7 @@ class Files:
         )
 
     def jobs(self, page: Callable[[Path], None], figure: Callable[[Path], None]) -> list[Job]:
-        """What :func:`drystone.io.files.write_together` is to write, from what writes each."""
+        """What :func:`drystone.files.write_together` is to write, from what writes each."""
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
@@ -72,7 +72,7 @@ def write(jobs: list[Job], waiting: Waiting) -> list[str]:
     """Write files, all or none; their names."""
     if not jobs:
         return []
-    from drystone.io.files import write_together
+    from drystone.files import write_together
 
     waiting.stage("pictures", "writing")
     written = write_together(jobs)
@@ -80,15 +80,14 @@ def write(jobs: list[Job], waiting: Waiting) -> list[str]:
     return written
 
 
-def solve(prepared: Prepared, waiting: Waiting, time_limit: float | None) -> Result:
+def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
     """The verdict of the whole cascade, or what is known of it when time or Ctrl-C end it."""
     from drystone.stability import CheckOptions, check
 
     waiting.stage("solve", "solving")
     chosen = CheckOptions() if time_limit is None else CheckOptions(time_limit_s=time_limit)
-    model = (prepared.assembly, prepared.contacts, prepared.load)
     with waiting.stoppable() as stop:
-        return check(*model, options=chosen, progress=waiting, stop=stop)
+        return check(model, options=chosen, progress=waiting, stop=stop)
 
 
 def is_sensitive(result: Result) -> bool:
@@ -102,9 +101,7 @@ def exit_code(result: Result, strict: bool) -> int:
     return 0 if result.verdict.value == "stable" and (robust or not strict) else 1
 
 
-def content(
-    result: Result, prepared: Prepared, spent: Mapping[str, float], model: str, files: Files
-) -> dict[str, Any]:
+def content(result: Result, spent: Mapping[str, float], model: str, files: Files) -> dict[str, Any]:
     """The answer as plain values: forces in N, moments in N m, lengths in m."""
     assembly, contacts = result.assembly, result.contacts
     inner = dict(result.time_s)
@@ -126,7 +123,7 @@ def content(
         "samples": dataclasses.asdict(result.samples),
         "residuals": dataclasses.asdict(result.residuals) if result.residuals else None,
         "largest": largest(result),
-        "notes": list(prepared.notes),
+        "notes": list(result.model.notes),
         "files": files.written(),
         "time_s": {
             "read": spent.get("read", 0.0),
@@ -157,7 +154,7 @@ def largest(result: Result) -> dict[str, Any] | None:
     """Where it works hardest: the interfaces with the most pressure and the most friction."""
     if result.force is None or result.contacts.count == 0:
         return None
-    resultants, share = result.resultants(), result.utilisation()
+    resultants, share = result.resultants, result.utilisation
 
     def at(interface: int) -> dict[str, Any]:
         names, contacts = result.assembly.names, result.contacts

@@ -1,4 +1,4 @@
-"""Assemblies of compas_assembly and block models of compas_model and compas_dem, in and out.
+"""Assemblies of compas_assembly and block models of compcontents_of and compas_dem, in and out.
 
 Objects are asked for what they are, by the attributes that their packages document; nothing of
 COMPAS is imported to read them. To make them, the packages must be installed (extra ``compas``).
@@ -14,16 +14,17 @@ from typing import Any
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.errors import InputError, MissingDependency
-from drystone.geometry.arrays import Floats
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.polygon import area_vectors
-from drystone.io import Model
-from drystone.io.compas_contacts import frame_of, joined
-from drystone.io.compas_json_write import assembly_content, block_model_content
-from drystone.io.registry import as_model
+from drystone.geometry.plane.polygon import area_vectors
+from drystone.io.compas.compas_contacts import frame_of, joined
+from drystone.io.compas.compas_json_write import assembly_content, block_model_content
+from drystone.io.draft import Contents
+from drystone.io.registry import contents_of
+from drystone.model import Model
 from drystone.repair import mended_block
 from drystone.results import Result
 
@@ -34,23 +35,23 @@ class CompasKind(enum.Enum):
     ASSEMBLY = "compas_assembly"
     """An ``Assembly`` of compas_assembly."""
     BLOCK_MODEL = "compas_dem"
-    """A ``BlockModel`` of compas_dem, which is a ``Model`` of compas_model."""
+    """A ``BlockModel`` of compas_dem, which is a ``Model`` of compcontents_of."""
 
 
-def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Model:
+def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
     """Blocks, supports and contacts of a COMPAS object.
 
     Parameters
     ----------
     obj
         An ``Assembly`` of compas_assembly or of a class derived from it; a ``Model`` of
-        compas_model, such as the ``BlockModel`` of compas_dem. It is not changed.
+        compcontents_of, such as the ``BlockModel`` of compas_dem. It is not changed.
     friction
         Of all contacts: COMPAS keeps none with them.
 
     Returns
     -------
-    Model
+    Contents
         In an assembly a node's key is its block's name; in a model the element's name, with the
         node behind it where several have one. Contacts are ``None`` when there are none.
 
@@ -69,15 +70,15 @@ def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Model:
     )
 
 
-def _from_assembly(obj: Any, friction: float) -> Model:
+def _from_assembly(obj: Any, friction: float) -> Contents:
     nodes = list(obj.graph.nodes())
     blocks = [block_of(obj.node_block(node), str(node)) for node in nodes]
     fixed = [bool(obj.graph.node_attribute(node, "is_support")) for node in nodes]
     assembly = Assembly(tuple(blocks), np.array(fixed, dtype=bool))
-    return Model(assembly, _contacts(obj.graph, nodes, "interfaces", friction))
+    return Contents(assembly, _contacts(obj.graph, nodes, "interfaces", friction))
 
 
-def _from_model(obj: Any, friction: float) -> Model:
+def _from_model(obj: Any, friction: float) -> Contents:
     nodes = list(obj.graph.nodes())
     elements = [obj.graph.node_element(node) for node in nodes]
     solid = [_is_mesh(element.modelgeometry) for element in elements]
@@ -96,7 +97,7 @@ def _from_model(obj: Any, friction: float) -> Model:
     ]
     fixed = [bool(getattr(element, "is_support", False)) for element in elements]
     assembly = Assembly(tuple(blocks), np.array(fixed, dtype=bool))
-    return Model(assembly, _contacts(obj.graph, nodes, "contacts", friction))
+    return Contents(assembly, _contacts(obj.graph, nodes, "contacts", friction))
 
 
 def _is_mesh(geometry: Any) -> bool:
@@ -150,7 +151,9 @@ def interface_frame(stored: Any, points: Floats) -> Floats:
     return frames_from_normals((area / np.linalg.norm(area))[None])[0]
 
 
-def to_compas(model: Model | Assembly | Result, kind: CompasKind = CompasKind.BLOCK_MODEL) -> Any:
+def to_compas(
+    model: Model | Contents | Assembly | Result, kind: CompasKind = CompasKind.BLOCK_MODEL
+) -> Any:
     """A COMPAS object with the blocks, supports, densities, contacts and forces of a model.
 
     Parameters
@@ -167,7 +170,7 @@ def to_compas(model: Model | Assembly | Result, kind: CompasKind = CompasKind.BL
     content = {
         CompasKind.ASSEMBLY: assembly_content,
         CompasKind.BLOCK_MODEL: block_model_content,
-    }[CompasKind(kind)](as_model(model))
+    }[CompasKind(kind)](contents_of(model))
     compas = _compas(_packages(content))
     return compas.json_loads(json.dumps(content))
 

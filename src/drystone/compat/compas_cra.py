@@ -21,11 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.compat.cra_assembly import Taken, blocks_of, taken, write_back
-from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.stability import (
     CRAOptions,
@@ -214,14 +213,14 @@ def _solved(
     assembly: Any,
     mu: float,
     density: float,
-    solve: Callable[[Assembly, Contacts, LoadCase], Result],
+    solve: Callable[[Model], Result],
     verbose: bool,
     timer: bool,
 ) -> tuple[Taken, Result]:
     """The assembly as ours and what a solver says of it, which is logged."""
     read = taken(assembly, mu, density)
     begin = time.perf_counter()
-    result = solve(read.assembly, read.contacts, LoadCase.gravity(read.assembly, 1.0))
+    result = solve(Model(read.assembly, read.contacts, LoadCase.gravity(read.assembly, 1.0)))
     _log.info("result: %s, %s", result.verdict.value, result.message)
     if timer:
         _log.info("solving time: %.3f seconds", time.perf_counter() - begin)

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from drystone.arrays import Bools
 from drystone.assembly import Assembly
 from drystone.checks import corner_motion
 from drystone.compat.compas import block_of, interface_frame
 from drystone.contacts import Contacts
-from drystone.geometry.arrays import Bools
-from drystone.io.compas_contacts import joined
+from drystone.io.compas.compas_contacts import joined
 from drystone.results import Result
 
 

@@ -1,14 +1,14 @@
 """From an assembly to its contacts, with a report of what was found, left out and why."""
 
 from drystone.detection.find import Detection, find_contacts
-from drystone.detection.freeform import regroup
-from drystone.detection.given import contacts_from_mesh
+from drystone.detection.freeform.given import contacts_from_mesh
+from drystone.detection.freeform.regroup import regroup
+from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.options import DetectionOptions, EdgeContacts
-from drystone.detection.penetration import Penetration
-from drystone.detection.reasons import Missed, Reason
-from drystone.detection.report import ContactReport
-from drystone.detection.shortfall import Shortfall
-from drystone.detection.sweep import GapSweep, gap_sweep
+from drystone.detection.report.contact_report import ContactReport
+from drystone.detection.report.gap_sweep import GapSweep, gap_sweep
+from drystone.detection.report.penetration import Penetration
+from drystone.detection.report.reasons import Missed, Reason
 
 __all__ = [
     "ContactReport",

@@ -2,43 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.arrays import Ints, of_type
 from drystone.assembly import Assembly
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
-from drystone.detection.candidates import (
+from drystone.detection.freeform.regroup import merge_slivers
+from drystone.detection.freeform.shortfall import Shortfall, shortfalls
+from drystone.detection.options import DetectionOptions, EdgeContacts
+from drystone.detection.report.contact_report import ContactReport
+from drystone.detection.report.edgemisses import edge_misses
+from drystone.detection.report.misses import dropped, judge, misses
+from drystone.detection.report.penetration import penetrations
+from drystone.detection.report.reasons import Missed, Reason
+from drystone.detection.search.candidates import (
     Pairs,
     block_boxes,
     facing_patches,
     most_slack,
     near_blocks,
 )
-from drystone.detection.edgecontacts import edge_contacts
-from drystone.detection.edgemisses import edge_misses
-from drystone.detection.freeform import merge_slivers
-from drystone.detection.interfaces import Interfaces, from_pieces, joined
-from drystone.detection.misses import dropped, judge, misses
-from drystone.detection.nearest import uncovered
-from drystone.detection.options import DetectionOptions, EdgeContacts
-from drystone.detection.overlap import negligible, overlaps, within
-from drystone.detection.patches import Patches, patches_of
-from drystone.detection.penetration import penetrations
-from drystone.detection.planes import planes_between, widths
-from drystone.detection.reasons import Missed, Reason
-from drystone.detection.report import ContactReport
-from drystone.detection.shortfall import Shortfall, shortfalls
-from drystone.geometry.arrays import Ints
-from drystone.geometry.coincidence import duplicates
-from drystone.geometry.parts import separate_parts
+from drystone.detection.search.edgecontacts import edge_contacts
+from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
+from drystone.detection.search.nearest import uncovered
+from drystone.detection.search.overlap import negligible, overlaps, within
+from drystone.detection.search.patches import Patches, patches_of
+from drystone.detection.search.planes import planes_between, widths
+from drystone.display import Card
+from drystone.geometry.body.parts import separate_parts
+from drystone.geometry.mend.coincidence import duplicates
 
 SAME = 1e-6
 """Blocks whose vertices agree within this share of their size are one block twice."""
 
 
 @dataclass(frozen=True)
-class Detection:
+class Detection(Card):
     """Contacts, and how they came about.
 
     Attributes
@@ -49,6 +51,12 @@ class Detection:
 
     contacts: Contacts
     report: ContactReport
+
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        return self.report._facts()
+
+    def _summary(self) -> str:
+        return self.report._summary()
 
 
 def find_contacts(
@@ -91,7 +99,8 @@ def find_contacts(
     >>> found.report.isolated
     ()
     """
-    options = options if options is not None else DetectionOptions()
+    of_type(assembly, Assembly, "the assembly")
+    options = DetectionOptions.of(options)
     check_friction(friction, 1)
     patches = patches_of(assembly)
     pairs = near_blocks(patches, options)

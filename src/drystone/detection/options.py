@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-import numpy as np
-
 from drystone.errors import InputError
+from drystone.settings import Options
 
 LARGEST = {"gap": 0.5, "angle": 45.0, "warp": 0.5, "sliver": 0.5, "merge": 1.0, "search": 0.5}
 """The largest value of each tolerance, chosen: beyond, blocks join across each other."""
@@ -32,7 +31,7 @@ class EdgeContacts(StrEnum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class DetectionOptions:
+class DetectionOptions(Options):
     """Tolerances, dimensionless; lengths are relative to the local block size.
 
     The size of a block is six times its volume over its surface, the edge of a cube; of two blocks
@@ -74,20 +73,11 @@ class DetectionOptions:
     edges: EdgeContacts = EdgeContacts.ISOLATED
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name, largest in LARGEST.items():
-            try:
-                value = float(getattr(self, name))
-            except (TypeError, ValueError) as error:
-                said = f"{name} is {getattr(self, name)!r}, not a number"
-                raise InputError(said, remedy=f"give 0 to {largest:g}") from error
-            if not (np.isfinite(value) and 0.0 <= value <= largest):
+            value = getattr(self, name)
+            if not 0.0 <= value <= largest:
                 raise InputError(f"{name} is {value}", remedy=f"give 0 to {largest:g}")
-            object.__setattr__(self, name, value)
-        try:
-            object.__setattr__(self, "edges", EdgeContacts(self.edges))
-        except ValueError as error:
-            names = ", ".join(EdgeContacts)
-            raise InputError(f"edges is '{self.edges}'", remedy=f"one of {names}") from error
 
 
 __all__ = ["LARGEST", "DetectionOptions", "EdgeContacts"]

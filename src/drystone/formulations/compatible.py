@@ -15,8 +15,8 @@ import numpy as np
 from scipy import optimize, sparse
 from scipy.sparse.linalg import lsmr
 
+from drystone.arrays import Bools, Floats
 from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.geometry.arrays import Bools, Floats
 from drystone.solvers.conic import Cones, ConicStatus, solve_conic
 from drystone.solvers.triplets import Triplets
 from drystone.statics import Statics

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.arrays import Bools, Floats, Ints
 from drystone.statics import Statics
 
 NORMAL = np.array([1.0, 0.0, 0.0])

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from drystone.arrays import Floats
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats
+from drystone.settings import Options
 from drystone.solvers.conic import Cones
 from drystone.statics import Statics
 
@@ -30,7 +31,7 @@ class FrictionRule(enum.Enum):
 
 
 @dataclass(frozen=True)
-class FrictionCone:
+class FrictionCone(Options):
     """The set of admissible corner forces.
 
     Attributes
@@ -55,6 +56,7 @@ class FrictionCone:
     local: float | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.sides != 0 and self.sides < 3:
             raise InputError(f"a friction pyramid has {self.sides} sides", remedy="0 or 3 and more")
         if self.local is not None and not 0.0 <= self.local < float("inf"):

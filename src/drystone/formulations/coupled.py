@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.formulations.compliance import Compliance, corner_load, normal_stiffness
-from drystone.formulations.friction import SlipLength
-from drystone.formulations.rest import find_rest
-from drystone.formulations.rest_state import RestOptions, RestState
-from drystone.formulations.tangent import TangentSystem
+from drystone.formulations.rest.compliance import Compliance, corner_load, normal_stiffness
+from drystone.formulations.rest.friction import SlipLength
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions, RestState
+from drystone.formulations.rest.tangent import TangentSystem
 
 SPRING_LEFT = 1e-7
 """1 - theta at the end of the path: relative difference of overlaps, a tenth of what is asked."""

@@ -17,13 +17,14 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import lsmr
 
+from drystone.arrays import Floats
 from drystone.formulations.corner_forces import (
     Columns,
     FrictionCone,
     FrictionRule,
     force_rows,
 )
-from drystone.geometry.arrays import Floats
+from drystone.settings import Options
 from drystone.solvers.conic import (
     Cones,
     ConicOptions,
@@ -48,7 +49,7 @@ class Objective(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Weights:
+class Weights(Options):
     """Weights of the objective, per unit of scaled force (squared).
 
     Values of Kao et al. 2022, section 3: tension is a million times as dear as compression. The
@@ -59,6 +60,10 @@ class Weights:
     compression: float = 1.0
     tension: float = 1e6
     friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_below(0.0, "compression", "tension", "friction")
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
+from drystone.arrays import Bools, Floats, Ints
 from drystone.formulations.compatible import compatible_forces, edge_of_friction, slide_directions
 from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.geometry.arrays import Bools, Floats, Ints
 from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
 from drystone.solvers.triplets import Triplets
 from drystone.statics import Statics
@@ -25,6 +25,12 @@ LEVEL = 1e-6
 
 PATIENCE = 4
 """Steps with little progress after which a motion is given up: a good one is found in fewer."""
+
+PROGRAMS = 60
+"""Most convex programs of one motion."""
+
+NOTHING = 1e-9
+"""Unbalanced norm, by the norm of the loads, that is an answer."""
 
 TURN = 0.02
 """Slides below this share of the mean one may change by it whatever their size."""
@@ -50,25 +56,9 @@ class CompatibleState:
     iterations: int
 
 
-@dataclass(frozen=True)
-class StepOptions:
-    """Options of :func:`improve`.
-
-    Attributes
-    ----------
-    tolerance
-        Unbalanced norm, by the norm of the loads, that is an answer.
-    iteration_limit
-    """
-
-    tolerance: float = 1e-9
-    iteration_limit: int = 60
-
-
 def improve(
     statics: Statics,
     motion: Floats,
-    options: StepOptions | None = None,
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
@@ -79,12 +69,10 @@ def improve(
     statics
     motion : (n, 6)
         Where to start. Corners may join those that press and leave them.
-    options
     stop
         Asked before every step.
     """
-    chosen = options if options is not None else StepOptions()
-    goal = chosen.tolerance * float(np.linalg.norm(statics.load))
+    goal = NOTHING * float(np.linalg.norm(statics.load))
     levelled = _level(statics, motion)
     if levelled is None:
         return CompatibleState(motion, np.zeros((statics.corner_count, 3)), np.inf, 1)
@@ -92,7 +80,7 @@ def improve(
     pressing = _pressing(statics, motion)
     force, unbalanced = compatible_forces(statics, motion, pressing=pressing)
     trust, steps, idle = 0.5, 1, 0
-    while unbalanced > goal and trust > 1e-4 and steps < chosen.iteration_limit and idle < PATIENCE:
+    while unbalanced > goal and trust > 1e-4 and steps < PROGRAMS and idle < PATIENCE:
         if stop is not None and stop():
             break
         change = _step(statics, motion, force, pressing, trust)

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drystone.arrays import Floats, Ints
 from drystone.formulations.compatible import slide_directions
-from drystone.formulations.compliance import corner_load, wrench_size
 from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
 from drystone.formulations.improvement import TURN
-from drystone.geometry.arrays import Floats, Ints
+from drystone.formulations.rest.compliance import corner_load, wrench_size
 from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
 from drystone.solvers.triplets import Triplets
 from drystone.statics import Statics

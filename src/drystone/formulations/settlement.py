@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from drystone.geometry.arrays import Floats
+from drystone.arrays import Floats
 from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, ConicStatus, solve_conic
 from drystone.statics import Statics
 

@@ -18,10 +18,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.formulations.compatible import compatible_forces, slide_directions
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.range_program import Reach, least_lack
-from drystone.geometry.arrays import Floats
 from drystone.statics import Statics
 
 TOUCHING = 1e-7
@@ -40,6 +40,12 @@ SOFT = 1.0 / 3.0
 """Scale of the motion at the beginning, by the one that puts stiffnesses midway. It hardly matters:
 from a tenth to one as many starts led to a state."""
 
+STEPS = 40
+"""Most steps of one motion: what is not there after them is given up."""
+
+NOTHING = 1e-9
+"""Cohesion and load left over, by the loads, that are none: ten times what the programs leave."""
+
 PATIENCE = 6
 """Steps with little progress after which a motion is given up."""
 
@@ -50,28 +56,10 @@ ALIKE = 2.0
 """Stiffnesses that differ by no more than this factor are not worth bringing closer."""
 
 
-@dataclass(frozen=True)
-class RangeOptions:
-    """Options of :func:`settle`.
-
-    Attributes
-    ----------
-    spread
-        Largest ratio of two stiffnesses.
-    tolerance
-        Cohesion and load left over, by the loads, that are none.
-    iteration_limit
-    """
-
-    spread: float = 200.0
-    tolerance: float = 1e-9
-    iteration_limit: int = 40
-
-
 def settle(
     statics: Statics,
     motion: Floats,
-    options: RangeOptions | None = None,
+    spread: float,
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
@@ -82,18 +70,18 @@ def settle(
     statics
     motion : (n, 6)
         Where to start; its size does not matter.
-    options
+    spread
+        Largest ratio of two stiffnesses.
     stop
         Asked before every step.
     """
-    return _Turning(statics, options if options is not None else RangeOptions(), stop).run(motion)
+    return _Turning(statics, spread, stop).run(motion)
 
 
 def evened(
     statics: Statics,
     state: CompatibleState,
     content: float = ALIKE,
-    options: RangeOptions | None = None,
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
@@ -106,22 +94,24 @@ def evened(
         Of :func:`settle`, balanced.
     content
         Spread that is small enough.
-    options
-        Tolerance and limit of the steps.
     stop
+
+    Returns
+    -------
+    CompatibleState
+        Its ``iterations`` are those of this call.
     """
-    chosen = options if options is not None else RangeOptions()
     enough = BALANCED * float(np.linalg.norm(statics.load))
-    spread, programs = spread_of(statics, state), state.iterations
+    spread, programs = spread_of(statics, state), 0
     going = True
     while going and spread > content * ROUNDING:
         going = False
         for share in CLOSER:
-            within = replace(chosen, spread=max(share * spread, content))
-            trial = settle(statics, state.motion, within, stop=stop)
+            trial = settle(statics, state.motion, max(share * spread, content), stop=stop)
             programs += trial.iterations
-            if trial.unbalanced <= enough and spread_of(statics, trial) < spread:
-                state, spread, going = trial, spread_of(statics, trial), True
+            closer = spread_of(statics, trial)
+            if trial.unbalanced <= enough and closer < spread:
+                state, spread, going = trial, closer, True
                 break
     return replace(state, iterations=programs)
 
@@ -147,19 +137,17 @@ class _Point:
 class _Turning:
     """Steps of one model. Motions are in units in which the softest joint has a stiffness of 1."""
 
-    def __init__(
-        self, statics: Statics, options: RangeOptions, stop: Callable[[], bool] | None
-    ) -> None:
+    def __init__(self, statics: Statics, spread: float, stop: Callable[[], bool] | None) -> None:
         self.statics = statics
-        self.options = options
+        self.spread = spread
         self.stop = stop
         self.programs = 0
 
     def run(self, start: Floats) -> CompatibleState:
         point = self._forces(self._begun(start))
         trust, idle, joining = 0.5, 0, True
-        for _ in range(self.options.iteration_limit):
-            if point.lack <= self.options.tolerance or trust < 1e-4 or idle >= PATIENCE:
+        for _ in range(STEPS):
+            if point.lack <= NOTHING or trust < 1e-4 or idle >= PATIENCE:
                 break
             if self.stop is not None and self.stop():
                 break
@@ -198,7 +186,7 @@ class _Turning:
             return motion
         weight = normal[loaded] / normal[loaded].sum()
         middle = np.exp(weight @ np.log(normal[loaded] / overlap[loaded]))
-        return motion * (SOFT * middle / np.sqrt(self.options.spread))
+        return motion * (SOFT * middle / np.sqrt(self.spread))
 
     def _forces(self, motion: Floats) -> _Point:
         """Forces within the range that agree with a motion and lack least."""
@@ -207,7 +195,7 @@ class _Turning:
         corner = np.flatnonzero(moved[:, 0] < 0.0)
         force = np.zeros((statics.corner_count, 3))
         self.programs += 1
-        found = least_lack(statics, moved, corner, self.options.spread, stop=self.stop)
+        found = least_lack(statics, moved, corner, self.spread, stop=self.stop)
         if found is None:
             return _Point(motion, force, np.inf)
         force[corner, 0] = found.normal
@@ -226,7 +214,7 @@ class _Turning:
             self.statics,
             moved,
             corner,
-            self.options.spread,
+            self.spread,
             Reach(point.force, trust),
             tolerance=1e-8,
             stop=self.stop,

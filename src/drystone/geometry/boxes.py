@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.arrays import Bools, Floats, Ints
 
 MOST_LEVELS = 40
 """Boxes more than 2**40 times smaller than the largest share the finest grid; chosen, as float64

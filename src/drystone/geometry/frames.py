@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from drystone.arrays import Floats, frozen_floats, number
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, frozen_floats
 
 
 def unit(vector: Floats, what: str = "direction") -> Floats:
@@ -43,7 +43,7 @@ def rotation_about(axis: Floats, angle_deg: float) -> Floats:
     Source: Rodrigues 1840.
     """
     x, y, z = unit(axis, "axis")
-    angle = np.deg2rad(angle_deg)
+    angle = np.deg2rad(number(angle_deg, "the angle"))
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     rotation: Floats = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
     return rotation

@@ -5,22 +5,19 @@
 True
 """
 
-from drystone.io import supports
-from drystone.io.draft import Model
+from drystone.io.draft import Contents
 from drystone.io.formats import Format
-from drystone.io.joint_table import write_joints
-from drystone.io.registry import FORMATS, format_of, inspect, read, write
-from drystone.io.units import UNITS
+from drystone.io.opening import as_model, read
+from drystone.io.registry import FORMATS, format_of, inspect, read_file, write
 
 __all__ = [
     "FORMATS",
-    "UNITS",
+    "Contents",
     "Format",
-    "Model",
+    "as_model",
     "format_of",
     "inspect",
     "read",
-    "supports",
+    "read_file",
     "write",
-    "write_joints",
 ]

@@ -10,14 +10,15 @@ from pathlib import Path
 
 import numpy as np
 
+from drystone.arrays import Floats, frozen_floats
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.errors import FormatError, InputError, counted
-from drystone.geometry import coincidence, polyhedron, selfcontact
-from drystone.geometry.arrays import Floats, frozen_floats
-from drystone.geometry.parts import separate_parts
-from drystone.io.draft import Draft, Model, Shape
-from drystone.io.units import scale_of
+from drystone.geometry.body import polyhedron, selfcontact
+from drystone.geometry.body.parts import separate_parts
+from drystone.geometry.mend import coincidence
+from drystone.io.draft import Contents, Draft, Shape
 from drystone.io.wording import printable
+from drystone.units import scale_of
 
 LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""
@@ -72,7 +73,7 @@ class Built:
         return Assembly(blocks, np.array(fixed, dtype=bool))
 
 
-def build(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Model:
+def build(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Contents:
     """The model of a draft.
 
     Raises
@@ -89,7 +90,7 @@ def build(draft: Draft, path: Path, units: str | None = None, *, split: bool = F
         raise type(first)(first.what, where=first.where, remedy=first.remedy + tail) from first
     scale = scale_of(units or draft.units or "m")
     contacts, loads, results = draft.finish(assembly, scale) if draft.finish else (None, (), ())
-    return Model(assembly, contacts, loads, results, built.notes)
+    return Contents(assembly, contacts, loads, results, built.notes)
 
 
 def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Built:

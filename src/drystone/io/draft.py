@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.contacts import Contacts
+from drystone.display import OneLine
 from drystone.loads import LoadCase
 from drystone.results import Result
 
@@ -67,8 +68,8 @@ class Draft:
 
 
 @dataclass(frozen=True)
-class Model:
-    """An assembly, and what else a file holds about it.
+class Contents(OneLine):
+    """What a file holds: an assembly, and perhaps contacts, load cases and results.
 
     Attributes
     ----------

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from drystone.io.draft import Draft, Model
+from drystone.display import OneLine
+from drystone.io.draft import Contents, Draft
 
 
 @dataclass(frozen=True)
-class Format:
+class Format(OneLine):
     """A file format.
 
     Attributes
@@ -34,5 +35,5 @@ class Format:
     title: str
     suffixes: tuple[str, ...]
     read: Callable[[bytes, Path], Draft] | None = None
-    write: Callable[[Model, Path], None] | None = None
+    write: Callable[[Contents, Path], None] | None = None
     loses: str = ""

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from drystone.arrays import Floats, Ints
 from drystone.errors import FormatError
-from drystone.geometry.arrays import Floats, Ints
-from drystone.io.files import decode
+from drystone.files import decode
 
 
 def parse(data: bytes, path: Path) -> Field:

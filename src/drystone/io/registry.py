@@ -6,26 +6,19 @@ from pathlib import Path
 
 from drystone.assembly import Assembly
 from drystone.errors import FormatError, InputError
-from drystone.io import (
-    compas_json,
-    compas_json_write,
-    drystone_json,
-    drystone_json_write,
-    glb,
-    glb_write,
-    jsontext,
-    obj,
-    ply,
-    rhino,
-    stl,
-)
+from drystone.files import PathLike, as_path, read_bytes
+from drystone.io import jsontext
 from drystone.io.build import Built, build, try_blocks
-from drystone.io.draft import Draft, Model
-from drystone.io.files import PathLike, read_bytes
+from drystone.io.cad import rhino
+from drystone.io.compas import compas_json, compas_json_write
+from drystone.io.draft import Contents, Draft
 from drystone.io.formats import Format
-from drystone.io.units import scale_of
+from drystone.io.mesh import glb, glb_write, obj, ply, stl
+from drystone.io.own import drystone_json, drystone_json_write
 from drystone.io.wording import one_line_errors
+from drystone.model import Model
 from drystone.results import Result
+from drystone.units import scale_of
 
 
 def _read_json(data: bytes, path: Path) -> Draft:
@@ -84,7 +77,7 @@ def format_of(path: PathLike, name: str | None = None) -> Format:
                 return known
         names = ", ".join(f.name for f in FORMATS)
         raise FormatError(f"format '{name}' is not known", remedy=f"use one of {names}")
-    suffix = Path(path).suffix.lower()
+    suffix = as_path(path).suffix.lower()
     for known in FORMATS:
         if suffix in known.suffixes:
             return known
@@ -93,8 +86,8 @@ def format_of(path: PathLike, name: str | None = None) -> Format:
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 
 
-def read(path: PathLike, *, units: str | None = None, split: bool = False) -> Model:
-    """Read a model.
+def read_file(path: PathLike, *, units: str | None = None, split: bool = False) -> Contents:
+    """Read what a file holds, with its contacts where it has some.
 
     Parameters
     ----------
@@ -120,8 +113,8 @@ def read(path: PathLike, *, units: str | None = None, split: bool = False) -> Mo
     >>> from drystone.models import tower
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write(tower(3), f"{folder}/tower.json")
-    ...     model = read(f"{folder}/tower.json")
-    >>> model.assembly.names
+    ...     contents = read_file(f"{folder}/tower.json")
+    >>> contents.assembly.names
     ('block-0', 'block-1', 'block-2')
     """
     with one_line_errors():
@@ -129,7 +122,7 @@ def read(path: PathLike, *, units: str | None = None, split: bool = False) -> Mo
 
 
 def inspect(path: PathLike, *, units: str | None = None, split: bool = False) -> Built:
-    """Read as many blocks as can be used, with every defect of the others; see :func:`read`."""
+    """Read the blocks that can be used, with every defect of the others; see :func:`read_file`."""
     with one_line_errors():
         return try_blocks(_draft(path, units), Path(path), units, split=split)
 
@@ -152,7 +145,9 @@ def _draft(path: PathLike, units: str | None) -> Draft:
     return draft
 
 
-def write(model: Model | Assembly | Result, path: PathLike, *, format: str | None = None) -> None:
+def write(
+    model: Model | Assembly | Result | Contents, path: PathLike, *, format: str | None = None
+) -> None:
     """Write a model, an assembly alone, or a result with its model; lengths are in metres.
 
     Parameters
@@ -172,17 +167,20 @@ def write(model: Model | Assembly | Result, path: PathLike, *, format: str | Non
     chosen = format_of(path, format)
     if chosen.write is None:
         raise FormatError(f"{chosen.title} is read, not written", where=str(path))
-    chosen.write(as_model(model), Path(path))
+    chosen.write(contents_of(model), Path(path))
 
 
-def as_model(model: Model | Assembly | Result) -> Model:
-    """What there is to write about an assembly or a result."""
-    if isinstance(model, Model):
+def contents_of(model: Model | Assembly | Result | Contents) -> Contents:
+    """What there is to write about a model, an assembly or a result."""
+    if isinstance(model, Contents):
         return model
+    if isinstance(model, Model):
+        cases = tuple(case for case in model.cases if case is not model.load)
+        return Contents(model.assembly, model.contacts, (model.load, *cases), notes=model.notes)
     if isinstance(model, Result):
-        return Model(model.assembly, model.contacts, (model.load,), (model,))
+        return Contents(model.assembly, model.contacts, (model.load,), (model,))
     if isinstance(model, Assembly):
-        return Model(model)
+        return Contents(model)
     raise InputError(
         f"a {type(model).__name__} cannot be written", remedy="give a Model, Assembly or Result"
     )

@@ -10,16 +10,15 @@ from functools import partial
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
+from drystone.arrays import Floats
 from drystone.formulations.equilibrium import (
     FrictionCone,
     solve_load_factor,
 )
-from drystone.geometry.arrays import Floats
 from drystone.limits.families import Family, LoadFactor, Tilt
 from drystone.limits.search import Bracket, Search, Stop, Stopped
 from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import RBEOptions, solve_rbe
 from drystone.statics import Statics, build_statics
@@ -32,12 +31,10 @@ bisected instead."""
 def rbe(
     cone: FrictionCone,
     stop: Stop | None,
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase,
+    model: Model,
 ) -> Result:
     """Whether any forces balance the load; nothing is said about tension."""
-    return solve_rbe(assembly, contacts, load, options=RBEOptions.feasibility(cone), stop=stop)
+    return solve_rbe(model, options=RBEOptions.feasibility(cone), stop=stop)
 
 
 def bisected_bound(
@@ -70,7 +67,7 @@ def load_factor_bound(
 
     Checked states stand on both sides. Without a width it is a share of the limit.
     """
-    factor = _factor(family.assembly, family.contacts, family.dead, family.live, cone, stop)
+    factor = _factor(family.model, family.live, cone, stop)
     scale = factor if 0.0 < factor < upper else upper
     chosen = share * scale if width is None else width
     return _confirmed(family, factor, 0.0, upper, chosen, cone, stop), chosen
@@ -89,24 +86,15 @@ def tilt_bound(
         return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop)
     angle = float("inf")
     for quarter in np.arange(0.0, upper, 90.0).tolist():
-        here, next_ = family.turned(quarter), family.turned(quarter + 90.0)
-        factor = _factor(family.assembly, family.contacts, here, next_, cone, stop)
+        factor = _factor(family(quarter), family.turned(quarter + 90.0), cone, stop)
         if factor < np.inf:
             angle = quarter + float(np.rad2deg(np.arctan(factor)))
             break
     return _confirmed(family, angle, 0.0, upper, width, cone, stop)
 
 
-def _factor(
-    assembly: Assembly,
-    contacts: Contacts,
-    dead: LoadCase,
-    live: LoadCase,
-    cone: FrictionCone,
-    stop: Stop | None,
-) -> float:
-    active = ~(assembly.fixed[contacts.block_a] & assembly.fixed[contacts.block_b])
-    statics = build_statics(assembly, contacts.select(active), dead)
+def _factor(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> float:
+    statics = build_statics(model.with_contacts(model.contacts.select(model.active)))
     return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone, stop=stop).factor
 
 

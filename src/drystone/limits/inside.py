@@ -193,8 +193,7 @@ def _farther(search: Search, first: float, last: float, width: float) -> Bracket
 
 
 def _refuse_nothing_to_do(family: Family, start: float) -> None:
-    problem = family(start)
-    statics = build_statics(problem.assembly, problem.contacts, problem.load)
+    statics = build_statics(family(start))
     if statics.free_count == 0:
         raise InputError("every block is fixed", remedy="free some blocks")
     if not statics.load.any():

@@ -10,14 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import partial
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.arrays import number, of_type
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
 from drystone.geometry.frames import unit
+from drystone.io.opening import Given, How, as_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.families import (
     Friction,
@@ -26,14 +28,13 @@ from drystone.limits.families import (
     Shrunk,
     Tilt,
     found,
-    number,
-    resting,
 )
 from drystone.limits.inside import Means, bisected, searched
 from drystone.limits.search import Check
 from drystone.limits.types import Limit, LimitOptions
 from drystone.loads import LoadCase
 from drystone.progress import Progress
+from drystone.settings import checked_call
 
 AXES = {
     "x": (1.0, 0.0, 0.0),
@@ -49,11 +50,10 @@ WIDTH_DEG = 0.05
 """Default width of a bracket of tilt [degrees]."""
 
 
+@checked_call
 def limit_tilt(
-    assembly: Assembly,
-    contacts: Contacts,
+    given: Given,
     axis: Any = "x",
-    load: LoadCase | None = None,
     *,
     upper: float = 180.0,
     check: Check | None = None,
@@ -61,16 +61,18 @@ def limit_tilt(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Limit:
     """The largest angle [degrees] by which the assembly can be turned about an axis.
 
+    Its load keeps its direction in space while it turns.
+
     Parameters
     ----------
-    assembly, contacts
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     axis : (3,) or a name
         ``x``, ``y``, ``-x``, ``-y`` or a vector; the turn is counter-clockwise about it.
-    load
-        Self-weight when left out. It keeps its direction in space while the assembly turns.
     upper : [degrees]
         Where the search ends.
     check
@@ -89,16 +91,14 @@ def limit_tilt(
     --------
     A cube on a cube slides at ``atan(0.6)``:
 
-    >>> import drystone
     >>> from drystone.models import tower
-    >>> assembly = tower(2)
-    >>> contacts = drystone.find_contacts(assembly, friction=0.6).contacts
-    >>> limit = limit_tilt(assembly, contacts, "x")
+    >>> limit = limit_tilt(tower(2), "x", friction=0.6)
     >>> round(limit.equilibrium.value, 1), round(limit.rest.value, 1)
     (31.0, 31.0)
     """
-    chosen = options if options is not None else LimitOptions()
-    family = Tilt(assembly, contacts, resting(assembly, load), axis_vector(axis))
+    chosen = LimitOptions.of(options)
+    model = as_model(given, **how)
+    family = Tilt(model, axis_vector(axis))
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
         raise InputError(f"the largest angle is {last}", remedy="give degrees from 0 to 360")
@@ -115,10 +115,9 @@ def limit_tilt(
     )
 
 
+@checked_call
 def limit_friction(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     upper: float | None = None,
     scaled: bool = False,
@@ -127,6 +126,7 @@ def limit_friction(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Limit:
     """The least friction coefficient of the joints; see :func:`limit_tilt`.
 
@@ -140,9 +140,10 @@ def limit_friction(
     options
         The default width is 0.001.
     """
-    chosen = options if options is not None else LimitOptions()
-    family = Friction(assembly, contacts, resting(assembly, load), scaled)
-    largest = 1.0 if scaled else float(contacts.friction.max(initial=0.0))
+    chosen = LimitOptions.of(options)
+    model = as_model(given, **how)
+    family = Friction(model, scaled)
+    largest = 1.0 if scaled else float(model.contacts.friction.max(initial=0.0))
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
@@ -150,11 +151,10 @@ def limit_friction(
     return bisected(family, start, 0.0, 1e-3, means)
 
 
+@checked_call
 def limit_load(
-    assembly: Assembly,
-    contacts: Contacts,
+    given: Given,
     live: LoadCase,
-    dead: LoadCase | None = None,
     *,
     upper: float = 1000.0,
     check: Check | None = None,
@@ -162,22 +162,23 @@ def limit_load(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Limit:
-    """The largest factor of a live load on top of a dead one; see :func:`limit_tilt`.
+    """The largest factor of a live load on top of the load of the model; see :func:`limit_tilt`.
 
     Parameters
     ----------
     live
-    dead
-        Self-weight when left out.
     upper
         Where the search ends.
     options
         The default width is 1e-4 of the limit.
     """
-    chosen = options if options is not None else LimitOptions()
-    family = LoadFactor(assembly, contacts, resting(assembly, dead), live)
-    if not live.wrench[assembly.free].any():
+    chosen = LimitOptions.of(options)
+    model = as_model(given, **how)
+    of_type(live, LoadCase, "the live load", "give a LoadCase, such as LoadCase.point_load(...)")
+    family = LoadFactor(model, live)
+    if not live.wrench[model.assembly.free].any():
         raise InputError("the live load is zero on all free blocks", remedy="load a free block")
     last = number(upper, "the largest factor")
     if last <= 0.0:
@@ -193,27 +194,29 @@ def limit_load(
     )
 
 
+@checked_call
 def limit_shrink(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     check: Check | None = None,
     options: LimitOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Limit:
     """The least share of the size of all joints at which it stands; see :func:`limit_tilt`.
 
     Its inverse is a geometric safety factor, after Heyman 1982: how many times larger the joints
     are than they need to be. The default width is 0.001.
     """
-    chosen = options if options is not None else LimitOptions()
-    family = Shrunk(assembly, contacts, resting(assembly, load))
+    chosen = LimitOptions.of(options)
+    model = as_model(given, **how)
+    family = Shrunk(model)
     return bisected(family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop))
 
 
+@checked_call
 def limit_thickness(
     build: Callable[[float], Assembly],
     thick: float,
@@ -253,7 +256,8 @@ def limit_thickness(
     >>> round(limit.rest.value, 3)
     0.1
     """
-    chosen = options if options is not None else LimitOptions()
+    chosen = LimitOptions.of(options)
+    of_type(build, Callable, "what builds the model", "give a function")  # type: ignore[arg-type]
     first, last = number(thick, "thick"), number(thin, "thin")
     if first == last:
         raise InputError("the range has no length", remedy="give two different values")

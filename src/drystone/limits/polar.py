@@ -6,24 +6,26 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
-from drystone.errors import InputError
-from drystone.geometry.arrays import Floats
+from drystone.arrays import Floats, whole
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
+from drystone.io.opening import Given, How, as_model
 from drystone.limits.limits import limit_tilt
 from drystone.limits.search import Bracket, Check
 from drystone.limits.types import Limit, LimitOptions
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.progress import Progress
+from drystone.settings import checked_call
 from drystone.stability.problem import Clock
+from drystone.table import Table
 
 
 @dataclass(frozen=True, eq=False)
-class TiltSweep:
+class TiltSweep(OneLine):
     """Tilt limits about horizontal axes.
 
     Attributes
@@ -39,6 +41,13 @@ class TiltSweep:
     azimuth: Floats
     limits: tuple[Limit, ...]
     stopped: str = ""
+
+    def _summary(self) -> str:
+        weakest = ""
+        if self.limits:
+            least, towards = self.rest[self.weakest], self.azimuth[self.weakest]
+            weakest = f", least tilt {least:.4g} degrees towards {towards:g} degrees"
+        return f"{counted(len(self.limits), 'direction')}{weakest}"
 
     @property
     def equilibrium(self) -> Floats:
@@ -63,6 +72,11 @@ class TiltSweep:
             raise InputError("no direction is known", remedy="let the sweep go on")
         return int(np.argmin(np.nan_to_num(self.rest, nan=-1.0).round(6)))
 
+    def table(self) -> Table:
+        """The limits by direction."""
+        columns = {"azimuth": self.azimuth, "equilibrium": self.equilibrium, "rest": self.rest}
+        return Table("tilt by direction", columns, dict.fromkeys(columns, "deg"))
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
         return {
@@ -75,11 +89,10 @@ class TiltSweep:
         }
 
 
+@checked_call
 def tilt_sweep(
-    assembly: Assembly,
-    contacts: Contacts,
+    given: Given,
     directions: int = 16,
-    load: LoadCase | None = None,
     *,
     upper: float = 180.0,
     check: Check | None = None,
@@ -87,11 +100,14 @@ def tilt_sweep(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> TiltSweep:
     """The tilt limit towards equally spaced directions.
 
     Parameters
     ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     directions
         Number of azimuths, the first along x: the assembly leans towards each of them.
     executor
@@ -102,16 +118,17 @@ def tilt_sweep(
 
     Other parameters are those of :func:`limit_tilt`.
     """
-    if directions < 1:
+    if whole(directions, "the number of directions") < 1:
         raise InputError(f"{directions} directions", remedy="give one or more")
     azimuth = 360.0 * np.arange(directions) / directions
     angle = np.deg2rad(azimuth)
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)
     clock = Clock(float("inf"), stop)
-    given: dict[str, Any] = {"upper": upper, "check": check, "options": options}
+    model = as_model(given, **how)
+    asked: dict[str, Any] = {"upper": upper, "check": check, "options": options}
     if executor is None:
-        given["stop"] = clock.late
-    task = partial(_one, assembly, contacts, load, **given)
+        asked["stop"] = clock.late
+    task = partial(_one, model, **asked)
     answers: Iterable[Limit]
     answers = map(task, axes) if executor is None else executor.map(task, axes)
     limits: list[Limit] = []
@@ -126,10 +143,8 @@ def tilt_sweep(
     return TiltSweep(azimuth[: len(limits)], tuple(limits), clock.reason)
 
 
-def _one(
-    assembly: Assembly, contacts: Contacts, load: LoadCase | None, axis: Floats, **options: Any
-) -> Limit:
-    return limit_tilt(assembly, contacts, axis, load, **options)
+def _one(model: Model, axis: Floats, **options: Any) -> Limit:
+    return limit_tilt(model, axis, **options)
 
 
 def _stands(bracket: Bracket) -> float:

@@ -12,14 +12,13 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from drystone import stability
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
+from drystone.display import OneLine
 from drystone.limits.families import Family
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.results import Result, Samples, Verdict
 
-Check: TypeAlias = Callable[[Assembly, Contacts, LoadCase], Result]
-"""Any function that answers whether an assembly stands."""
+Check: TypeAlias = Callable[[Model], Result]
+"""Any function that answers whether a model stands."""
 
 Stop: TypeAlias = Callable[[], bool]
 """Whether the caller wishes to stop; once it says so, it says so ever after."""
@@ -37,34 +36,28 @@ the law that sticks and slips. Looks are brief: on the Armadillo the limits are 
 time."""
 
 
-def one_stiffness(
-    assembly: Assembly, contacts: Contacts, load: LoadCase, *, stop: Stop | None = None
-) -> Result:
+def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     """Whether it stands with uniform contact stiffness: quickly answered, and enough to stand."""
-    model = (assembly, contacts, load)
-    if contacts.corner_count > SEARCHED:
-        return stability.try_rest(*model, slips=UNIFORM_SLIPS, brief=True, stop=stop)
-    return stability.check(*model, options=ONE_STIFFNESS, stop=stop)
+    if model.contacts.corner_count > SEARCHED:
+        return stability.try_rest(model, slips=UNIFORM_SLIPS, brief=True, stop=stop)
+    return stability.check(model, options=ONE_STIFFNESS, stop=stop)
 
 
-def some_stiffness(
-    assembly: Assembly, contacts: Contacts, load: LoadCase, *, stop: Stop | None = None
-) -> Result:
+def some_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     """The whole cascade of :func:`drystone.check`; on larger models other friction laws only."""
-    model = (assembly, contacts, load)
-    if contacts.corner_count > SEARCHED:
-        return stability.try_rest(*model, slips=OTHER_SLIPS, brief=True, stop=stop)
-    return stability.check(*model, stop=stop)
+    if model.contacts.corner_count > SEARCHED:
+        return stability.try_rest(model, slips=OTHER_SLIPS, brief=True, stop=stop)
+    return stability.check(model, stop=stop)
 
 
-def verdict(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+def verdict(model: Model) -> Result:
     """Whether it stands, asked in two steps: most structures that stand do so at once.
 
     Uniform contact stiffness is tried first, and only where that falls the others. How many
     stiffnesses would do is not asked.
     """
-    first = one_stiffness(assembly, contacts, load)
-    return first if first.verdict is Verdict.STABLE else some_stiffness(assembly, contacts, load)
+    first = one_stiffness(model)
+    return first if first.verdict is Verdict.STABLE else some_stiffness(model)
 
 
 STANDS: Mapping[Verdict, bool | None] = {
@@ -91,7 +84,7 @@ class Evaluation:
 
 
 @dataclass(frozen=True, eq=False)
-class Bracket:
+class Bracket(OneLine):
     """Both sides of a limit.
 
     Attributes
@@ -111,6 +104,9 @@ class Bracket:
     standing: Result | None = None
     falling: Result | None = None
     computed: float | None = None
+
+    def _summary(self) -> str:
+        return f"stands={self.stands}, falls={self.falls}, computed={self.computed}"
 
     @property
     def value(self) -> float | None:
@@ -322,8 +318,7 @@ class Search:
 
 def evaluate(family: Family, check: Check, value: float) -> Result:
     """The answer at one value of a family."""
-    problem = family(value)
-    return check(problem.assembly, problem.contacts, problem.load)
+    return check(family(value))
 
 
 def _runs(

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.assembly import Assembly
+from drystone.arrays import Floats
 from drystone.checks import check_forces
-from drystone.contacts import Contacts
+from drystone.display import OneLine
 from drystone.errors import InputError
 from drystone.formulations.equilibrium import (
     EquilibriumSolution,
     FrictionCone,
     solve_extreme_force,
 )
-from drystone.geometry.arrays import Floats
 from drystone.geometry.frames import unit
-from drystone.limits.families import resting
-from drystone.loads import LoadCase
+from drystone.io.opening import Given, How, as_model
+from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.settings import checked_call
 from drystone.solvers.conic import ConicStatus
 from drystone.statics import build_statics
 
@@ -29,7 +29,7 @@ CHECKED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class ThrustBounds:
+class ThrustBounds(OneLine):
     """Least and largest thrust on a block along a direction.
 
     Attributes
@@ -49,15 +49,18 @@ class ThrustBounds:
     least_state: Result | None
     most_state: Result | None
 
+    def _summary(self) -> str:
+        return f"block '{self.block}', {self.least:.4g} to {self.most:.4g} N"
 
+
+@checked_call
 def thrust_bounds(
-    assembly: Assembly,
-    contacts: Contacts,
+    given: Given,
     block: int | str,
     direction: Any,
-    load: LoadCase | None = None,
     *,
     cone: FrictionCone | None = None,
+    **how: Unpack[How],
 ) -> ThrustBounds:
     """The least and the largest force that the others exert on a block along a direction.
 
@@ -65,12 +68,11 @@ def thrust_bounds(
 
     Parameters
     ----------
-    assembly, contacts
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     block
         Any block, usually a support.
     direction : (3,)
-    load
-        Self-weight when left out.
     cone
         Exact when left out.
 
@@ -78,31 +80,31 @@ def thrust_bounds(
     --------
     >>> import drystone
     >>> from drystone.models import arch
-    >>> assembly = arch(0.2, 10)
-    >>> contacts = drystone.find_contacts(assembly, friction=0.8).contacts
-    >>> bounds = thrust_bounds(assembly, contacts, "springer-right", (1.0, 0.0, 0.0))
+    >>> model = drystone.Model.of(arch(0.2, 10), friction=0.8)
+    >>> bounds = thrust_bounds(model, "springer-right", (1.0, 0.0, 0.0))
     >>> bounds.least < bounds.most
     True
     """
+    model = as_model(given, **how)
+    assembly, contacts = model.assembly, model.contacts
     which = int(assembly.indices([block])[0])
     along = unit(direction, "direction")
-    case = resting(assembly, load)
     touching = (contacts.block_a == which) | (contacts.block_b == which)
     if not touching.any():
         raise InputError(f"block '{assembly.names[which]}' touches nothing", remedy="name another")
-    active = ~(assembly.fixed[contacts.block_a] & assembly.fixed[contacts.block_b])
+    active = model.active
     part = contacts.select(active)
-    statics = build_statics(assembly, part, case)
+    statics = build_statics(model.with_contacts(part))
     corner = part.interface
     sign = (part.block_b == which).astype(np.float64) - (part.block_a == which)
     price = sign[corner][:, None] * np.einsum("kij,j->ki", part.frame[corner], along)
-    chosen = cone if cone is not None else FrictionCone.exact()
+    chosen = FrictionCone.of(cone)
 
     def extreme(sense: float) -> tuple[float, Result | None]:
         solution = solve_extreme_force(statics, sense * price, cone=chosen)
         if solution.raw.status is ConicStatus.UNBOUNDED:
             return -sense * float("inf"), None
-        state = _state(assembly, contacts, case, active, solution, statics.force_unit)
+        state = _state(model, active, solution, statics.force_unit)
         if state is None:
             return float("nan"), None
         return statics.force_unit * float((price * solution.force).sum()), state
@@ -112,9 +114,7 @@ def thrust_bounds(
 
 
 def _state(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase,
+    model: Model,
     active: np.ndarray,
     solution: EquilibriumSolution,
     force_unit: float,
@@ -122,17 +122,15 @@ def _state(
     """The state as a result, when it passes our own checks."""
     if solution.raw.status is not ConicStatus.SOLVED:
         return None
-    force = np.zeros((contacts.corner_count, 3))
-    force[active[contacts.interface]] = force_unit * solution.force
-    residuals = check_forces(assembly, contacts, load, force)
+    force = np.zeros((model.contacts.corner_count, 3))
+    force[active[model.contacts.interface]] = force_unit * solution.force
+    residuals = check_forces(model, force)
     if residuals.equilibrium > CHECKED or residuals.tension > CHECKED:
         return None
     return Result(
         method="rbe",
         verdict=Verdict.EQUILIBRIUM_EXISTS,
-        assembly=assembly,
-        contacts=contacts,
-        load=load,
+        model=model,
         message="an extreme of the forces that balance the loads",
         force=force,
         residuals=residuals,

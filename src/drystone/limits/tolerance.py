@@ -6,26 +6,27 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from scipy import stats
 
-from drystone.assembly import Assembly
+from drystone.arrays import Floats, frozen_floats, number, of_type, whole
 from drystone.contacts import Contacts
-from drystone.errors import InputError
-from drystone.geometry.arrays import Floats
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.polygon import following
-from drystone.limits.families import resting
+from drystone.geometry.plane.polygon import following
+from drystone.io.opening import Given, How, as_model
 from drystone.limits.search import STANDS, Check, verdict
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.progress import Progress
 from drystone.results import Verdict
+from drystone.settings import Options, checked_call
 
 
 @dataclass(frozen=True)
-class Imperfections:
+class Imperfections(Options):
     """What is drawn at random; independent for every joint.
 
     Attributes
@@ -49,8 +50,9 @@ class Imperfections:
     tilt_deg: float = 0.0
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.friction is not None:
-            low, high = self.friction
+            low, high = frozen_floats(self.friction, (2,), "friction")
             if not 0.0 <= low <= high < float("inf"):
                 raise InputError(
                     f"friction from {low} to {high}", remedy="give the lower one first, from zero"
@@ -64,7 +66,7 @@ class Imperfections:
 
 
 @dataclass(frozen=True, eq=False)
-class Tolerance:
+class Tolerance(OneLine):
     """The share of imperfect structures that stand.
 
     Attributes
@@ -83,6 +85,10 @@ class Tolerance:
     interval: tuple[float, float]
     confidence: float
 
+    def _summary(self) -> str:
+        share, low, high = (f"{100.0 * x:.3g}" for x in (self.share, *self.interval))
+        return f"{counted(len(self.verdicts), 'draw')}, {share} % stand, {low} to {high} %"
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
         return {
@@ -95,11 +101,10 @@ class Tolerance:
         }
 
 
+@checked_call
 def tolerance(
-    assembly: Assembly,
-    contacts: Contacts,
+    given: Given,
     imperfections: Imperfections,
-    load: LoadCase | None = None,
     *,
     draws: int = 100,
     seed: int = 0,
@@ -108,15 +113,15 @@ def tolerance(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Tolerance:
     """Draw imperfect joints and count how many of the structures stand.
 
     Parameters
     ----------
-    assembly, contacts
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     imperfections
-    load
-        Self-weight when left out.
     draws, seed
         The same seed gives the same draws, with any executor.
     confidence
@@ -130,11 +135,13 @@ def tolerance(
     stop
         Asked after every draw; True ends it with the draws made by then.
     """
-    if draws < 1:
+    of_type(imperfections, Imperfections, "the value of imperfections")
+    if whole(draws, "the number of draws") < 1:
         raise InputError(f"{draws} draws", remedy="give one or more")
-    if not 0.0 < confidence < 1.0:
+    whole(seed, "the seed", least=0)
+    if not 0.0 < number(confidence, "confidence") < 1.0:
         raise InputError(f"confidence is {confidence}", remedy="give a share between 0 and 1")
-    task = partial(_draw, assembly, contacts, imperfections, resting(assembly, load), check)
+    task = partial(_draw, as_model(given, **how), imperfections, check)
     seeds = np.random.SeedSequence(seed).spawn(draws)
     answers: Iterable[Verdict] = map(task, seeds) if executor is None else executor.map(task, seeds)
     verdicts: list[Verdict] = []
@@ -153,14 +160,13 @@ def tolerance(
 
 
 def _draw(
-    assembly: Assembly,
-    contacts: Contacts,
+    model: Model,
     imperfections: Imperfections,
-    load: LoadCase,
     check: Check,
     seed: np.random.SeedSequence,
 ) -> Verdict:
-    return check(assembly, imperfect(contacts, imperfections, seed), load).verdict
+    drawn = imperfect(model.contacts, imperfections, seed)
+    return check(model.with_contacts(drawn)).verdict
 
 
 def imperfect(

@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from drystone.errors import InputError
+from drystone.display import Card
+from drystone.errors import InputError, counted
 from drystone.formulations.equilibrium import FrictionCone
 from drystone.limits.search import Bracket, Evaluation, plain
+from drystone.settings import Options
+from drystone.table import Table
 
 
 @dataclass(frozen=True)
-class LimitOptions:
+class LimitOptions(Options):
     """How a limit is searched.
 
     Attributes
@@ -34,6 +37,7 @@ class LimitOptions:
     full: bool = True
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.width is not None and not 0.0 < self.width < float("inf"):
             raise InputError(f"width is {self.width}", remedy="give a number above zero")
         if self.scan < 1:
@@ -41,7 +45,7 @@ class LimitOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Limit:
+class Limit(Card):
     """A limit by both definitions.
 
     Attributes
@@ -77,6 +81,25 @@ class Limit:
     time_s: Mapping[str, float] = field(default_factory=dict)
     stopped: str = ""
 
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        kinds = {"equilibrium": self.equilibrium, "rest": self.rest, "uniform": self.uniform}
+        falling = self.best.falling
+        return self._summary(), {
+            **{
+                kind: f"{_told(bracket.stands)} to {_told(bracket.falls)} {self.unit}"
+                for kind, bracket in kinds.items()
+                if bracket is not None
+            },
+            "falls then": "" if falling is None else ", ".join(falling.falling_names),
+            "tried": counted(len(self.evaluations), "value"),
+        }
+
+    def _summary(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        stands, falls = (_told(x) for x in (self.best.stands, self.best.falls))
+        early = f", stopped: {self.stopped}" if self.stopped else ""
+        return f"{self.parameter}, stands at {stands}{unit}, falls at {falls}{unit}{early}"
+
     @property
     def best(self) -> Bracket:
         """The bracket of the full verdict, or that of equilibrium where there is no other."""
@@ -88,6 +111,17 @@ class Limit:
         if self.rest is None or self.uniform is None:
             return False
         return self.rest.stands != self.uniform.stands
+
+    def table(self) -> Table:
+        """The values that were tried, in ascending order, and what stands there."""
+        tried = self.evaluations
+        columns = {
+            "value": [one.value for one in tried],
+            "verdict": [one.verdict.value for one in tried],
+            "stiffnesses_tried": [one.samples.tried for one in tried],
+            "stiffnesses_standing": [one.samples.standing for one in tried],
+        }
+        return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values; blocks that fall by name."""
@@ -115,6 +149,10 @@ class Limit:
             ],
             "time_s": dict(self.time_s),
         }
+
+
+def _told(value: float | None) -> str:
+    return "none that was tried" if value is None else f"{value:.6g}"
 
 
 __all__ = ["Limit", "LimitOptions"]

@@ -7,10 +7,10 @@ with planar faces that touch exactly; lengths are in metres, gravity is along -z
 from drystone.models.arches import arch, buttressed_arch
 from drystone.models.curved import cube_curve, curve_three_blocks
 from drystone.models.domes import dome
+from drystone.models.joinery import bayonet, burr, dovetail, hooked_bar
 from drystone.models.lunes import lune
 from drystone.models.packs import random_pack
-from drystone.models.published import a_model, concave, h_model, shelf, wedge
-from drystone.models.sequences import bridge, leaning_tower, snake
+from drystone.models.published import a_model, concave, h_model, wedge
 from drystone.models.simple import (
     box,
     harmonic_offsets,
@@ -21,6 +21,10 @@ from drystone.models.simple import (
     two_blocks_on_incline,
 )
 from drystone.models.solids import prism, welded
+from drystone.models.source_bridge import bridge
+from drystone.models.source_shelf import shelf
+from drystone.models.source_snake import snake
+from drystone.models.unpropped import corbelled_bridge, leaning_column, winding_column
 from drystone.models.vaults import barrel_vault, vault
 from drystone.models.walls import corbelled_wall, ferris_wall, wall
 
@@ -28,19 +32,24 @@ __all__ = [
     "a_model",
     "arch",
     "barrel_vault",
+    "bayonet",
     "box",
     "bridge",
+    "burr",
     "buttressed_arch",
     "concave",
+    "corbelled_bridge",
     "corbelled_wall",
     "cube_curve",
     "curve_three_blocks",
     "dome",
+    "dovetail",
     "ferris_wall",
     "h_model",
     "harmonic_offsets",
+    "hooked_bar",
     "incline",
-    "leaning_tower",
+    "leaning_column",
     "lune",
     "overhang",
     "prism",
@@ -54,4 +63,5 @@ __all__ = [
     "wall",
     "wedge",
     "welded",
+    "winding_column",
 ]

@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
-from drystone.geometry.arrays import Floats
 from drystone.models.simple import box
 from drystone.models.solids import prism, require
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
-from drystone.geometry.arrays import Floats
 from drystone.models.solids import require, welded
 
 

@@ -1,4 +1,4 @@
-"""Small models of the literature on coupled rigid-block analysis: wedges, H, A, shelf, concave.
+"""Small models of the literature on coupled rigid-block analysis: wedges, H, A, concave.
 
 Coordinates are (x, z) in a vertical plane, extruded along y. Source of all dimensions and of the
 results quoted: Kao, Iannuzzo, Thomaszewski, Coros, Van Mele, Block 2022, "Coupled Rigid-Block
@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from drystone.assembly import Assembly, Block
-from drystone.geometry.arrays import Floats
+from drystone.arrays import Floats
+from drystone.assembly import Assembly
 from drystone.models.solids import prism, rectangle, require, welded
 
 Point2 = tuple[float, float]
@@ -99,78 +99,6 @@ def a_model() -> Assembly:
     return Assembly(blocks, np.array([True, True, False]))
 
 
-SHELF_INNER: list[Point2] = [
-    (-0.868882, -0.87345),
-    (-0.868882, 0.872753),
-    (0.888724, 0.872753),
-    (0.888724, -0.87345),
-]
-SHELF_OUTER: list[Point2] = [(-1.0, -1.0), (-1.0, 1.0), (1.02, 1.0), (1.02, -1.0)]
-SHELF_BLOCKS: list[list[Point2]] = [
-    [
-        (0.888724, -0.87345),
-        (0.888724, -0.661407),
-        (0.37335, -0.31684),
-        (0.24233, -0.433398),
-        (0.681333, -0.87345),
-    ],
-    [
-        (-0.486807, -0.309234),
-        (-0.621771, -0.329051),
-        (-0.744577, -0.87345),
-        (-0.694381, -0.87345),
-    ],
-    [
-        (0.24233, -0.433398),
-        (0.37335, -0.31684),
-        (-0.197525, -0.157744),
-        (-0.260482, -0.276003),
-    ],
-    [
-        (-0.868882, -0.365335),
-        (-0.260482, -0.276003),
-        (-0.197525, -0.157744),
-        (-0.868882, -0.286212),
-    ],
-    [(0.888724, 0.604556), (0.118158, -0.245721), (0.260081, -0.285274), (0.888724, 0.535643)],
-    [(-0.868882, 0.55351), (-0.868882, 0.459924), (-0.417475, -0.199833), (-0.281918, -0.173893)],
-    [(-0.317294, 0.476387), (0.232698, -0.119334), (0.319403, -0.023659), (-0.29348, 0.510968)],
-    [(-0.044342, 0.872753), (-0.079224, 0.872753), (-0.61238, 0.235636), (-0.542618, 0.149183)],
-    [(0.381899, 0.872753), (0.503441, 0.179418), (0.582957, 0.267159), (0.419334, 0.872753)],
-    [
-        (-0.24924, 0.872753),
-        (-0.274876, 0.872753),
-        (-0.284267, 0.627729),
-        (-0.243736, 0.676163),
-    ],
-]
-"""Blocks 1 to 10, corners (x, z) [m]; given to a micrometre, and they touch to that."""
-
-
-def shelf() -> Assembly:
-    """A shelf of ten slanted pieces in a fixed frame; at a friction of 0.9 two of them fall.
-
-    Blocks 9 and 10 are pinched between a slanted piece and the top of the frame: forces that would
-    balance them exist, but nothing presses them into being. The other eight stand without them.
-
-    Returns
-    -------
-    Assembly
-        ``frame``, fixed, then ``block-1`` to ``block-10``: their numbers are their positions.
-    """
-    y = (0.0, 0.2)
-    loops: list[Floats] = []
-    for i in range(4):
-        j = (i + 1) % 4
-        ring = [SHELF_OUTER[i], SHELF_OUTER[j], SHELF_INNER[j], SHELF_INNER[i]]
-        loops += [np.array([(x, at, z) for x, z in ring]) for at in y]
-        for (x0, z0), (x1, z1) in ((ring[0], ring[1]), (ring[2], ring[3])):
-            loops.append(np.array([(x0, y[0], z0), (x1, y[0], z1), (x1, y[1], z1), (x0, y[1], z0)]))
-    blocks: list[Block] = [welded(loops, "frame")]
-    blocks += [prism(section, y, f"block-{i}") for i, section in enumerate(SHELF_BLOCKS, 1)]
-    return Assembly(tuple(blocks), np.arange(len(blocks)) == 0)
-
-
 def concave(length: Literal["short", "long"] = "short") -> Assembly:
     """A plank with wings that hooks into a fixed slab: two concave blocks, seven joints.
 
@@ -238,4 +166,4 @@ def _plank_faces(end: float) -> list[Floats]:
     return loops
 
 
-__all__ = ["a_model", "concave", "h_model", "shelf", "wedge"]
+__all__ = ["a_model", "concave", "h_model", "wedge"]

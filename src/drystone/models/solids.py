@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from drystone.arrays import Floats, frozen_floats
 from drystone.assembly import DEFAULT_DENSITY, Block
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, frozen_floats
-from drystone.geometry.polyhedron import body_mass_properties
-from drystone.geometry.surface import closed_surface
+from drystone.geometry.body.polyhedron import body_mass_properties
+from drystone.geometry.body.surface import closed_surface
 
 WELD = 1e-9
 """Corners closer than this share of the block's extent are one: far above the rounding of

@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
-from drystone.geometry.arrays import Floats
 from drystone.models.arches import radial_joints
 from drystone.models.solids import require, welded
 from drystone.models.walls import course_ends

@@ -1,9 +1,14 @@
 """Assembly planning: in which order, what to hold, what to prop."""
 
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
-from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.insertion import Freedom, RemovalTest, freedom
-from drystone.sequence.judges import check_once, check_thoroughly
+from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.interlocking import (
+    GravityRegion,
+    Interlocking,
+    gravity_region,
+    interlocking,
+)
 from drystone.sequence.margins import (
     FrictionSweep,
     Margin,
@@ -13,13 +18,20 @@ from drystone.sequence.margins import (
     margins,
     sweep_friction,
 )
-from drystone.sequence.model import Model
+from drystone.sequence.motion.directions import Freedom, freedom
+from drystone.sequence.motion.joints import Obstacle
+from drystone.sequence.motion.sweeps import Pose
+from drystone.sequence.motion.ways import NoWay, Way, WayOptions, find_way
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
-from drystone.sequence.report import save_table, table_text
+from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
-from drystone.sequence.stages import Answer, Stage
-from drystone.sequence.workers import DaskWorkers, ExecutorFactory, LocalWorkers
+from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.judges import check_once, check_thoroughly
+from drystone.sequence.stage.stages import Answer, Stage
+from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stage.workers import DaskWorkers, ExecutorFactory, LocalWorkers
+from drystone.sequence.turns import Turn, Turns, take_turns
 
 __all__ = [
     "Answer",
@@ -30,31 +42,48 @@ __all__ = [
     "ExecutorFactory",
     "Freedom",
     "FrictionSweep",
+    "GravityRegion",
+    "GripFace",
+    "Handling",
+    "Hold",
+    "Interlocking",
     "LocalWorkers",
     "Margin",
     "MarginOptions",
     "Margins",
-    "Model",
+    "NoWay",
+    "Obstacle",
     "Order",
+    "Placement",
     "Plan",
     "PlanOptions",
+    "Pose",
     "Prop",
     "RemovalTest",
+    "Robot",
     "Rules",
     "Stage",
     "Status",
     "Step",
+    "Structure",
     "Trial",
+    "Turn",
+    "Turns",
+    "Way",
+    "WayOptions",
     "check_once",
     "check_thoroughly",
     "cut_block",
     "design_cuts",
+    "find_way",
     "freedom",
+    "gravity_region",
+    "handling",
+    "interlocking",
     "least_buildable_friction",
     "margins",
     "plan",
-    "save_table",
     "sweep_friction",
-    "table_text",
+    "take_turns",
     "tilted_cuts",
 ]

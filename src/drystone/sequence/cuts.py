@@ -13,19 +13,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drystone.arrays import Floats, frozen_floats
 from drystone.assembly import Assembly, Block
-from drystone.detection import find_contacts
+from drystone.display import OneLine
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.geometry.body.split import Piece, split
 from drystone.geometry.frames import rotation_about, unit
-from drystone.geometry.split import Piece, split
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.judges import Check, check_once
+from drystone.sequence.stage.judges import Check, check_once
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class Cut(OneLine):
     """A plane, or a wedge of two planes, between a part below and a part above.
 
     Attributes
@@ -63,7 +63,7 @@ class Cut:
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class Trial(OneLine):
     """A cut that was tried at a place, and what became of the part above it."""
 
     place: int
@@ -77,7 +77,7 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class CutDesign:
+class CutDesign(OneLine):
     """Blocks cut from one shape.
 
     Attributes
@@ -190,8 +190,7 @@ def tilted_cuts(
 
 def _stands(below: Block, above: Block, friction: float, check: Check) -> Result:
     pair = Assembly((below.renamed("below"), above.renamed("above")), np.array([True, False]))
-    contacts = find_contacts(pair, friction=friction).contacts
-    return check(pair, contacts, LoadCase.gravity(pair))
+    return check(Model.of(pair, friction=friction))
 
 
 def _blocks(pieces: Sequence[Piece], whole: Block, side: str) -> list[Block]:

@@ -10,21 +10,24 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.contacts import Contacts
-from drystone.errors import InputError
+from drystone.arrays import of_type
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.progress import Progress
-from drystone.sequence.model import Model
 from drystone.sequence.plans import Plan
-from drystone.sequence.stages import Stage, mask_of, members
+from drystone.sequence.stage.stages import Stage, mask_of, members
+from drystone.sequence.stage.structure import Structure
+from drystone.settings import Options, checked_call
+from drystone.table import Table
 
-PlanAt: TypeAlias = Callable[[Contacts], Plan]
-"""The planner with everything given but the contacts."""
+PlanAt: TypeAlias = Callable[[Model], Plan]
+"""The planner with everything given but the model."""
 
 
 @dataclass(frozen=True)
-class MarginOptions:
+class MarginOptions(Options):
     """How closely margins are asked.
 
     Attributes
@@ -41,6 +44,11 @@ class MarginOptions:
     tilt_width: float = 0.5
     tilt_upper: float = 45.0
     directions: int = 4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_unless_positive("friction_width", "tilt_width", "tilt_upper")
+        self._refuse_below(1, "directions")
 
 
 @dataclass(frozen=True)
@@ -61,7 +69,7 @@ class Margin:
 
 
 @dataclass(frozen=True, eq=False)
-class Margins:
+class Margins(OneLine):
     """The margins of all stages of a plan, in the order of its steps.
 
     Attributes
@@ -72,6 +80,9 @@ class Margins:
 
     plan: Plan
     stages: tuple[Margin, ...]
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.stages), 'stage')}, least friction {self.least_friction:.3g}"
 
     @property
     def least_friction(self) -> float:
@@ -95,18 +106,18 @@ class Margins:
             "least_friction": self.least_friction,
         }
 
-    def rows(self) -> list[dict[str, Any]]:
+    def table(self) -> Table:
         """The plan's table with the margins of each stage."""
-        return [
-            row
-            | {
-                "least_friction": self.stages[row["stage"] - 1].least_friction,
-                "tilt_deg": self.stages[row["stage"] - 1].tilt,
-            }
-            for row in self.plan.rows()
-        ]
+        plan = self.plan.table()
+        stage = plan["stage"] - 1
+        columns = {
+            "least_friction": np.array([one.least_friction for one in self.stages])[stage],
+            "tilt": np.array([one.tilt for one in self.stages])[stage],
+        }
+        return Table(plan.title, {**plan.columns, **columns}, {**plan.units, "tilt": "deg"})
 
 
+@checked_call
 def margins(
     plan: Plan,
     *,
@@ -126,7 +137,8 @@ def margins(
         Works on stages side by side.
     progress
     """
-    chosen = options if options is not None else MarginOptions()
+    of_type(plan, Plan, "the plan", "give what drystone.plan answers")
+    chosen = MarginOptions.of(options)
     task = partial(margin_of, plan.model, options=chosen)
     stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]
     answers = map(task, stages) if executor is None else executor.map(task, stages)
@@ -138,32 +150,25 @@ def margins(
     return Margins(plan, tuple(found))
 
 
-def margin_of(model: Model, stage: Stage, *, options: MarginOptions) -> Margin:
+def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> Margin:
     """Margins of one stage."""
     stage = Stage(*stage)
-    fixed = np.flatnonzero(model.assembly.fixed).tolist()
-    blocks = np.array(sorted([*fixed, *members(stage.placed)]), dtype=np.intp)
-    some = model.assembly.with_fixed([*fixed, *members(stage.held)]).subset(blocks.tolist())
-    contacts = model.contacts.of_blocks(blocks, len(model.assembly))
-    still = some.fixed
-    contacts = contacts.select(~(still[contacts.block_a] & still[contacts.block_b]))
-    load = LoadCase(model.load.wrench[blocks], model.load.name)
-    if still.all():
+    fixed = np.flatnonzero(structure.assembly.fixed).tolist()
+    resting = structure.model.with_supports([*fixed, *members(stage.held)])
+    some = resting.subset(sorted([*fixed, *members(stage.placed)]))
+    if some.assembly.fixed.all():
         return Margin(0.0, options.tilt_upper)
+    some = some.with_contacts(some.contacts.select(some.active))
     least = limit_friction(
         some,
-        contacts,
-        load,
-        check=model.judge,
+        check=structure.judge,
         options=LimitOptions(width=options.friction_width, scan=1),
     ).best
     sweep = tilt_sweep(
         some,
-        contacts,
         options.directions,
-        load,
         upper=options.tilt_upper,
-        check=model.judge,
+        check=structure.judge,
         options=LimitOptions(width=options.tilt_width, scan=2),
     )
     tilt = min(0.0 if one.best.stands is None else one.best.stands for one in sweep.limits)
@@ -171,7 +176,7 @@ def margin_of(model: Model, stage: Stage, *, options: MarginOptions) -> Margin:
 
 
 @dataclass(frozen=True, eq=False)
-class FrictionSweep:
+class FrictionSweep(OneLine):
     """The same structure planned at several coefficients.
 
     Attributes
@@ -183,32 +188,27 @@ class FrictionSweep:
     friction: tuple[float, ...]
     plans: tuple[Plan, ...]
 
-    def rows(self) -> list[dict[str, Any]]:
+    def table(self) -> Table:
         """Counts at each coefficient; None where the complete structure does not stand."""
-        return [
-            {
-                "friction": friction,
-                "stands": plan.complete.stands,
-                "free": plan.counts["free"] if plan.steps else None,
-                "held": plan.counts["held"] if plan.steps else None,
-                "propped": plan.counts["propped"] if plan.steps else None,
-            }
-            for friction, plan in zip(self.friction, self.plans, strict=True)
-        ]
+        counts = [plan.counts if plan.steps else {} for plan in self.plans]
+        columns = {
+            "friction": self.friction,
+            "stands": [plan.complete.stands for plan in self.plans],
+            **{kind: [one.get(kind) for one in counts] for kind in ("free", "held", "propped")},
+        }
+        return Table("plans by friction", columns)
 
 
-def sweep_friction(
-    contacts: Contacts, frictions: Sequence[float], plan_at: PlanAt
-) -> FrictionSweep:
+def sweep_friction(model: Model, frictions: Sequence[float], plan_at: PlanAt) -> FrictionSweep:
     """Plan at several friction coefficients, one for all joints each."""
     if not frictions:
         raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
     values = tuple(sorted(float(f) for f in frictions))
-    return FrictionSweep(values, tuple(plan_at(contacts.with_friction(f)) for f in values))
+    return FrictionSweep(values, tuple(plan_at(model.with_friction(f)) for f in values))
 
 
 def least_buildable_friction(
-    contacts: Contacts, plan_at: PlanAt, *, upper: float, width: float = 0.005
+    model: Model, plan_at: PlanAt, *, upper: float, width: float = 0.005
 ) -> tuple[float, float]:
     """Coefficients between which building without props becomes possible: (too little, enough).
 
@@ -216,7 +216,7 @@ def least_buildable_friction(
 
     Parameters
     ----------
-    contacts
+    model
     plan_at
     upper
         Where a plan without props exists.
@@ -229,11 +229,11 @@ def least_buildable_friction(
         There is none at ``upper``.
     """
     low, high = 0.0, float(upper)
-    if not _unpropped(plan_at(contacts.with_friction(high))):
+    if not _unpropped(plan_at(model.with_friction(high))):
         raise InputError(f"there is no plan without props at friction {high:g}")
     while high - low > width:
         middle = 0.5 * (low + high)
-        if _unpropped(plan_at(contacts.with_friction(middle))):
+        if _unpropped(plan_at(model.with_friction(middle))):
             high = middle
         else:
             low = middle

@@ -6,27 +6,27 @@ import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from typing import Unpack
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
-from drystone.io.files import PathLike
-from drystone.loads import LoadCase
+from drystone.files import PathLike
+from drystone.io.opening import Given, How, as_model
 from drystone.progress import Progress
 from drystone.results import Verdict
-from drystone.sequence.evaluation import Evaluator
-from drystone.sequence.exact import search_exactly
-from drystone.sequence.helping import apart, props_in_time
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.judges import Check, check_once
-from drystone.sequence.model import Model
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
-from drystone.sequence.search import Search
-from drystone.sequence.stages import Answer, Stage, mask_of, members
-from drystone.sequence.states import Found, Node, SearchOptions
-from drystone.sequence.workers import ExecutorFactory
+from drystone.sequence.search.best_first import Search
+from drystone.sequence.search.exact import search_exactly
+from drystone.sequence.search.helping import apart, props_in_time
+from drystone.sequence.search.states import Found, Node, SearchOptions
+from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.judges import Check, check_once
+from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stage.workers import ExecutorFactory
+from drystone.settings import Options, checked_call
 
 EFFORT, LARGE = 800.0, 100.0
 """Checks without progress, times free blocks, before the planner gives in and holds or props, and
@@ -38,7 +38,7 @@ LISTED = 6
 
 
 @dataclass(frozen=True)
-class PlanOptions:
+class PlanOptions(Options):
     """Options of :func:`plan`.
 
     Attributes
@@ -62,17 +62,22 @@ class PlanOptions:
     width: int = 16
     anyway: bool = False
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_below(0.0, "patience")
+        self._refuse_below(1, "width")
 
+
+@checked_call
 def plan(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     options: PlanOptions | None = None,
     check: Check = check_once,
     executor: Executor | ExecutorFactory | None = None,
     checkpoint: PathLike | None = None,
     progress: Progress | None = None,
+    **how: Unpack[How],
 ) -> Plan:
     """In which order to assemble, what to hold, what to prop.
 
@@ -82,11 +87,8 @@ def plan(
 
     Parameters
     ----------
-    assembly
-    contacts
-        Of the complete assembly.
-    load
-        Gravity along -z when left out.
+    given
+        A model of the complete structure; or an assembly or a file, of which ``how`` makes one.
     options
     check
         The verdict on a stage.
@@ -110,17 +112,14 @@ def plan(
     Examples
     --------
     >>> from drystone.models import tower
-    >>> from drystone.detection import find_contacts
-    >>> assembly = tower(4)
-    >>> found = plan(assembly, find_contacts(assembly).contacts)
+    >>> found = plan(tower(4))
     >>> found.order
     ('block-1', 'block-2', 'block-3')
     >>> found.counts["free"]
     3
     """
-    chosen = options if options is not None else PlanOptions()
-    case = load if load is not None else LoadCase.gravity(assembly)
-    model = Model(assembly, contacts, case, check)
+    chosen = PlanOptions.of(options)
+    model = Structure(as_model(given, **how), check)
     removal = RemovalTest(model)
     bound = bind(chosen.rules, model, removal)
     with Evaluator(model, executor=executor, checkpoint=checkpoint) as evaluator:
@@ -129,7 +128,7 @@ def plan(
             return Plan(
                 model,
                 complete,
-                message=_refusal(complete, assembly.names),
+                message=_refusal(complete, model.assembly.names),
                 solved=evaluator.solved,
                 solve_s=evaluator.solve_s,
             )

@@ -10,11 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from drystone.geometry.arrays import Floats
+from drystone.arrays import Floats
+from drystone.display import Card, OneLine
+from drystone.errors import counted
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.model import Model
-from drystone.sequence.stages import Answer, members
+from drystone.sequence.stage.stages import Answer, members
+from drystone.sequence.stage.structure import Structure
+from drystone.table import Table
 
 
 class Status(enum.Enum):
@@ -33,7 +36,7 @@ class Status(enum.Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Step(OneLine):
     """Blocks that are placed between two stages that stand by themselves or by their props.
 
     Attributes
@@ -59,9 +62,13 @@ class Step:
     answer: Answer
     during: tuple[Answer, ...] = ()
 
+    def _summary(self) -> str:
+        propped = f", propped {self.props}" if self.props else ""
+        return f"blocks {self.blocks}{propped}, {self.answer.verdict.value}"
+
 
 @dataclass(frozen=True, eq=False)
-class Prop:
+class Prop(OneLine):
     """Scaffolding under one block.
 
     Attributes
@@ -91,7 +98,7 @@ class Prop:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Plan(Card):
     """An order of assembly.
 
     Attributes
@@ -111,7 +118,7 @@ class Plan:
         Checks of connected parts that were made; ``solve_s`` is the time that they took.
     """
 
-    model: Model
+    model: Structure
     complete: Answer
     steps: tuple[Step, ...] = ()
     impossible: Mapping[int, str] = field(default_factory=dict)
@@ -119,6 +126,19 @@ class Plan:
     proved: bool = False
     solved: int = 0
     solve_s: float = 0.0
+
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        return f"{self.verdict.value}: {self.message}", {
+            "steps": len(self.steps),
+            **{kind: number or "" for kind, number in self.counts.items()},
+            "order": ", ".join(self.order),
+            "proved": "no order needs fewer props" if self.proved else "",
+        }
+
+    def _summary(self) -> str:
+        counts = ", ".join(f"{n} {kind}" for kind, n in self.counts.items() if n)
+        told = f", {counts}" if counts else ""
+        return f"{self.verdict.value}, {counted(len(self.steps), 'step')}{told}, '{self.message}'"
 
     def __bool__(self) -> bool:
         raise TypeError("a plan is neither true nor false; ask for its counts or its verdict")
@@ -258,27 +278,25 @@ class Plan:
             "friction_used": step.answer.used,
         }
 
-    def rows(self) -> list[dict[str, Any]]:
-        """A table with a row per block in the order of assembly: stage, block, status, prop."""
+    def table(self) -> Table:
+        """A row per block in the order of assembly: stage, status, partners, prop, friction."""
         names = self.model.assembly.names
         prop = {one.block: one for one in self.props}
-        return [
-            {
-                "stage": number + 1,
-                "block": names[block],
-                "status": self.status[block].value,
-                "with": " ".join(names[p] for p in self.partners(block)),
-                "prop_force_N": prop[block].force if block in prop else 0.0,
-                "prop_stages": prop[block].stages if block in prop else 0,
-                "propped_now": len(step.props),
-                "friction_used": step.answer.used,
-            }
-            for number, step in enumerate(self.steps)
-            for block in step.blocks
-        ]
+        placed = [(i, step, b) for i, step in enumerate(self.steps) for b in step.blocks]
+        columns = {
+            "stage": [number + 1 for number, _, _ in placed],
+            "block": [names[b] for *_, b in placed],
+            "status": [self.status[b].value for *_, b in placed],
+            "with": [" ".join(names[p] for p in self.partners(b)) for *_, b in placed],
+            "prop_force": [prop[b].force if b in prop else 0.0 for *_, b in placed],
+            "prop_stages": [prop[b].stages if b in prop else 0 for *_, b in placed],
+            "propped_now": [len(step.props) for _, step, _ in placed],
+            "friction_used": [step.answer.used for _, step, _ in placed],
+        }
+        return Table("assembly plan", columns, {"prop_force": "N"})
 
 
-def drop_of(model: Model, order: Sequence[int]) -> float:
+def drop_of(model: Structure, order: Sequence[int]) -> float:
     """[m], how far the work goes down again in an order of placement, summed."""
     height = model.height[list(order)]
     return float(np.maximum(0.0, -np.diff(height)).sum()) if len(height) > 1 else 0.0

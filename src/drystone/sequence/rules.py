@@ -9,11 +9,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drystone.arrays import Floats, Ints
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, Ints
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.model import Model
-from drystone.sequence.stages import mask_of, members
+from drystone.sequence.robots import Robot, check_robots, why_not
+from drystone.sequence.stage.stages import mask_of, members
+from drystone.sequence.stage.structure import Structure
+from drystone.settings import Options
 
 COURSE = re.compile(r"^[A-Za-z]+[-_]?(\d+)[-_.]")
 """Names such as ``c06-b03`` tell their course."""
@@ -36,7 +38,7 @@ class Order(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Rules:
+class Rules(Options):
     """Limits and wishes.
 
     Attributes
@@ -60,6 +62,7 @@ class Rules:
     before: Sequence[tuple[str, str]] = ()
     reach: Sequence[Sequence[str]] = ()
     order: Order | Sequence[str] = Order.TOP
+    robots: Sequence[Robot] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +75,11 @@ class Bound:
     after : per block the set of blocks that must be placed later
     rank : (n,) lower is removed earlier
     level : (n,) blocks of a lower level stay while one of a higher level can leave
+    hands
+        Hands or robots.
     lifters : (n,) hands that a block needs
+    limit : (n,) [kg]
+        Mass whose weight they can hold it with.
     core
         Free blocks that can never be taken out, and so never put in, and why.
     """
@@ -81,7 +88,9 @@ class Bound:
     after: tuple[int, ...]
     rank: Ints
     level: Floats
+    hands: int
     lifters: Ints
+    limit: Floats
     core: int
     reasons: Mapping[int, str] = field(default_factory=dict)
 
@@ -90,7 +99,7 @@ class Bound:
         return not self.after[block] & placed
 
 
-def bind(rules: Rules, model: Model, removal: RemovalTest) -> Bound:
+def bind(rules: Rules, model: Structure, removal: RemovalTest) -> Bound:
     """Check rules against a model.
 
     Raises
@@ -102,16 +111,31 @@ def bind(rules: Rules, model: Model, removal: RemovalTest) -> Bound:
         raise InputError(f"{rules.hands} hands", where="hands", remedy="one places a block")
     if not rules.payload > 0.0:
         raise InputError(f"is {rules.payload} kg", where="payload", remedy="give more than zero")
+    hands, lifters, limit = _strength(rules, model)
     after = _after(rules, model)
-    with np.errstate(over="ignore"):  # a payload of next to nothing
-        needed = np.ceil(model.assembly.mass / rules.payload * (1.0 - 1e-12))
-    lifters = np.clip(needed, 1, COUNTLESS).astype(np.intp)
-    core, reasons = _locked(model, removal, after, lifters, rules.hands)
+    core, reasons = _locked(rules, model, removal, after, lifters, hands)
     level = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
-    return Bound(rules, after, removal_rank(rules.order, model), level, lifters, core, reasons)
+    rank = removal_rank(rules.order, model)
+    return Bound(rules, after, rank, level, hands, lifters, limit, core, reasons)
 
 
-def removal_rank(order: Order | Sequence[str], model: Model) -> Ints:
+def _strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
+    """Hands, hands that each block (n,) needs, and the mass (n,) [kg] that these hold."""
+    mass = model.assembly.mass
+    robots = check_robots(rules.robots)
+    if robots:
+        able = np.array([robot.manages(model.assembly.centroid, mass) for robot in robots])
+        strength = np.array([robot.payload for robot in robots])[:, None]
+        best: Floats = np.where(able, strength, 0.0).max(axis=0)
+        return len(robots), np.where(able.any(axis=0), 1, COUNTLESS).astype(np.intp), best
+    with np.errstate(over="ignore"):  # a payload of next to nothing
+        needed = np.ceil(mass / rules.payload * (1.0 - 1e-12))
+    lifters = np.clip(needed, 1, COUNTLESS).astype(np.intp)
+    limit: Floats = rules.payload * lifters.astype(np.float64)
+    return rules.hands, lifters, limit
+
+
+def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
     """Place (n,) of each block in the order of removal; ties go against the numbering."""
     n = len(model.assembly)
     index = np.arange(n)
@@ -134,7 +158,7 @@ def removal_rank(order: Order | Sequence[str], model: Model) -> Ints:
     return rank
 
 
-def courses(model: Model) -> Floats:
+def courses(model: Structure) -> Floats:
     """Course (n,) of each block, from its name, or the number of joints between it and a support.
 
     Names tell where all supports come before all other courses; a vault that springs from its first
@@ -148,7 +172,7 @@ def courses(model: Model) -> Floats:
     return number
 
 
-def distances(model: Model) -> Floats:
+def distances(model: Structure) -> Floats:
     """Joints (n,) to pass from each block to the nearest support; infinity where none is met."""
     out = np.full(len(model.assembly), np.inf)
     out[model.assembly.fixed] = 0.0
@@ -165,7 +189,7 @@ def distances(model: Model) -> Floats:
     return out
 
 
-def _after(rules: Rules, model: Model) -> tuple[int, ...]:
+def _after(rules: Rules, model: Structure) -> tuple[int, ...]:
     assembly = model.assembly
     after = [0] * len(assembly)
     pairs = [(assembly.index(first), assembly.index(then)) for first, then in rules.before]
@@ -216,7 +240,12 @@ def _cycle(after: Sequence[int], blocks: int) -> list[int]:
 
 
 def _locked(
-    model: Model, removal: RemovalTest, after: Sequence[int], lifters: Ints, hands: int
+    rules: Rules,
+    model: Structure,
+    removal: RemovalTest,
+    after: Sequence[int],
+    lifters: Ints,
+    hands: int,
 ) -> tuple[int, dict[int, str]]:
     """What is left when every block that can leave has left, whatever falls.
 
@@ -234,10 +263,13 @@ def _locked(
         waiting |= mask_of(b for b in members(left) if after[b] >> block & 1)
     reasons = {}
     for block in members(left):
-        if lifters[block] > hands:
+        if lifters[block] > hands and rules.robots:
+            body = model.assembly.blocks[block]
+            reasons[block] = why_not(rules.robots, body.name, body.centroid, body.mass)
+        elif lifters[block] > hands:
             reasons[block] = f"too heavy: it needs {lifters[block]} hands of this payload"
         elif not removal.free(block, left):
-            reasons[block] = "its joints block every translation"
+            reasons[block] = removal.reason(block, left)
         else:
             reasons[block] = "must be placed before blocks that are there already"
     return left, reasons

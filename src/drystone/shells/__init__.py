@@ -1,32 +1,32 @@
 """Shells: from a surface to courses, a staggered pattern, and blocks with planar joints."""
 
+from drystone.shells.blocks.extent import shape_volume
+from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.build import SharedFace, Shell, build_shell
-from drystone.shells.extent import shape_volume
-from drystone.shells.fabrication import (
-    FlatFace,
-    flat_faces,
-    own_frame,
-    write_blocks,
-    write_unrolled,
-)
-from drystone.shells.families import barrel_vault, cross_vault, dome, pavilion_vault
-from drystone.shells.formfinding import FormFound, find_form
-from drystone.shells.meshfile import read_surface
-from drystone.shells.meshfit import MeshFit, patch_from_mesh
 from drystone.shells.options import Body, FormOptions, Ground, Intrados, Layout
-from drystone.shells.patch import Patch, Side
-from drystone.shells.planarise import PlanarOptions, PlanarReport, planarise
-from drystone.shells.plans import rectangular_plan, three_legged_plan
 from drystone.shells.samples import SAMPLES, sample_shell
-from drystone.shells.schedule import ScheduleRow, block_frame, schedule, write_schedule
-from drystone.shells.shape import Edge, Seam, Shape
-from drystone.shells.sources import (
+from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
+from drystone.shells.surface.formfinding import FormFound, find_form
+from drystone.shells.surface.meshfile import read_surface
+from drystone.shells.surface.meshfit import MeshFit, patch_from_mesh
+from drystone.shells.surface.patch import Patch, Side
+from drystone.shells.surface.shape import Edge, Seam, Shape
+from drystone.shells.surface.shell_families import barrel_vault, cross_vault, dome, pavilion_vault
+from drystone.shells.surface.sources import (
     curve_through,
     patch_from_curves,
     patch_from_function,
     patch_from_grid,
     patch_from_sections,
 )
+from drystone.shells.workshop.fabrication import (
+    FlatFace,
+    flat_faces,
+    own_frame,
+    write_blocks,
+    write_unrolled,
+)
+from drystone.shells.workshop.schedule import ScheduleRow, block_frame, schedule, write_schedule
 
 __all__ = [
     "SAMPLES",

@@ -9,15 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
-from drystone.errors import InputError
-from drystone.geometry.arrays import Bools, Floats, Ints
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
 from drystone.progress import Progress
-from drystone.shells.bond import lay_bond
-from drystone.shells.courses import lay_courses
-from drystone.shells.extent import check_radius, mean_width
-from drystone.shells.fit import fit_cells
-from drystone.shells.joints import (
+from drystone.shells.blocks.extent import check_radius, mean_width
+from drystone.shells.blocks.flat_cells import fit_cells
+from drystone.shells.blocks.materialise import Pins, cell_faces, make_blocks
+from drystone.shells.blocks.overlap import refuse_overlaps
+from drystone.shells.blocks.planar_joints import (
     PlanarPins,
     drift_notes,
     planar_pins,
@@ -25,22 +26,22 @@ from drystone.shells.joints import (
     refuse_warped,
     special_remedy,
 )
-from drystone.shells.lengths import refuse_unless_positive
-from drystone.shells.materialise import Pins, cell_faces, make_blocks
+from drystone.shells.blocks.planarise import PlanarReport
+from drystone.shells.blocks.springers import add_ground, springers
+from drystone.shells.blocks.thickness import vertex_thickness
+from drystone.shells.bond.courses import lay_courses
+from drystone.shells.bond.head_joints import lay_bond
+from drystone.shells.bond.pattern import lay_pattern
+from drystone.shells.bond.tessellation import Tessellation, directed
+from drystone.shells.bond.weld import weld
 from drystone.shells.options import Body, Ground, Layout
-from drystone.shells.overlap import refuse_overlaps
-from drystone.shells.patch import Side
-from drystone.shells.pattern import lay_pattern
-from drystone.shells.planarise import PlanarReport
-from drystone.shells.shape import Shape
-from drystone.shells.supports import add_ground, springers
-from drystone.shells.tessellation import Tessellation, directed
-from drystone.shells.thickness import vertex_thickness
-from drystone.shells.weld import weld
+from drystone.shells.surface.lengths import refuse_unless_positive
+from drystone.shells.surface.patch import Side
+from drystone.shells.surface.shape import Shape
 
 
 @dataclass(frozen=True)
-class SharedFace:
+class SharedFace(OneLine):
     """A planar face that two blocks have in common.
 
     Attributes
@@ -56,7 +57,7 @@ class SharedFace:
 
 
 @dataclass(frozen=True, eq=False)
-class Shell:
+class Shell(OneLine):
     """A shell of blocks.
 
     Attributes
@@ -90,6 +91,9 @@ class Shell:
     ground: Bools
     thickness: Floats
     notes: tuple[str, ...] = ()
+
+    def _summary(self) -> str:
+        return f"'{self.shape.name}', {counted(len(self.voussoirs), 'voussoir')}, {self.assembly!r}"
 
     @property
     def voussoirs(self) -> Ints:

@@ -6,17 +6,17 @@ import enum
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.errors import InputError
-from drystone.shells.lengths import refuse_unless_count
-from drystone.shells.planarise import PlanarOptions
-from drystone.shells.thickness import Thickness
-from drystone.shells.wedge import Wedge
+from drystone.settings import Options
+from drystone.shells.blocks.planarise import PlanarOptions
+from drystone.shells.blocks.thickness import Thickness
+from drystone.shells.bond.wedge import Wedge
+from drystone.shells.surface.lengths import refuse_unless_count
 
 
 class Intrados(enum.Enum):
@@ -39,7 +39,7 @@ class Ground(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Layout:
+class Layout(Options):
     """Courses and blocks of a patch.
 
     Attributes
@@ -71,9 +71,7 @@ class Layout:
     wedge: Wedge | None = 0.0
 
     def __post_init__(self) -> None:
-        for name, count in (("courses", self.courses), ("partial courses", self.partial)):
-            if count is not None:
-                refuse_unless_count(count, name)
+        super().__post_init__()
         blocks: Any = self.blocks
         for number in blocks if isinstance(blocks, (Sequence, np.ndarray)) else (blocks,):
             if blocks is not None:
@@ -86,7 +84,7 @@ a bed slide on each other under the thrust, and the step is no hook but a wedge.
 
 
 @dataclass(frozen=True)
-class Body:
+class Body(Options):
     """What the cells become.
 
     Attributes
@@ -96,7 +94,7 @@ class Body:
     density : [kg/m3]
     register_deg : [degrees]
         Hooks every block over the course below, -35 to 35; see
-        :func:`drystone.shells.materialise.add_register`.
+        :func:`drystone.shells.blocks.materialise.add_register`.
     intrados
     ground
     ground_depth : [m]
@@ -118,15 +116,7 @@ class Body:
     planar: PlanarOptions = field(default_factory=PlanarOptions)
 
     def __post_init__(self) -> None:
-        for name, value, kind in (
-            ("intrados", self.intrados, Intrados),
-            ("ground", self.ground, Ground),
-        ):
-            if not isinstance(value, kind):
-                known = ", ".join(f"{kind.__name__}.{each.name}" for each in kind)
-                raise InputError(f"the {name} is {value!r}", remedy=f"give one of {known}")
-        if not isinstance(self.register_deg, Real):
-            raise InputError(f"the register is {self.register_deg!r}", remedy="give degrees")
+        super().__post_init__()
         if not abs(self.register_deg) <= LARGEST_REGISTER:
             raise InputError(
                 f"the register is {self.register_deg} degrees",
@@ -135,7 +125,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class FormOptions:
+class FormOptions(Options):
     """Options of form finding.
 
     Attributes
@@ -159,10 +149,9 @@ class FormOptions:
     density: float = DEFAULT_DENSITY
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name, value in (("edge density", self.edge_density), ("density", self.density)):
-            if not (isinstance(value, (int, float)) and math.isfinite(value) and value > 0.0):
+            if not 0.0 < value < math.inf:
                 raise InputError(
                     f"the {name} of a net is {value!r}", remedy="give a number above zero"
                 )
-        for name, count in (("rows", self.rows), ("columns", self.columns)):
-            refuse_unless_count(count, name)

@@ -9,11 +9,11 @@ from types import MappingProxyType
 from drystone.errors import InputError
 from drystone.progress import Progress
 from drystone.shells.build import Shell, build_shell
-from drystone.shells.families import barrel_vault, dome
-from drystone.shells.formfinding import find_form
 from drystone.shells.options import Body, Layout
-from drystone.shells.plans import rectangular_plan, three_legged_plan
-from drystone.shells.shape import Shape
+from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
+from drystone.shells.surface.formfinding import find_form
+from drystone.shells.surface.shape import Shape
+from drystone.shells.surface.shell_families import barrel_vault, dome
 
 
 @dataclass(frozen=True)

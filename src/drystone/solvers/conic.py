@@ -16,7 +16,8 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-from drystone.geometry.arrays import Floats
+from drystone.arrays import Floats
+from drystone.settings import Options
 
 
 class ConicStatus(enum.Enum):
@@ -47,8 +48,8 @@ class Cones:
     second_order: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class ConicOptions:
+@dataclass(frozen=True)
+class ConicOptions(Options):
     """Settings of the interior point.
 
     Attributes
@@ -66,6 +67,12 @@ class ConicOptions:
     gap: float | None = None
     iteration_limit: int = 200
     time_limit_s: float = float("inf")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_unless_positive("tolerance", "gap")
+        self._refuse_below(1, "iteration_limit")
+        self._refuse_below(0.0, "time_limit_s")
 
 
 @dataclass(frozen=True, eq=False)

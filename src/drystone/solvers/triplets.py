@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from drystone.geometry.arrays import Floats, Ints
+from drystone.arrays import Floats, Ints
 
 
 class Triplets:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.formulations import compliance
+from drystone.arrays import Floats
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
+from drystone.formulations.rest import compliance
 from drystone.formulations.stiffness_range import ROUNDING, spread_of
-from drystone.geometry.arrays import Floats
 from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -93,7 +93,7 @@ class Cascade:
         """
         problem = self.problem
         acceleration = free_acceleration(problem)
-        falling = unpressed(problem.assembly, problem.contacts, acceleration)
+        falling = unpressed(problem.model.assembly, problem.model.contacts, acceleration)
         if not falling.any():
             return None
         rest = problem.without(falling)
@@ -107,7 +107,7 @@ class Cascade:
             Verdict.UNSTABLE,
             "nothing presses on the blocks that fall, so nothing holds them",
             mechanism=problem.normalised(motion),
-            prop=np.where(falling[:, None], -problem.load.wrench, 0.0),
+            prop=np.where(falling[:, None], -problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
         )
 
@@ -176,12 +176,12 @@ class Cascade:
 
     # -- the answers ----------------------------------------------------------------------------
     def _nothing_free(self) -> Result:
-        corners = self.problem.contacts.corner_count
+        corners = self.problem.model.contacts.corner_count
         return self._answer(
             Verdict.STABLE,
             "every block is fixed",
             force=np.zeros((corners, 3)),
-            displacement=np.zeros((len(self.problem.assembly), 6)),
+            displacement=np.zeros((len(self.problem.model.assembly), 6)),
             residuals=Residuals(),
         )
 
@@ -245,7 +245,7 @@ class Cascade:
     def _unstable(self, message: str, mechanism: Floats) -> Result:
         """With the blocks and props of the state on ground springs where there is one."""
         problem = self.problem
-        falling = moving_blocks(problem.assembly, mechanism)
+        falling = moving_blocks(problem.model.assembly, mechanism)
         prop = force = residuals = None
         for trial in self.attempts.falling[:1]:
             share = problem.ground_share(trial.ground)
@@ -269,9 +269,7 @@ class Cascade:
         return Result(
             method="check",
             verdict=verdict,
-            assembly=self.problem.assembly,
-            contacts=self.problem.contacts,
-            load=self.problem.load,
+            model=self.problem.model,
             message=message,
             samples=Samples(self.attempts.tried, len(self.attempts.standing)),
             stopped=self.clock.reason,

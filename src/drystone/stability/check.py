@@ -3,34 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Unpack
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
-from drystone.loads import LoadCase
+from drystone.io.opening import Given, How, as_model
 from drystone.progress import Progress
 from drystone.results import Result
+from drystone.settings import checked_call
 from drystone.stability.cascade import Cascade
 from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 
 
+@checked_call
 def check(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     options: CheckOptions | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Result:
     """Does the assembly stand by contact and friction alone, without prestress?
 
     Parameters
     ----------
-    assembly
-    contacts
-    load
-        Gravity along -z when left out.
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     options
     progress
     stop
@@ -46,20 +44,18 @@ def check(
     Raises
     ------
     InputError
-        Load or contacts of another assembly.
+        What was given cannot be made into a model.
 
     Examples
     --------
     >>> import drystone
     >>> from drystone.models import arch
-    >>> assembly = arch(0.15)
-    >>> contacts = drystone.find_contacts(assembly, friction=0.9).contacts
-    >>> drystone.check(assembly, contacts).verdict
+    >>> drystone.check(arch(0.15), friction=0.9).verdict
     <Verdict.STABLE: 'stable'>
     """
-    chosen = options if options is not None else CheckOptions()
+    chosen = CheckOptions.of(options)
     clock = Clock(chosen.time_limit_s, stop)
-    return Cascade(Problem.build(assembly, contacts, load), chosen, progress, clock).run()
+    return Cascade(Problem.build(as_model(given, **how)), chosen, progress, clock).run()
 
 
 __all__ = ["CheckOptions", "check"]

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
 
-from drystone.assembly import Assembly
+from drystone.arrays import Floats, frozen_floats
 from drystone.checks import check_forces, corner_motion
-from drystone.contacts import Contacts
 from drystone.errors import InputError
-from drystone.formulations import compliance
 from drystone.formulations.coupled import equal_overlap
 from drystone.formulations.improvement import CompatibleState, improve
-from drystone.formulations.rest import find_rest
-from drystone.formulations.rest_state import RestOptions
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions
 from drystone.formulations.stiffness_range import spread_of
-from drystone.geometry.arrays import Floats
-from drystone.loads import LoadCase
+from drystone.io.opening import Given, How, as_model
 from drystone.results import Residuals, Result, Verdict
+from drystone.settings import Options, checked_call
 from drystone.stability.cascade import Cascade
 from drystone.stability.options import CheckOptions, require_time_limit
 from drystone.stability.problem import Clock, Problem
@@ -27,7 +27,7 @@ from drystone.stability.search import SEARCH_LIMIT, Search
 
 
 @dataclass(frozen=True)
-class CRAOptions:
+class CRAOptions(Options):
     """Options of :func:`solve_cra`.
 
     Attributes
@@ -48,6 +48,8 @@ class CRAOptions:
     time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
+        super().__post_init__()
+        frozen_floats(self.slips, (None,), "slips")
         if not all(value > 0.0 for value in (self.tolerance, *self.slips)):
             raise InputError(
                 f"the tolerance is {self.tolerance}, slip lengths are {self.slips}",
@@ -68,13 +70,13 @@ class _State:
     iterations: int
 
 
+@checked_call
 def solve_cra(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     options: CRAOptions | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Result:
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
 
@@ -83,10 +85,8 @@ def solve_cra(
 
     Parameters
     ----------
-    assembly
-    contacts
-    load
-        Gravity along -z when left out.
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     options
     stop
         Asked often; True ends the analysis with what is known.
@@ -100,11 +100,11 @@ def solve_cra(
     Raises
     ------
     InputError
-        Load or contacts of another assembly.
+        What was given cannot be made into a model.
     """
-    chosen = options if options is not None else CRAOptions()
+    chosen = CRAOptions.of(options)
     clock = Clock(chosen.time_limit_s, stop)
-    problem = Problem.build(assembly, contacts, load)
+    problem = Problem.build(as_model(given, **how))
     base = Cascade(problem, CheckOptions(samples=2), None, clock).run()
     if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
         method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
@@ -178,10 +178,8 @@ def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -
 
 def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) -> _State:
     physical, displacement = problem.force(force), problem.displacement(motion)
-    residuals = check_forces(
-        problem.assembly, problem.contacts, problem.load, physical, displacement
-    )
-    moved = corner_motion(problem.assembly, problem.contacts, displacement)
+    residuals = check_forces(problem.model, physical, displacement)
+    moved = corner_motion(problem.model.assembly, problem.model.contacts, displacement)
     normal = physical[:, 0]
     loaded = normal > 1e-7 * normal.max(initial=0.0)
     overlap = -moved[loaded, 0]

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.errors import InputError
+from drystone.settings import Options
 
 
 @dataclass(frozen=True)
-class CheckOptions:
+class CheckOptions(Options):
     """Options of :func:`check`.
 
     Attributes
@@ -40,6 +41,7 @@ class CheckOptions:
     time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.samples < 0 or self.search_tries < 0:
             raise InputError("numbers of tries cannot be negative", remedy="give 0 or more")
         if not 1.0 <= self.spread < np.inf:

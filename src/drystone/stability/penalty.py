@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.checks import check_forces
-from drystone.contacts import Contacts
 from drystone.errors import InputError
-from drystone.formulations import compliance
-from drystone.formulations.compliance import Compliance
-from drystone.formulations.rest import find_rest
-from drystone.formulations.rest_state import RestOptions
-from drystone.loads import LoadCase
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.compliance import Compliance
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions
+from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
+from drystone.settings import Options, checked_call
 from drystone.stability.attempts import TO_REST
 from drystone.stability.cascade import Cascade
 from drystone.stability.options import CheckOptions, require_time_limit
@@ -33,7 +33,7 @@ HELD = 0.01
 
 
 @dataclass(frozen=True)
-class PenaltyOptions:
+class PenaltyOptions(Options):
     """Options of :func:`solve_cra_penalty`.
 
     Attributes
@@ -47,18 +47,19 @@ class PenaltyOptions:
     time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not 0.0 < self.ground < np.inf:
             raise InputError(f"the ground is {self.ground}", remedy="give more than 0")
         require_time_limit(self.time_limit_s)
 
 
+@checked_call
 def solve_cra_penalty(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     options: PenaltyOptions | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Result:
     """Where does it want help: props in place of what is missing, and the glue that would do.
 
@@ -69,10 +70,8 @@ def solve_cra_penalty(
 
     Parameters
     ----------
-    assembly
-    contacts
-    load
-        Gravity along -z when left out.
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     options
     stop
         Asked often; True ends the analysis with what is known.
@@ -88,13 +87,14 @@ def solve_cra_penalty(
     Raises
     ------
     InputError
-        Load or contacts of another assembly.
+        What was given cannot be made into a model.
     """
-    chosen = options if options is not None else PenaltyOptions()
+    chosen = PenaltyOptions.of(options)
     clock = Clock(chosen.time_limit_s, stop)
-    problem = Problem.build(assembly, contacts, load)
+    problem = Problem.build(as_model(given, **how))
     dry = Cascade(problem, CheckOptions(samples=2), None, clock).run()
-    corners = contacts.corner_count
+    assembly = problem.model.assembly
+    corners = problem.model.contacts.corner_count
     if dry.verdict is Verdict.STABLE:
         return replace(
             dry,
@@ -134,9 +134,7 @@ def solve_cra_penalty(
     force, tension = problem.force(glued.force), problem.force(glued.tension[:, None])[:, 0]
     displacement = problem.displacement(glued.motion)
     residuals = check_forces(
-        assembly,
-        contacts,
-        problem.load,
+        problem.model,
         force,
         displacement,
         prop=-problem.wrench(glued.ground),

@@ -9,13 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.assembly import Assembly
+from drystone.arrays import Bools, Floats
 from drystone.checks import block_speed
-from drystone.contacts import Contacts
-from drystone.formulations.tangent import TangentSystem
-from drystone.geometry.arrays import Bools, Floats
-from drystone.loads import LoadCase
-from drystone.statics import Statics, build_statics, require_blocks_of
+from drystone.formulations.rest.tangent import TangentSystem
+from drystone.model import Model
+from drystone.statics import Statics, build_statics
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,63 +22,54 @@ class Problem:
 
     Attributes
     ----------
-    assembly, contacts, load
+    model
     corners : (k,) corners that take part
     statics
     """
 
-    assembly: Assembly
-    contacts: Contacts
-    load: LoadCase
+    model: Model
     corners: Bools
     statics: Statics
 
     @classmethod
-    def build(cls, assembly: Assembly, contacts: Contacts, load: LoadCase | None) -> Problem:
-        """Gravity along -z stands in for a load left out.
+    def build(cls, model: Model) -> Problem:
+        """The problem of a model.
 
         Raises
         ------
         InputError
-            Load or contacts of another assembly.
+            The load moves supports.
         """
-        case = load if load is not None else LoadCase.gravity(assembly)
-        require_blocks_of(assembly, contacts)
-        fixed = assembly.fixed
-        active = ~(fixed[contacts.block_a] & fixed[contacts.block_b])
-        part = contacts if active.all() else contacts.select(active)
-        statics = build_statics(assembly, part, case)
-        return cls(assembly, contacts, case, active[contacts.interface], statics)
+        active = model.active
+        part = model if active.all() else model.with_contacts(model.contacts.select(active))
+        return cls(model, active[model.contacts.interface], build_statics(part))
 
     def without(self, falling: Bools) -> Problem | None:
         """The model less some blocks (n,); None when no free block is left."""
-        others = np.flatnonzero(~falling)
-        if self.assembly.fixed[others].all():
+        if self.model.assembly.fixed[~falling].all():
             return None
-        return Problem.build(
-            self.assembly.subset(others.tolist()),
-            self.contacts.of_blocks(others, len(self.assembly)),
-            LoadCase(self.load.wrench[others]),
-        )
+        return Problem.build(self.model.without(np.flatnonzero(falling).tolist()))
 
     @cached_property
     def system(self) -> TangentSystem:
         """The tangent's pattern and elimination order, made once."""
-        return TangentSystem(self.statics, self.assembly.centroid[self.statics.free])
+        return TangentSystem(self.statics, self.model.assembly.centroid[self.statics.free])
 
     def force(self, scaled: Floats) -> Floats:
         """Physical values (k, c) [N] of all corners from scaled ones of those that take part."""
-        out = np.zeros((self.contacts.corner_count, scaled.shape[1]))
+        out = np.zeros((self.model.contacts.corner_count, scaled.shape[1]))
         out[self.corners] = self.statics.physical_force(scaled)
         return out
 
     def wrench(self, scaled: Floats) -> Floats:
         """Physical wrenches (n, 6) [N, N m] of all blocks."""
-        return self.statics.physical_wrench(scaled, len(self.assembly))
+        return self.statics.physical_wrench(scaled, len(self.model.assembly))
 
     def displacement(self, scaled: Floats) -> Floats:
         """Virtual motion (n, 6) [m, rad] for a displacement unit of the mean block size."""
-        return self.statics.physical_motion(scaled, len(self.assembly), self.statics.mean_length)
+        return self.statics.physical_motion(
+            scaled, len(self.model.assembly), self.statics.mean_length
+        )
 
     def mechanism(self, scaled: Floats) -> Floats:
         """Motion (n, 6) whose fastest block moves by the mean size of a block."""
@@ -88,7 +77,7 @@ class Problem:
 
     def normalised(self, motion: Floats) -> Floats:
         """The same physical motion, its fastest block moving by the mean size of a block."""
-        speed = float(block_speed(self.assembly, motion).max(initial=0.0))
+        speed = float(block_speed(self.model.assembly, motion).max(initial=0.0))
         return motion * (self.statics.mean_length / speed) if speed > 0.0 else motion
 
     def ground_share(self, ground: Floats) -> Floats:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
+from drystone.arrays import Bools, Floats
 from drystone.assembly import Assembly
 from drystone.checks import block_speed, check_forces, mechanism_defects, point_motion
 from drystone.contacts import Contacts
@@ -15,8 +15,7 @@ from drystone.formulations.equilibrium import (
     held_still,
     project_on_mechanisms,
 )
-from drystone.formulations.rest_state import RestState
-from drystone.geometry.arrays import Bools, Floats
+from drystone.formulations.rest.rest_state import RestState
 from drystone.stability.problem import Problem
 
 FORCE_TOLERANCE = 1e-8
@@ -50,7 +49,7 @@ def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats
         return None
     # the size of a certificate is arbitrary, and may be beyond what can be squared
     motion = problem.mechanism(solution.multiplier / largest)
-    violation, power = mechanism_defects(problem.assembly, problem.contacts, problem.load, motion)
+    violation, power = mechanism_defects(problem.model, motion)
     return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
 
 
@@ -90,28 +89,25 @@ def first_motion(problem: Problem, state: RestState) -> Floats | None:
     moving = (share > FALLING_SHARE * share.max())[:, None]
     motion = problem.mechanism(np.where(moving, state.motion, 0.0))
     residuals = check_forces(
-        problem.assembly,
-        problem.contacts,
-        problem.load,
+        problem.model,
         problem.force(state.force),
         problem.displacement(state.motion),
         prop=-problem.wrench(state.ground),
     )
     left = (residuals.equilibrium, residuals.tension, residuals.cone, residuals.alignment)
-    closing = replace(problem.contacts, friction=np.zeros(problem.contacts.count))
-    violation, power = mechanism_defects(problem.assembly, closing, problem.load, motion)
+    violation, power = mechanism_defects(problem.model.with_friction(0.0), motion)
     admissible = violation <= WITNESS_TOLERANCE and power > 0.0
     return motion if admissible and max(left) <= WITNESS_TOLERANCE else None
 
 
 def free_acceleration(problem: Problem) -> Floats:
     """Acceleration (n, 6) of each free block under its load alone."""
-    assembly = problem.assembly
+    assembly = problem.model.assembly
     free = problem.statics.free
     motion = np.zeros((len(assembly), 6))
-    motion[free, :3] = problem.load.wrench[free, :3] / assembly.mass[free, None]
+    motion[free, :3] = problem.model.load.wrench[free, :3] / assembly.mass[free, None]
     turning = assembly.mass[free] * problem.statics.inertia * assembly.size[free] ** 2
-    motion[free, 3:] = problem.load.wrench[free, 3:] / turning[:, None]
+    motion[free, 3:] = problem.model.load.wrench[free, 3:] / turning[:, None]
     return motion
 
 

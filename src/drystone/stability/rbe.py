@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Unpack
 
-from drystone.assembly import Assembly
 from drystone.checks import check_forces
-from drystone.contacts import Contacts
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import (
     EquilibriumSolution,
@@ -15,8 +14,9 @@ from drystone.formulations.equilibrium import (
     Weights,
     solve_equilibrium,
 )
-from drystone.loads import LoadCase
+from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
+from drystone.settings import Options, checked_call
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import found_mechanism, moving_blocks
@@ -29,7 +29,7 @@ ANY_FORCES = 1e-3
 
 
 @dataclass(frozen=True)
-class RBEOptions:
+class RBEOptions(Options):
     """Options of :func:`solve_rbe`.
 
     Attributes
@@ -64,13 +64,13 @@ class RBEOptions:
         return cls(cone=exact, tension=False, conic=ConicOptions(gap=ANY_FORCES))
 
 
+@checked_call
 def solve_rbe(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     options: RBEOptions | None = None,
     stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
 ) -> Result:
     """Do any contact forces balance the loads?
 
@@ -78,10 +78,8 @@ def solve_rbe(
 
     Parameters
     ----------
-    assembly
-    contacts
-    load
-        Gravity along -z when left out.
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     options
     stop
         Asked at every step; True ends the analysis with what is known, like the time limit.
@@ -95,20 +93,18 @@ def solve_rbe(
     Raises
     ------
     InputError
-        Load or contacts of another assembly.
+        What was given cannot be made into a model.
 
     Examples
     --------
     >>> import drystone
     >>> from drystone.models import h_model
-    >>> wedged = h_model()
-    >>> contacts = drystone.find_contacts(wedged, friction=0.6).contacts
-    >>> drystone.solve_rbe(wedged, contacts).verdict
+    >>> drystone.solve_rbe(h_model(), friction=0.6).verdict
     <Verdict.EQUILIBRIUM_EXISTS: 'equilibrium exists'>
     """
-    chosen = options if options is not None else RBEOptions()
+    chosen = RBEOptions.of(options)
     clock = Clock(chosen.conic.time_limit_s, stop)
-    problem = Problem.build(assembly, contacts, load)
+    problem = Problem.build(as_model(given, **how))
 
     def run(tension: bool) -> EquilibriumSolution:
         return solve_equilibrium(
@@ -128,7 +124,7 @@ def solve_rbe(
     force = tension = residuals = None
     if solution.raw.status is ConicStatus.SOLVED:
         force = problem.force(solution.force)
-        residuals = check_forces(assembly, contacts, problem.load, force)
+        residuals = check_forces(problem.model, force)
         if max(residuals.equilibrium, residuals.tension) <= BALANCE_TOLERANCE:
             verdict, message = Verdict.EQUILIBRIUM_EXISTS, "some contact forces balance the loads"
     else:
@@ -143,7 +139,7 @@ def solve_rbe(
             if penalised.raw.status is ConicStatus.SOLVED:
                 force = problem.force(penalised.force)
                 tension = problem.force(penalised.tension[:, None])[:, 0]
-                residuals = check_forces(assembly, contacts, problem.load, force)
+                residuals = check_forces(problem.model, force)
             elif clock.late():
                 message += f"; {clock.reason} before the tension that it needs was known"
             elif chosen.rule is FrictionRule.NET:
@@ -151,14 +147,12 @@ def solve_rbe(
     return Result(
         method="rbe",
         verdict=verdict,
-        assembly=assembly,
-        contacts=contacts,
-        load=problem.load,
+        model=problem.model,
         message=message,
         force=force,
         tension=tension,
         mechanism=mechanism,
-        falling=moving_blocks(assembly, mechanism) if mechanism is not None else (),
+        falling=moving_blocks(problem.model.assembly, mechanism) if mechanism is not None else (),
         residuals=residuals,
         stopped=clock.reason,
         options=chosen,

@@ -12,18 +12,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.checks import check_forces
-from drystone.contacts import Contacts
 from drystone.errors import InputError, MissingDependency
 from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
-from drystone.loads import LoadCase
+from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
 from drystone.stability.problem import Clock, Problem
 
@@ -50,20 +48,17 @@ class ReferenceOptions:
 
 
 def solve_cra_reference(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    given: Given,
     *,
     options: ReferenceOptions | None = None,
+    **how: Unpack[How],
 ) -> Result:
     """Eq. 5.6 by an off-the-shelf interior point, for models of up to about 50 blocks.
 
     Parameters
     ----------
-    assembly
-    contacts
-    load
-        Gravity along -z when left out.
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
     options
 
     Returns
@@ -85,7 +80,7 @@ def solve_cra_reference(
     except ImportError as error:
         raise MissingDependency("casadi", extra="reference", purpose="the reference") from error
     clock = Clock(float("inf"))
-    problem = Problem.build(assembly, contacts, load)
+    problem = Problem.build(as_model(given, **how))
     corners = problem.statics.corner_count
     if corners > LARGEST:
         raise InputError(
@@ -94,14 +89,12 @@ def solve_cra_reference(
         )
     force, motion, message = _solve(casadi, problem, chosen)
     physical, displacement = problem.force(force), problem.displacement(motion)
-    residuals = check_forces(assembly, contacts, problem.load, physical, displacement)
+    residuals = check_forces(problem.model, physical, displacement)
     met = residuals.largest <= 10.0 * chosen.tolerance
     return Result(
         method="cra-reference",
         verdict=Verdict.STABLE if met else Verdict.UNDECIDED,
-        assembly=assembly,
-        contacts=contacts,
-        load=problem.load,
+        model=problem.model,
         message=f"the nonlinear solver ended with '{message}'",
         force=physical if met else None,
         displacement=displacement if met else None,

@@ -6,14 +6,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
+from drystone.arrays import Floats
 from drystone.errors import InputError
-from drystone.formulations import compliance
-from drystone.formulations.compliance import Compliance
-from drystone.formulations.rest_state import Start, start_from
-from drystone.geometry.arrays import Floats
-from drystone.loads import LoadCase
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.compliance import Compliance
+from drystone.formulations.rest.rest_state import Start, start_from
+from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
@@ -21,9 +19,7 @@ from drystone.stability.proofs import FALLING_SHARE, free_acceleration, unpresse
 
 
 def try_rest(
-    assembly: Assembly,
-    contacts: Contacts,
-    load: LoadCase | None = None,
+    model: Model,
     *,
     slips: Sequence[float | None] = (None,),
     brief: bool = False,
@@ -38,10 +34,7 @@ def try_rest(
 
     Parameters
     ----------
-    assembly
-    contacts
-    load
-        Gravity along -z when left out.
+    model
     slips
         Slip length of each law to try, by the local overlap; ``None`` is the law that sticks and
         slips. The first that leads to rest is the answer.
@@ -69,13 +62,16 @@ def try_rest(
         Load, contacts or start of another assembly.
     """
     clock = Clock(float("inf"), stop)
-    problem = Problem.build(assembly, contacts, load)
+    problem = Problem.build(model)
     verdict, message = Verdict.UNDECIDED, "no rest state was found; nothing shows that it falls"
     force = displacement = residuals = None
     attempts = Attempts(problem, clock)
     if problem.statics.free_count == 0:
         verdict, message, residuals = Verdict.STABLE, "every block is fixed", Residuals()
-        force, displacement = np.zeros((contacts.corner_count, 3)), np.zeros((len(assembly), 6))
+        force, displacement = (
+            np.zeros((model.contacts.corner_count, 3)),
+            np.zeros((len(model.assembly), 6)),
+        )
     elif not _falls_freely(problem, slips, brief, clock):
         near = None if start is None else _start(problem, start, slips[0])
         found = None if near is None else attempts.nearby(*near)
@@ -92,9 +88,7 @@ def try_rest(
     return Result(
         method="rest",
         verdict=verdict,
-        assembly=assembly,
-        contacts=contacts,
-        load=problem.load,
+        model=problem.model,
         message=message,
         falling=falling,
         samples=Samples(attempts.tried, len(attempts.standing)),
@@ -110,7 +104,7 @@ def try_rest(
 
 def _start(problem: Problem, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
     """The first law, and where it begins from a motion (n, 6) [m, rad]."""
-    count = len(problem.assembly)
+    count = len(problem.model.assembly)
     if np.shape(motion) != (count, 6) or not np.isfinite(motion).all():
         raise InputError(f"the start must hold {count} times six finite numbers", where="start")
     statics = problem.statics
@@ -142,7 +136,7 @@ def _falls_freely(
     problem: Problem, slips: Sequence[float | None], brief: bool, clock: Clock
 ) -> bool:
     """Whether some blocks press on nothing and the others do without them."""
-    falling = unpressed(problem.assembly, problem.contacts, free_acceleration(problem))
+    falling = unpressed(problem.model.assembly, problem.model.contacts, free_acceleration(problem))
     if not falling.any():
         return False
     others = problem.without(falling)

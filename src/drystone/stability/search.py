@@ -9,23 +9,22 @@ from itertools import chain
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
-from drystone.formulations import compliance
+from drystone.arrays import Bools, Floats
 from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState, improve
-from drystone.formulations.rest import find_rest
-from drystone.formulations.rest_state import RestOptions
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions
 from drystone.formulations.stiffness_range import (
     ALIKE,
     BALANCED,
     ROUNDING,
-    RangeOptions,
     evened,
     settle,
     spread_of,
 )
-from drystone.geometry.arrays import Bools, Floats
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem
 
@@ -85,10 +84,10 @@ class Search:
 
         More starts lead to joints that differ more, and from there it is not far.
         """
-        statics, wider = self.problem.statics, RangeOptions(spread=WIDER * spread)
+        statics = self.problem.statics
         enough = BALANCED * float(np.linalg.norm(statics.load))
-        for motion in chain(self._first(), self._starts()):
-            wide = self._counted(settle(statics, motion, wider, stop=self.clock.late))
+        for motion in self._starts():
+            wide = self._counted(settle(statics, motion, WIDER * spread, stop=self.clock.late))
             if wide.unbalanced <= enough:
                 content = min(ALIKE, spread)
                 state = self._counted(evened(statics, wide, content, stop=self.clock.late))
@@ -112,14 +111,11 @@ class Search:
         self.iterations += state.iterations
         return state
 
-    def _first(self) -> Iterator[Floats]:
-        if self.problem.statics.corner_count <= SEARCH_LIMIT:
-            yield from self.first
-
     def _starts(self) -> Iterator[Floats]:
         statics = self.problem.statics
         if statics.corner_count > SEARCH_LIMIT:
             return
+        yield from self.first
         springs = compliance.uniform(statics, slip=1.0)
         leaning = find_rest(self.problem.system, springs, LEANING, stop=self.clock.late)
         self.iterations += leaning.iterations

@@ -2,6 +2,7 @@
 
 from drystone.view.figure import save_figure
 from drystone.view.inspection import inspection_scene, save_inspection
+from drystone.view.notebook import Frame
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import State
 from drystone.view.polar import save_polar
@@ -10,6 +11,7 @@ from drystone.view.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.staging import scene_of, stage_of
 
 __all__ = [
+    "Frame",
     "Layer",
     "LayerKind",
     "Scene",

@@ -17,11 +17,11 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
-from drystone.geometry.arrays import Bools, Floats, Ints
-from drystone.geometry.polygon import following
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.plane.polygon import following
+from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.mesh import face_normals, sharp_edges
 from drystone.view.separation import Bodies, separated_by_boxes, separated_by_faces, spans
 

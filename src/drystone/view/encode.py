@@ -32,9 +32,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.geometry.arrays import Floats, Ints
-from drystone.geometry.polyhedron import Faces
-from drystone.geometry.triangulate import triangulate
+from drystone.arrays import Floats, Ints
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.mesh import face_normals, sharp_edges
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL
 from drystone.view.scene import Layer, LayerKind, Scene, Stage

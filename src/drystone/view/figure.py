@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from drystone.arrays import Floats, frozen_floats
 from drystone.contacts import Contacts
 from drystone.errors import FormatError, InputError
-from drystone.geometry.arrays import Floats, frozen_floats
+from drystone.files import write_whole
 from drystone.geometry.frames import unit
-from drystone.io.files import write_whole
 from drystone.results import Verdict
 from drystone.view.ink import COLOURS, Sheet, draw_blocks, draw_layer, draw_motion
 from drystone.view.palette import STATE_COLOUR, STATE_LABEL, State

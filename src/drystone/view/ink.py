@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from drystone.geometry.arrays import Floats
+from drystone.arrays import Floats
 from drystone.view.depth import ordered_patches
 from drystone.view.mesh import face_normals, sharp_edges
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, State, rgb

@@ -8,10 +8,10 @@ from os import PathLike
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.assembly import Assembly
 from drystone.detection import ContactReport, Detection, GapSweep
-from drystone.geometry.arrays import Floats
-from drystone.io.files import write_bytes
+from drystone.files import write_bytes
 from drystone.view.page import page_text
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.geometry.arrays import Bools, Floats, Ints
-from drystone.geometry.polygon import area_vectors, following
-from drystone.geometry.polyhedron import Faces
+from drystone.arrays import Bools, Floats, Ints
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.plane.polygon import area_vectors, following
 
 SMOOTH = 1e-6
 """Faces of one block whose unit normals differ by less are one plane to the eye: the edge between

@@ -7,7 +7,7 @@ from importlib import resources
 from os import PathLike
 
 from drystone.contacts import Contacts
-from drystone.io.files import write_bytes
+from drystone.files import write_bytes
 from drystone.view.encode import encode, to_text
 from drystone.view.scene import Scene
 from drystone.view.staging import Subject, scene_of

@@ -10,7 +10,7 @@ import enum
 
 import numpy as np
 
-from drystone.geometry.arrays import Floats
+from drystone.arrays import Floats
 
 
 class State(enum.IntEnum):

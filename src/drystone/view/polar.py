@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.errors import FormatError
-from drystone.geometry.arrays import Floats
-from drystone.io.files import write_whole
+from drystone.files import write_whole
 from drystone.view.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:

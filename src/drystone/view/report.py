@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import html
 from os import PathLike
+from typing import Any
 
 import numpy as np
 
-from drystone.geometry.arrays import Floats
-from drystone.geometry.kern import kern
-from drystone.io.files import write_bytes
-from drystone.joints import JointTable, joint_table
+from drystone.arrays import Floats
+from drystone.files import write_bytes
+from drystone.geometry.plane.kern import kern
+from drystone.joints import worst_joints
 from drystone.results import Result
+from drystone.table import Table
 from drystone.view.palette import ROLE_COLOUR
 from drystone.virtual import local_corners
 
@@ -71,29 +73,29 @@ def save_report(
     InputError
         The result has no forces, or the file cannot be written.
     """
-    table = joint_table(result, strength=strength)
-    write_bytes(path, report_text(result, table, worst).encode("utf-8"))
+    write_bytes(path, report_text(result, strength, worst).encode("utf-8"))
 
 
-def report_text(result: Result, table: JointTable, worst: int) -> str:
+def report_text(result: Result, strength: float | None, worst: int) -> str:
     """The page as text."""
-    chosen = table.worst(worst).tolist()
+    table = result.joints(strength=strength)
+    chosen = worst_joints(table, worst).tolist()
     light, dark = ROLE_COLOUR["light"], ROLE_COLOUR["dark"]
     style = STYLE
     for mark, role in (("KERN", "pressure"), ("FORCE", "resultant"), ("ALARM", "tension")):
         style = style.replace(f"{mark}_DARK", dark[role]).replace(mark, light[role])
     title = "Joints that work hardest"
     free = len(result.assembly.free)
-    open_joints = int((table.kern_ratio > 1.0 + 1e-9).sum())
+    open_joints = int((table["kern_ratio"] > 1.0 + 1e-9).sum())
     summary = (
         f"{result.verdict.value}: {result.message}. {free} free blocks, {len(table)} joints, "
         f"of which {open_joints} open on one side. Load: {result.load.name}."
     )
-    if table.strength is not None:
-        over = int(table.over_strength.sum())
-        summary += f" The peak pressure exceeds {_number(table.strength)}Pa at {over} joints."
+    if strength is not None:
+        over = int(table["over_strength"].sum())
+        summary += f" The peak pressure exceeds {_number(strength)}Pa at {over} joints."
     head = "".join(f"<th>{column}</th>" for column in _HEAD)
-    rows = "".join(_row(table, i) for i in chosen)
+    rows = "".join(_row(row) for row in table.take(chosen))
     plans = "".join(_plan(result, table, i) for i in chosen)
     legend = (
         '<p class="legend">Plan of each joint, seen against its normal:'
@@ -122,18 +124,17 @@ _HEAD = (
 )
 
 
-def _row(table: JointTable, i: int) -> str:
-    a, b = (html.escape(name) for name in table.blocks[i])
+def _row(row: dict[str, Any]) -> str:
     cells = [
-        (str(i), False),
-        (f"{a} – {b}", False),
-        (_number(table.normal[i]), False),
-        (_number(table.tangential[i]), False),
-        (_share(table.friction_use[i]), table.friction_use[i] > 0.99),
-        (_share(table.edge_ratio[i]), table.edge_ratio[i] > 0.99),
-        (_share(table.kern_ratio[i]), False),
-        (_number(table.mean_pressure[i]), False),
-        (_number(table.peak_pressure[i]), bool(table.over_strength[i])),
+        (str(row["joint"]), False),
+        (html.escape(f"{row['block_a']} – {row['block_b']}"), False),
+        (_number(row["normal"]), False),
+        (_number(row["tangential"]), False),
+        (_share(row["friction_use"]), row["friction_use"] > 0.99),
+        (_share(row["edge_ratio"]), row["edge_ratio"] > 0.99),
+        (_share(row["kern_ratio"]), False),
+        (_number(row["mean_pressure"]), False),
+        (_number(row["peak_pressure"]), row["over_strength"]),
     ]
     return (
         "<tr>"
@@ -142,12 +143,13 @@ def _row(table: JointTable, i: int) -> str:
     )
 
 
-def _plan(result: Result, table: JointTable, i: int) -> str:
+def _plan(result: Result, table: Table, i: int) -> str:
     """The joint, its kern and its centre of pressure as a small SVG, u to the right, v up."""
     contacts = result.contacts
     origin, flat = local_corners(contacts)
     corners = flat[contacts.start[i] : contacts.start[i + 1]]
-    at = contacts.frame[i, 1:] @ (table.position[i] - origin[i])
+    position = np.array([table[axis][i] for axis in "xyz"])
+    at = contacts.frame[i, 1:] @ (position - origin[i])
     low, high = corners.min(axis=0), corners.max(axis=0)
     extent = float((high - low).max())
     scale = (SIDE - 2 * MARGIN) / extent if extent > 0.0 else 1.0
@@ -160,8 +162,7 @@ def _plan(result: Result, table: JointTable, i: int) -> str:
         return " ".join(f"{x:.1f},{y:.1f}" for x, y in pixels(points))
 
     x, y = pixels(at)
-    a, b = (html.escape(name) for name in table.blocks[i])
-    label = f"joint {i}: {a} – {b}"
+    label = html.escape(f"joint {i}: {table['block_a'][i]} – {table['block_b'][i]}")
     return (
         f'<figure><svg viewBox="0 0 {SIDE} {SIDE}" width="{SIDE}" height="{SIDE}" role="img" '
         f'aria-label="{label}"><polygon class="stone" points="{path(corners)}"/>'

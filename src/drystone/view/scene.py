@@ -8,10 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
+from drystone.arrays import Floats, Ints
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
-from drystone.errors import InputError
-from drystone.geometry.arrays import Floats, Ints
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
 from drystone.results import Verdict
 from drystone.view.palette import ROLE_COLOUR
 
@@ -28,7 +29,7 @@ class LayerKind(enum.Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
+class Layer(OneLine):
     """Something drawn over the blocks that can be switched on and off.
 
     Attributes
@@ -84,7 +85,7 @@ class Layer:
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class Stage(OneLine):
     """One state of the model: a result, a step of an assembly sequence, a case to compare.
 
     Attributes
@@ -116,7 +117,7 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(OneLine):
     """A model and what is to be shown of it.
 
     Attributes
@@ -150,6 +151,9 @@ class Scene:
                 value = getattr(stage, name)
                 if value is not None and len(value) != length:
                     raise InputError(f"stage '{stage.label}': {name} has not {length} rows")
+
+    def _summary(self) -> str:
+        return f"'{self.title}', {counted(len(self.stages), 'stage')}, {self.assembly!r}"
 
     @cached_property
     def bounds(self) -> Floats:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
-from drystone.geometry.arrays import Bools, Floats, Ints
 
 TOUCHING = 1e-3
 """Share of a block's size by which blocks may reach through a plane between them; chosen, for

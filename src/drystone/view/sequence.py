@@ -9,13 +9,14 @@ from os import PathLike
 
 import numpy as np
 
+from drystone.arrays import Floats, Ints
 from drystone.assembly import Block
 from drystone.contacts import Contacts
-from drystone.geometry.arrays import Floats, Ints
-from drystone.io.files import write_bytes
+from drystone.files import write_bytes
+from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence.plans import Plan, Status, Step
-from drystone.sequence.stages import Answer, members
+from drystone.sequence.stage.stages import Answer, members
 from drystone.view.figure import draw
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
@@ -160,11 +161,11 @@ def _stage(
         return Stage(label, headline, message, state, answer.verdict, prop=prop, layers=layers)
     force = np.zeros((contacts.corner_count, 3))
     force[answer.corner] = answer.force
-    whole = Result("plan", answer.verdict, model.assembly, contacts, model.load, force=force)
-    resultants = whole.resultants()
+    whole = Result("plan", answer.verdict, Model(model.assembly, contacts, model.load), force=force)
+    resultants = whole.resultants
     return Stage(
         label, headline, message, state, answer.verdict, None, prop,
-        resultants.normal, resultants.tangential, whole.utilisation(),
+        resultants.normal, resultants.tangential, whole.utilisation,
         layers + force_layers(_part(whole, shown, force)),
     )  # fmt: skip
 
@@ -173,7 +174,7 @@ def _part(whole: Result, shown: np.ndarray, force: Floats) -> Result:
     """The result with only the interfaces that are shown, so that no arrow stands for nothing."""
     contacts: Contacts = whole.contacts.select(shown)
     kept = force[shown[whole.contacts.interface]]
-    return Result("plan", whole.verdict, whole.assembly, contacts, whole.load, force=kept)
+    return Result("plan", whole.verdict, whole.model.with_contacts(contacts), force=kept)
 
 
 def _prop_layer(plan: Plan, answer: Answer) -> tuple[Layer, ...]:

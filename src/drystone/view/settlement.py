@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.assembly import Assembly
 from drystone.checks import block_speed
 from drystone.contacts import Contacts
-from drystone.geometry.arrays import Floats
 from drystone.geometry.frames import rotation_about
 from drystone.settlement import Settlement
 from drystone.view.palette import State
@@ -27,9 +27,8 @@ def settlement_scene(settlement: Settlement) -> Scene:
     --------
     >>> import drystone
     >>> from drystone.models import arch
-    >>> assembly = arch(0.2, 8)
-    >>> contacts = drystone.find_contacts(assembly, friction=0.7).contacts
-    >>> settled = drystone.settle(assembly, contacts, {"springer-right": (0.01, 0.0, 0.0)})
+    >>> moved = {"springer-right": (0.01, 0.0, 0.0)}
+    >>> settled = drystone.settle(arch(0.2, 8), moved, friction=0.7)
     >>> [stage.label for stage in settlement_scene(settled).stages]
     ['after', 'before']
     """

@@ -6,10 +6,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.errors import InputError
-from drystone.geometry.arrays import Floats
 from drystone.results import Result
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
@@ -67,7 +67,7 @@ def stage_of(result: Result, label: str = "result") -> Stage:
             label, headline, result.message, state, result.verdict, result.mechanism,
             _needed(result), layers=layers,
         )  # fmt: skip
-    resultants = result.resultants()
+    resultants = result.resultants
     return Stage(
         label,
         headline,
@@ -78,7 +78,7 @@ def stage_of(result: Result, label: str = "result") -> Stage:
         prop=_needed(result),
         normal=resultants.normal,
         tangential=resultants.tangential,
-        utilisation=result.utilisation(),
+        utilisation=result.utilisation,
         layers=(*layers, *force_layers(result)),
     )
 
@@ -132,7 +132,7 @@ def force_layers(result: Result) -> tuple[Layer, ...]:
                 pull[pulled, None] * normal, visible=True, inward=True, width=1.4,
             )
         )  # fmt: skip
-    resultants = result.resultants()
+    resultants = result.resultants
     layers.append(
         Layer(
             "resultants", "resultants", LayerKind.ARROWS, "resultant", resultants.position,

@@ -6,8 +6,8 @@ import html
 
 import numpy as np
 
+from drystone.arrays import Floats
 from drystone.detection import GapSweep
-from drystone.geometry.arrays import Floats
 
 WIDTH, HEIGHT = 280.0, 150.0
 LEFT, RIGHT, TOP, BOTTOM = 44.0, 8.0, 10.0, 30.0

@@ -11,6 +11,7 @@ import pytest
 from drystone import io
 from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
+from drystone.model import Model
 from drystone.models import arch, box, incline, prism, tower
 from drystone.view.palette import ROLE_COLOUR
 
@@ -150,7 +151,7 @@ def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
     assembly = tower(2)
     contacts = find_contacts(assembly, friction=0.9).contacts
     push = LoadCase.gravity(assembly) + LoadCase.point_load(assembly, 1, (1.5e4, 0, 0))
-    saved = io.Model(assembly, contacts, (dataclasses.replace(push, name="push"),))
+    saved = io.Contents(assembly, contacts, (dataclasses.replace(push, name="push"),))
     io.write(saved, tmp_path / "model.json")
     model = str(tmp_path / "model.json")
     _, told = answer(capsys, "check", model)
@@ -200,7 +201,7 @@ def test_strict_wants_a_model_that_stands_whatever_the_stiffness() -> None:
 
     def result(verdict: Verdict, tried: int, standing: int) -> Result:
         samples = Samples(tried, standing)
-        return Result("check", verdict, assembly, Contacts.empty(), load, samples=samples)
+        return Result("check", verdict, Model(assembly, Contacts.empty(), load), samples=samples)
 
     robust = result(Verdict.STABLE, 5, 5)
     sensitive = result(Verdict.STABLE, 5, 2)

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from drystone import check, find_contacts, io
+from drystone import check, io
 from drystone.cli import main, verdict
 from drystone.cli.waiting import Waiting
+from drystone.model import Model
 from drystone.models import tower, wall
 from drystone.sequence import LocalWorkers
 
@@ -221,7 +222,7 @@ def test_ctrl_c_while_the_answer_is_printed_names_the_files_that_are_there(
 
 def test_strict_wants_every_stiffness_tried() -> None:
     pair = tower(2)
-    result = check(pair, find_contacts(pair).contacts)
+    result = check(Model.of(pair))
     stopped = replace(result, stopped="the time was up")
     assert [verdict.exit_code(result, strict) for strict in (False, True)] == [0, 0]
     assert [verdict.exit_code(stopped, strict) for strict in (False, True)] == [0, 1]

@@ -10,7 +10,7 @@ import pytest
 
 from drystone import LoadCase, io
 from drystone.cli import main
-from drystone.io import Model
+from drystone.io import Contents
 from drystone.models import tower
 
 Capsys = pytest.CaptureFixture[str]
@@ -87,7 +87,7 @@ def test_a_load_case_of_the_file_can_grow(tmp_path: Path, capsys: Capsys) -> Non
     wind = LoadCase.point_load(TOWER, 1, (1000.0, 0.0, 0.0))
     loads = (LoadCase.gravity(TOWER), LoadCase(wind.wrench, "wind"))
     path = tmp_path / "loaded.json"
-    io.write(Model(TOWER, None, loads, ()), path)
+    io.write(Contents(TOWER, None, loads, ()), path)
     code, told = answer(capsys, "limit", "load", str(path), "wind", "--equilibrium-only")
     assert code == 0
     assert told["rest"] is None
@@ -97,7 +97,7 @@ def test_a_load_case_of_the_file_can_grow(tmp_path: Path, capsys: Capsys) -> Non
 def test_load_cases_of_the_file_combine_with_factors(tmp_path: Path, capsys: Capsys) -> None:
     wind = LoadCase(LoadCase.point_load(TOWER, 1, (1000.0, 0.0, 0.0)).wrench, "wind")
     path = tmp_path / "loaded.json"
-    io.write(Model(TOWER, None, (LoadCase.gravity(TOWER), wind), ()), path)
+    io.write(Contents(TOWER, None, (LoadCase.gravity(TOWER), wind), ()), path)
     cases = ("--case", "1.35*gravity", "--case", "wind")
     code, told = answer(capsys, "check", str(path), *cases)
     assert code == 0
@@ -115,7 +115,7 @@ def test_limits_take_the_load_cases_of_the_file_with_factors(
 ) -> None:
     wind = LoadCase(LoadCase.point_load(TOWER, 1, (1000.0, 0.0, 0.0)).wrench, "wind")
     path = tmp_path / "loaded.json"
-    io.write(Model(TOWER, None, (LoadCase.gravity(TOWER), wind), ()), path)
+    io.write(Contents(TOWER, None, (LoadCase.gravity(TOWER), wind), ()), path)
     cases = ("--case", "2*gravity", "--case", "4*wind")
     code, told = answer(capsys, "limit", "friction", str(path), *cases, "--equilibrium-only")
     assert code == 0

@@ -130,7 +130,7 @@ def test_a_load_case_of_the_file_can_be_chosen(tmp_path, capsys):
     path, pair = tmp_path / "cases.json", tower(3)
     dead = replace(LoadCase.gravity(pair), name="dead")
     pushed = replace(dead + LoadCase.point_load(pair, "block-2", (5e4, 0.0, 0.0)), name="pushed")
-    io.write(io.Model(pair, loads=(dead, pushed)), path)
+    io.write(io.Contents(pair, loads=(dead, pushed)), path)
     assert answer(capsys, str(path), "--case", "1.35*dead")[0] == 0
     assert answer(capsys, str(path), "--case", "pushed")[1]["steps"] == []
     assert main(["plan", str(path), "--case", "wind"]) == 2

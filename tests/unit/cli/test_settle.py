@@ -9,12 +9,12 @@ import pytest
 
 from drystone import Assembly, LoadCase, io
 from drystone.cli import main
-from drystone.io import Model
+from drystone.io import Contents
 from drystone.models import arch, box
 
 Capsys = pytest.CaptureFixture[str]
 FEET = [box((0.2, 1.0, 0.2), (x, 0.0, 0.0), n) for n, x in zip("abc", (0.0, 1.9, 3.8), strict=True)]
-BEAM = Assembly((*FEET, box((4.0, 1.0, 0.2), (0.0, 0.0, 0.2), "beam"))).with_fixed("abc")
+BEAM = Assembly((*FEET, box((4.0, 1.0, 0.2), (0.0, 0.0, 0.2), "beam"))).with_fixed(list("abc"))
 WEIGHT = 0.8 * 2400.0 * 9.81
 DROP = ("--move", "b:0,0,-0.01")
 
@@ -76,7 +76,7 @@ def test_what_is_no_settlement_refuses_a_case_that_moves_supports(
 ) -> None:
     pier = LoadCase.gravity(BEAM) + LoadCase.settlement(BEAM, "b", (0.0, 0.0, -0.01))
     path = tmp_path / "moving.json"
-    io.write(Model(BEAM, None, (LoadCase(pier.wrench, "pier", motion=pier.motion),), ()), path)
+    io.write(Contents(BEAM, None, (LoadCase(pier.wrench, "pier", motion=pier.motion),), ()), path)
     for command in (["check"], ["limit", "tilt"], ["plan"]):
         assert main([*command, str(path)]) == 2
         out, err = capsys.readouterr()

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.detection import DetectionOptions, find_contacts
-from drystone.geometry.arrays import Floats
+from drystone.model import Model
 from drystone.models import box, cube_curve, curve_three_blocks, prism
 from drystone.results import Verdict
 from drystone.stability import check
@@ -151,4 +152,4 @@ def test_rough_ball_on_a_plane_rolls_away() -> None:
     model = Assembly((box((4, 4, 1), (-2, -2, -1), "base"), ball), np.array([True, False]))
     found = find_contacts(model)
     assert found.contacts.area.sum() == 0.0
-    assert check(model, found.contacts).verdict is Verdict.UNSTABLE
+    assert check(Model(model, found.contacts)).verdict is Verdict.UNSTABLE

@@ -12,7 +12,7 @@ from drystone.contacts import Contacts
 from drystone.detection import DetectionOptions, Reason, find_contacts
 from drystone.errors import InputError
 from drystone.geometry.frames import rotation_about
-from drystone.geometry.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vectors
 from drystone.models import (
     box,
     concave,

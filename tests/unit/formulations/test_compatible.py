@@ -8,7 +8,8 @@ from drystone.detection import find_contacts
 from drystone.formulations import compatible
 from drystone.formulations.compatible import compatible_forces, compatible_motion
 from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.formulations.improvement import StepOptions, improve
+from drystone.formulations.improvement import improve
+from drystone.model import Model
 from drystone.solvers.triplets import Triplets
 from drystone.stability.problem import Problem
 
@@ -18,7 +19,7 @@ X = (1.0, 0.0, 0.0)
 def wedge(tilt=40.0, kind="a", friction=0.84):
     model = models.wedge(kind)
     contacts = find_contacts(model, friction=friction).contacts
-    return Problem.build(model, contacts, LoadCase.tilt(model, X, tilt)).statics
+    return Problem.build(Model(model, contacts, LoadCase.tilt(model, X, tilt))).statics
 
 
 def test_blocks_of_corners_are_the_columns_of_the_equilibrium_matrix():
@@ -38,7 +39,7 @@ def test_blocks_of_corners_are_the_columns_of_the_equilibrium_matrix():
 
 def test_crossed_blocks_are_the_sum_of_outer_products():
     statics = Problem.build(
-        (wall := models.wall(3, 3)), find_contacts(wall, friction=0.6).contacts, None
+        Model((wall := models.wall(3, 3)), find_contacts(wall, friction=0.6).contacts, None)
     ).statics
     corner = np.arange(statics.corner_count)
     blocks = CornerBlocks(statics, corner)
@@ -82,7 +83,7 @@ def test_active_set_and_interior_point_agree(monkeypatch):
 
 def test_the_motion_for_balanced_forces_closes_where_they_press():
     statics = wedge(30.0)
-    settled = improve(statics, compatible_motion(statics, _balanced(statics)), StepOptions())
+    settled = improve(statics, compatible_motion(statics, _balanced(statics)))
     motion = compatible_motion(statics, settled.force)
     assert motion is not None
     loaded = settled.force[:, 0] > 1e-2 * settled.force[:, 0].max()
@@ -92,7 +93,7 @@ def test_the_motion_for_balanced_forces_closes_where_they_press():
 def test_the_state_found_balances_and_overlaps_alike():
     statics = wedge(57.0)
     start = compatible_motion(statics, _balanced(statics))
-    found = improve(statics, start, StepOptions())
+    found = improve(statics, start)
     assert found.unbalanced < 1e-8 * np.linalg.norm(statics.load)
     gap = statics.displacement(found.motion)[:, 0]
     loaded = found.force[:, 0] > 0.0
@@ -103,7 +104,7 @@ def test_the_state_found_balances_and_overlaps_alike():
 def test_nothing_is_found_where_no_forces_balance():
     statics = wedge(22.2, "b", 0.2)
     motion = np.random.default_rng(1).normal(size=(statics.free_count, 6))
-    found = improve(statics, motion, StepOptions())
+    found = improve(statics, motion)
     assert found.unbalanced > 1e-4
 
 

@@ -14,6 +14,7 @@ from drystone.formulations.equilibrium import (
     solve_load_factor,
 )
 from drystone.geometry.frames import rotation_about
+from drystone.model import Model
 from drystone.models import arch, h_model, incline, stool, tower, two_blocks_on_incline
 from drystone.solvers.conic import ConicStatus
 from drystone.statics import Statics, build_statics
@@ -24,7 +25,7 @@ EXACT = FrictionCone.exact()
 
 def statics(assembly: Assembly, friction: float, load: LoadCase | None = None) -> Statics:
     contacts = touching_faces(assembly, friction)
-    return build_statics(assembly, contacts, load or LoadCase.gravity(assembly))
+    return build_statics(Model(assembly, contacts, load or LoadCase.gravity(assembly)))
 
 
 def per_joint(problem: Statics, force: np.ndarray) -> np.ndarray:
@@ -95,7 +96,7 @@ def test_the_price_of_friction_does_not_depend_on_the_frame() -> None:
     )  # fmt: skip
     weights = Weights(compression=0.5, friction=1.0)
     used = [
-        friction_used(build_statics(assembly, each, LoadCase.gravity(assembly)), weights)
+        friction_used(build_statics(Model(assembly, each, LoadCase.gravity(assembly))), weights)
         for each in (contacts, turned)
     ]
     assert used[0] == pytest.approx(used[1], abs=1e-6)

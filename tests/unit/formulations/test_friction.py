@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.formulations.friction import SlipLength, StickSlip
+from drystone.formulations.rest.friction import SlipLength, StickSlip
 
 K = 40
 RNG = np.random.default_rng(2)

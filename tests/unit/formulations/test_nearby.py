@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from drystone import LoadCase, find_contacts, models
-from drystone.formulations.compliance import uniform
-from drystone.formulations.nearby import find_rest_nearby
-from drystone.formulations.rest import find_rest
-from drystone.formulations.rest_state import RestOptions, Start
+from drystone.formulations.rest.compliance import uniform
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.nearby import find_rest_nearby
+from drystone.formulations.rest.rest_state import RestOptions, Start
+from drystone.model import Model
 from drystone.stability.problem import Problem
 
 ARCH = models.arch(0.15)
@@ -16,7 +17,7 @@ OPTIONS = RestOptions(ground=1e-14)
 
 
 def leaning(degrees):
-    return Problem.build(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), degrees))
+    return Problem.build(Model(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), degrees)))
 
 
 def upright(problem, slip, glue):

@@ -5,16 +5,17 @@ import pytest
 
 from drystone import LoadCase, find_contacts
 from drystone.assembly import Assembly
-from drystone.formulations import compliance
-from drystone.formulations.rest import _Path, find_rest
-from drystone.formulations.rest_state import RestOptions
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.interior_point import _Path, find_rest
+from drystone.formulations.rest.rest_state import RestOptions
+from drystone.model import Model
 from drystone.models import arch, box, shelf, tower
 from drystone.stability.problem import Problem
 
 
 def problem_of(assembly, friction, load=None):
     contacts = find_contacts(assembly, friction=friction).contacts
-    return Problem.build(assembly, contacts, load)
+    return Problem.build(Model(assembly, contacts, load))
 
 
 @pytest.mark.parametrize("model", [arch(0.15, voussoirs=7), shelf(), tower(4)])
@@ -78,8 +79,8 @@ def test_a_block_in_the_air_leans_on_the_ground_with_its_whole_weight():
 def test_a_warm_start_takes_fewer_steps():
     model = arch(0.15)
     contacts = find_contacts(model, friction=0.9).contacts
-    level = Problem.build(model, contacts, None)
-    tilted = Problem.build(model, contacts, LoadCase.tilt(model, (0, 1, 0), 0.2))
+    level = Problem.build(Model(model, contacts, None))
+    tilted = Problem.build(Model(model, contacts, LoadCase.tilt(model, (0, 1, 0), 0.2)))
     springs = compliance.uniform(level.statics)
     cold = find_rest(tilted.system, springs)
     warm = find_rest(tilted.system, springs, start=find_rest(level.system, springs))

@@ -8,7 +8,8 @@ import pytest
 from drystone import LoadCase, models
 from drystone.detection import find_contacts
 from drystone.formulations.range_program import Reach, least_lack
-from drystone.formulations.stiffness_range import RangeOptions, evened, settle, spread_of
+from drystone.formulations.stiffness_range import evened, settle, spread_of
+from drystone.model import Model
 from drystone.stability.problem import Problem
 
 
@@ -16,14 +17,14 @@ def leaning_wedge(tilt):
     model = models.wedge("c")
     contacts = find_contacts(model, friction=0.84).contacts
     axis = (1.7320508075688772, 1.0, 0.0)
-    return Problem.build(model, contacts, LoadCase.tilt(model, axis, tilt)).statics
+    return Problem.build(Model(model, contacts, LoadCase.tilt(model, axis, tilt))).statics
 
 
 def settled(statics, spread, tries=40):
     """The first balanced state from random motions, or None."""
     rng = np.random.default_rng(2)
     for _ in range(tries):
-        found = settle(statics, rng.standard_normal((1, 6)), RangeOptions(spread=spread))
+        found = settle(statics, rng.standard_normal((1, 6)), spread)
         if found.unbalanced < 1e-8 * np.linalg.norm(statics.load):
             return found
     return None
@@ -72,12 +73,12 @@ def test_stiffnesses_are_brought_closer_as_far_as_they_lead(statics, state):
     assert closer.unbalanced < 1e-8 * np.linalg.norm(statics.load)
     assert spread_of(statics, closer) < spread_of(statics, state)
     # half of what it takes there is too little from there
-    within = RangeOptions(spread=0.5 * spread_of(statics, closer))
+    within = 0.5 * spread_of(statics, closer)
     assert settle(statics, closer.motion, within).unbalanced > 1e-6
 
 
 def test_the_size_of_the_start_does_not_matter(statics, state):
-    found = [settle(statics, scale * state.motion) for scale in (1e-3, 1.0, 1e3)]
+    found = [settle(statics, scale * state.motion, 200.0) for scale in (1e-3, 1.0, 1e3)]
     assert all(each.unbalanced < 1e-8 for each in found)
 
 
@@ -87,13 +88,13 @@ def test_no_range_helps_where_no_forces_balance():
 
 def test_a_motion_that_opens_all_corners_ends_unbalanced(statics):
     away = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
-    found = settle(statics, away)
+    found = settle(statics, away, 200.0)
     assert found.unbalanced == pytest.approx(np.linalg.norm(statics.load), rel=1.0)
 
 
 def test_stopping_ends_the_steps(statics):
     motion = np.random.default_rng(3).standard_normal((1, 6))
-    found = settle(statics, motion, stop=lambda: True)
+    found = settle(statics, motion, 200.0, stop=lambda: True)
     assert found.iterations <= 1
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly, Block
-from drystone.geometry.depth import depths
+from drystone.geometry.body.depth import depths
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, prism
 

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from drystone.geometry.arrays import Floats
-from drystone.geometry.kern import (
+from drystone.arrays import Floats
+from drystone.geometry.plane.kern import (
     convex_hull,
     edge_ratio,
     kern,

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from drystone.arrays import Floats
 from drystone.assembly import Block
-from drystone.geometry.arrays import Floats
-from drystone.geometry.parts import separate_parts
-from drystone.geometry.polyhedron import Loop
+from drystone.geometry.body.parts import separate_parts
+from drystone.geometry.body.polyhedron import Loop
 from drystone.models import box
 
 

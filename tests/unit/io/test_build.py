@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from drystone import io
+from drystone.arrays import Floats
 from drystone.errors import FormatError
-from drystone.geometry import coincidence
-from drystone.geometry.arrays import Floats
+from drystone.geometry.mend import coincidence
 from drystone.models import box
 
 CUBE = box((1.0, 1.0, 1.0))
@@ -61,7 +61,7 @@ def test_shapes_without_a_proper_inside_are_refused(
     tmp_path: Path, shape: dict[str, Any], words: list[str]
 ) -> None:
     with pytest.raises(FormatError) as caught:
-        io.read(file(tmp_path, shape))
+        io.read_file(file(tmp_path, shape))
     text = str(caught.value)
     assert "\n" not in text
     for word in ("model.json", f"block '{shape['name']}'", *words):
@@ -69,13 +69,13 @@ def test_shapes_without_a_proper_inside_are_refused(
 
 
 def test_concave_shapes_with_a_narrow_gap_are_fine(tmp_path: Path) -> None:
-    model = io.read(file(tmp_path, extrusion(RING)))
+    model = io.read_file(file(tmp_path, extrusion(RING)))
     assert model.assembly.blocks[0].volume == pytest.approx(12.0 - 0.3)
 
 
 def test_inside_out_blocks_are_turned_and_that_is_told(tmp_path: Path) -> None:
     shape = block(faces=[list(f)[::-1] for f in CUBE.faces])
-    model = io.read(file(tmp_path, shape, block("b", 2.0)))
+    model = io.read_file(file(tmp_path, shape, block("b", 2.0)))
     assert model.assembly.blocks[0].volume == pytest.approx(1.0)
     assert model.notes == ("block 'a': inside out: all faces turned",)
 
@@ -83,7 +83,7 @@ def test_inside_out_blocks_are_turned_and_that_is_told(tmp_path: Path) -> None:
 def test_single_turned_faces_are_turned_back_and_that_is_told(tmp_path: Path) -> None:
     faces = [list(f) for f in CUBE.faces]
     faces[3].reverse()
-    model = io.read(file(tmp_path, block(faces=faces)))
+    model = io.read_file(file(tmp_path, block(faces=faces)))
     assert model.assembly.blocks[0].volume == pytest.approx(1.0)
     assert model.notes == ("block 'a': faces 3 turned to agree with the others",)
 
@@ -91,7 +91,7 @@ def test_single_turned_faces_are_turned_back_and_that_is_told(tmp_path: Path) ->
 def test_one_note_tells_of_many_blocks_that_were_mended_alike(tmp_path: Path) -> None:
     faces = [list(f)[::-1] for f in CUBE.faces]
     shapes = [block(f"b{i}", 2.0 * i, faces=faces) for i in range(8)]
-    (note,) = io.read(file(tmp_path, *shapes)).notes
+    (note,) = io.read_file(file(tmp_path, *shapes)).notes
     assert note == "blocks 'b0', 'b1', 'b2', 'b3', 'b4' and 3 more: inside out: all faces turned"
 
 
@@ -99,11 +99,11 @@ def test_a_block_that_is_there_twice_is_refused(tmp_path: Path) -> None:
     twin = block("copy", vertices=(CUBE.vertices[::-1] + 1e-12).tolist())
     twin["faces"] = [[7 - i for i in face] for face in CUBE.faces]
     with pytest.raises(FormatError, match="'a' and 'copy' are one block twice"):
-        io.read(file(tmp_path, block("a"), block("b", 1.0), twin))
+        io.read_file(file(tmp_path, block("a"), block("b", 1.0), twin))
 
 
 def test_blocks_of_one_shape_at_different_places_are_not_doubles(tmp_path: Path) -> None:
-    model = io.read(file(tmp_path, block("a"), block("b", 1.0), block("c", 1.5)))
+    model = io.read_file(file(tmp_path, block("a"), block("b", 1.0), block("c", 1.5)))
     assert len(model.assembly) == 3
 
 
@@ -116,7 +116,7 @@ def test_all_defects_of_a_file_are_found_and_counted(tmp_path: Path) -> None:
         block("good", 4.0),
     )
     with pytest.raises(FormatError, match=r"block 'open'.*\(2 more; 'drystone inspect' lists all"):
-        io.read(path)
+        io.read_file(path)
     built = io.inspect(path)
     assert [b is None for b in built.blocks] == [False, True, True, False]
     assert built.assembly is None
@@ -125,7 +125,7 @@ def test_all_defects_of_a_file_are_found_and_counted(tmp_path: Path) -> None:
 
 def test_unreadable_units_are_refused_before_the_file_is_touched(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="unit 'yard' is not known; use one of mm, cm, m, in, ft"):
-        io.read(tmp_path / "missing.json", units="yard")
+        io.read_file(tmp_path / "missing.json", units="yard")
 
 
 def two_cubes(name: str = "pair") -> dict[str, Any]:
@@ -135,14 +135,14 @@ def two_cubes(name: str = "pair") -> dict[str, Any]:
 
 
 def test_a_block_of_two_parts_moves_as_one_and_that_is_told(tmp_path: Path) -> None:
-    model = io.read(file(tmp_path, two_cubes()))
+    model = io.read_file(file(tmp_path, two_cubes()))
     assert model.assembly.names == ("pair",)
     assert model.assembly.volume == pytest.approx([2.0])
     assert model.notes == ("block 'pair' has 2 separate parts that move as one (see split)",)
 
 
 def test_the_parts_of_a_block_become_blocks_when_asked_for(tmp_path: Path) -> None:
-    model = io.read(file(tmp_path, two_cubes(), block("b", 9.0)), split=True)
+    model = io.read_file(file(tmp_path, two_cubes(), block("b", 9.0)), split=True)
     assert model.assembly.names == ("pair-0", "pair-1", "b")
     assert model.assembly.fixed.tolist() == [True, True, False]
     assert model.assembly.volume == pytest.approx([1.0, 1.0, 1.0])
@@ -153,7 +153,7 @@ def test_a_part_that_is_inside_out_does_not_eat_the_volume_of_the_other(tmp_path
     shape["faces"][6:] = [face[::-1] for face in shape["faces"][6:]]
     for vertex in shape["vertices"][8:]:
         vertex[2] *= 1.25
-    model = io.read(file(tmp_path, shape))
+    model = io.read_file(file(tmp_path, shape))
     assert model.assembly.volume == pytest.approx([2.25])
     assert "block 'pair': 1 of its shells turned" in model.notes
 

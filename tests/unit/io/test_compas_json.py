@@ -10,8 +10,8 @@ from drystone import io
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.contacts import Contacts
 from drystone.errors import FormatError
-from drystone.io import Model
 from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.models import arch, box, tower, vault
 from drystone.results import Result, Verdict
 
@@ -96,10 +96,10 @@ def block_model_file() -> dict[str, Any]:
     return {"dtype": "compas_dem.models/BlockModel", "data": data}
 
 
-def load(tmp_path: Path, content: Any, **options: str) -> Model:
+def load(tmp_path: Path, content: Any, **options: str) -> io.Contents:
     path = tmp_path / "model.json"
     path.write_text(json.dumps(content), encoding="utf-8")
-    return io.read(path, **options)
+    return io.read_file(path, **options)
 
 
 def test_an_assembly_is_read_with_its_supports_and_the_keys_of_its_nodes(tmp_path: Path) -> None:
@@ -263,7 +263,7 @@ def result_of_a_tower() -> Result:
     )
     force = np.arange(36.0).reshape(12, 3) - 5.0
     load = LoadCase.gravity(assembly)
-    return Result("rbe", Verdict.UNDECIDED, assembly, contacts, load, force=force)
+    return Result("rbe", Verdict.UNDECIDED, Model(assembly, contacts, load), force=force)
 
 
 @pytest.mark.parametrize("format", ["compas-assembly", "compas-dem"])
@@ -272,7 +272,7 @@ def test_writing_and_reading_keeps_everything_that_compas_has_a_place_for(
 ) -> None:
     result = result_of_a_tower()
     io.write(result, tmp_path / "model.json", format=format)
-    again = io.read(tmp_path / "model.json")
+    again = io.read_file(tmp_path / "model.json")
     assert again.assembly.names == result.assembly.names
     assert again.assembly.fixed.tolist() == [True, False, False]
     for one, other in zip(result.assembly.blocks, again.assembly.blocks, strict=True):
@@ -323,7 +323,7 @@ def test_model_families_survive_the_way_there_and_back(
     tmp_path: Path, format: str, assembly: Assembly
 ) -> None:
     io.write(assembly, tmp_path / "model.json", format=format)
-    again = io.read(tmp_path / "model.json").assembly
+    again = io.read_file(tmp_path / "model.json").assembly
     assert again.names == assembly.names
     assert np.array_equal(again.fixed, assembly.fixed)
     for one, other in zip(assembly.blocks, again.blocks, strict=True):
@@ -332,7 +332,7 @@ def test_model_families_survive_the_way_there_and_back(
 
 
 def test_the_same_model_gives_the_same_file(tmp_path: Path) -> None:
-    model = Model(tower(3))
+    model = io.Contents(tower(3))
     for name in ("a.json", "b.json"):
         io.write(dataclasses.replace(model), tmp_path / name, format="compas-dem")
     assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()

@@ -5,9 +5,8 @@ from typing import BinaryIO
 
 import pytest
 
-from drystone import io
+from drystone import files, io
 from drystone.errors import FormatError
-from drystone.io import files
 from drystone.models import tower
 
 
@@ -34,7 +33,7 @@ def test_what_cannot_be_read_is_told_in_one_line(
     if make is not None:
         make(path)
     with pytest.raises(FormatError) as caught:
-        io.read(path)
+        io.read_file(path)
     assert "\n" not in str(caught.value)
     for word in words:
         assert word in str(caught.value)
@@ -45,14 +44,14 @@ def test_files_larger_than_allowed_are_not_opened(tmp_path: Path) -> None:
     with path.open("wb") as file:
         file.truncate(files.LARGEST_FILE + 1)
     with pytest.raises(FormatError, match="more than the 512 MiB allowed"):
-        io.read(path)
+        io.read_file(path)
 
 
 def test_a_byte_order_mark_is_no_harm(tmp_path: Path) -> None:
     path = tmp_path / "tower.obj"
     io.write(tower(2), path)
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
-    assert len(io.read(path).assembly) == 2
+    assert len(io.read_file(path).assembly) == 2
 
 
 def test_an_interrupted_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:

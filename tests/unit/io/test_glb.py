@@ -53,10 +53,10 @@ def scene(index_type: int = 5123, **node: Any) -> tuple[dict[str, Any], bytes]:
     return content, binary
 
 
-def load(tmp_path: Path, data: bytes) -> io.Model:
+def load(tmp_path: Path, data: bytes) -> io.Contents:
     path = tmp_path / "model.glb"
     path.write_bytes(data)
-    return io.read(path)
+    return io.read_file(path)
 
 
 @pytest.mark.parametrize("index_type", [5121, 5123, 5125])
@@ -97,7 +97,7 @@ def test_writing_and_reading_keeps_names_supports_material_and_polygons(
     )
     assembly = Assembly(told, assembly.fixed)
     io.write(assembly, tmp_path / "model.glb")
-    again = io.read(tmp_path / "model.glb")
+    again = io.read_file(tmp_path / "model.glb")
     assert again.notes == ()
     assert again.assembly.names == assembly.names
     assert np.array_equal(again.assembly.fixed, assembly.fixed)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from drystone import FormatError, LoadCase, io
-from drystone.io import Model
 from drystone.models import tower
 
 TOWER = tower(2)
@@ -26,7 +25,7 @@ def read(tmp_path: Path, *loads: dict[str, Any]) -> tuple[LoadCase, ...]:
     ]
     path = tmp_path / "model.json"
     path.write_text(json.dumps({"blocks": blocks, "loads": list(loads)}))
-    return io.read(path).loads
+    return io.read_file(path).loads
 
 
 def test_parts_add_up_with_their_factors(tmp_path: Path) -> None:
@@ -94,8 +93,10 @@ def test_settlements_are_parts_too_and_are_written_and_read_back(tmp_path: Path)
     assert load.motion[0].tolist() == [0.0, 0.0, -0.02, 0.0, 0.0, 0.0]
     for format_ in ("drystone", "drystone-npz"):
         path = tmp_path / f"{format_}.json"
-        io.write(Model(TOWER, None, (load, LoadCase.gravity(TOWER)), ()), path, format=format_)
-        again = io.read(path).loads
+        io.write(
+            io.Contents(TOWER, None, (load, LoadCase.gravity(TOWER)), ()), path, format=format_
+        )
+        again = io.read_file(path).loads
         assert np.array_equal(again[0].motion, load.motion)
         assert again[1].motion is None
     with pytest.raises(FormatError, match="both a motion and parts"):

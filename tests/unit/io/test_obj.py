@@ -28,10 +28,10 @@ def cube_at(x: float) -> str:
     return "".join(f"v {float(r[1]) + x} {r[2]} {r[3]}\n" for r in rows)
 
 
-def load(tmp_path: Path, text: str, **options: str) -> io.Model:
+def load(tmp_path: Path, text: str, **options: str) -> io.Contents:
     path = tmp_path / "model.obj"
     path.write_text(text, encoding="utf-8")
-    return io.read(path, **options)
+    return io.read_file(path, **options)
 
 
 def test_each_object_is_a_block_with_its_name(tmp_path: Path) -> None:
@@ -141,7 +141,7 @@ def test_what_cannot_be_read_names_its_line(tmp_path: Path, text: str, words: li
 def test_writing_and_reading_keeps_names_polygons_and_every_bit(tmp_path: Path, assembly) -> None:  # type: ignore[no-untyped-def]
     path = tmp_path / "model.obj"
     io.write(assembly, path)
-    again = io.read(path).assembly
+    again = io.read_file(path).assembly
     assert again.names == assembly.names
     for one, other in zip(assembly.blocks, again.blocks, strict=True):
         assert np.array_equal(one.vertices, other.vertices)
@@ -166,4 +166,4 @@ def test_spaces_between_the_words_of_a_name_are_kept(tmp_path: Path) -> None:
         replace_block(model.blocks[1], name="a  b"),
     ]
     io.write(Assembly(tuple(blocks)), tmp_path / "model.obj")
-    assert io.read(tmp_path / "model.obj").assembly.names == ("a b", "a  b")
+    assert io.read_file(tmp_path / "model.obj").assembly.names == ("a b", "a  b")

@@ -32,10 +32,10 @@ property list uchar int vertex_indices
 """
 
 
-def load(tmp_path: Path, data: bytes | str) -> io.Model:
+def load(tmp_path: Path, data: bytes | str) -> io.Contents:
     path = tmp_path / "model.ply"
     path.write_bytes(data if isinstance(data, bytes) else data.encode())
-    return io.read(path)
+    return io.read_file(path)
 
 
 def binary(assembly: Assembly, order: str) -> bytes:
@@ -84,7 +84,7 @@ def test_writing_and_reading_keeps_everything_to_the_last_bit(tmp_path: Path) ->
     ]
     assembly = Assembly(tuple(blocks), np.array([True, False, False, True]))
     io.write(assembly, tmp_path / "model.ply")
-    again = io.read(tmp_path / "model.ply")
+    again = io.read_file(tmp_path / "model.ply")
     assert again.notes == ()
     assert again.assembly.names == assembly.names
     assert again.assembly.fixed.tolist() == assembly.fixed.tolist()
@@ -141,4 +141,4 @@ def test_our_own_comments_are_checked(tmp_path: Path) -> None:
 def test_a_block_called_like_the_end_of_the_header_comes_back(tmp_path: Path) -> None:
     model = Assembly((replace_block(CUBE, name="end_header"),))
     io.write(model, tmp_path / "model.ply")
-    assert io.read(tmp_path / "model.ply").assembly.names == ("end_header",)
+    assert io.read_file(tmp_path / "model.ply").assembly.names == ("end_header",)

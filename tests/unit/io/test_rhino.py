@@ -10,7 +10,7 @@ import pytest
 from drystone import io
 from drystone.assembly import Assembly, replace_block
 from drystone.errors import FormatError, MissingDependency
-from drystone.io import rhino
+from drystone.io.cad import rhino
 from drystone.models import arch, box, concave, vault
 
 try:
@@ -66,7 +66,7 @@ def test_planar_breps_and_extrusions_are_read_exactly(tmp_path: Path) -> None:
         outline((2, 0), (4, 0), (4, 1 / 3), (3, 1 / 3), (3, 2), (2, 2)), 3.0, True
     )
     file.Objects.AddExtrusion(ell, attributes(file, "ell"))
-    model = io.read(saved(tmp_path, file))
+    model = io.read_file(saved(tmp_path, file))
     one, other = model.assembly.blocks
     assert model.assembly.names == ("cube", "ell")
     assert (len(one.faces), float(one.volume)) == (6, 1.0)
@@ -82,7 +82,7 @@ def test_a_hole_through_a_brep_is_kept(tmp_path: Path) -> None:
     frame = rhino3dm.Extrusion.Create(outline((0, 0), (4, 0), (4, 4), (0, 4)), 3.0, True)
     assert frame.AddInnerProfile(outline((1, 1), (1, 2), (2, 2), (2, 1)))
     file.Objects.AddExtrusion(frame, attributes(file, "frame"))
-    (block,) = io.read(saved(tmp_path, file)).assembly.blocks
+    (block,) = io.read_file(saved(tmp_path, file)).assembly.blocks
     assert block.volume == pytest.approx(3.0 * 15.0)
     assert len(block.vertices) == 16
 
@@ -94,7 +94,7 @@ def test_meshes_layers_names_user_text_and_units_are_honoured(tmp_path: Path) ->
     file.Objects.AddBrep(cube(), attributes(file, "left pier", "site::stones", **text))
     file.Objects.AddBrep(cube(5.0), attributes(file, "", "Supports"))
     file.Objects.AddBrep(cube(9.0), attributes(file, "", "", support="false"))
-    model = io.read(saved(tmp_path, file))
+    model = io.read_file(saved(tmp_path, file))
     pier = model.assembly.blocks[0]
     assert pier.volume == pytest.approx(1e-9)
     assert pier.density == 2000.0
@@ -109,7 +109,7 @@ def test_equal_names_are_numbered_and_that_is_told(tmp_path: Path) -> None:
     file = new_file()
     for i in range(3):
         file.Objects.AddBrep(cube(2.0 * i), attributes(file, "stone"))
-    model = io.read(saved(tmp_path, file))
+    model = io.read_file(saved(tmp_path, file))
     assert model.assembly.names == ("stone-0", "stone-1", "stone-2")
     assert "3 blocks are called 'stone': numbered" in model.notes
 
@@ -122,7 +122,7 @@ def test_hidden_objects_and_other_things_are_left_out_and_that_is_told(tmp_path:
     hidden.Visible = False
     file.Objects.AddBrep(cube(2.0), hidden)
     file.Objects.AddPoint(1.0, 2.0, 3.0)
-    model = io.read(saved(tmp_path, file))
+    model = io.read_file(saved(tmp_path, file))
     assert len(model.assembly) == 1
     assert any("1 x hidden object left out" in note for note in model.notes)
     assert any("1 x Point left out" in note for note in model.notes)
@@ -135,7 +135,7 @@ def test_a_curved_brep_says_that_it_cannot_be_read(tmp_path: Path) -> None:
     drum = rhino3dm.Brep.CreateFromCylinder(rhino3dm.Cylinder(circle, 2.0), True, True)
     file.Objects.AddBrep(drum, attributes(file, "drum"))
     with pytest.raises(FormatError, match=r"object 0 'drum'.*face 0 is curved.*mesh it in Rhino"):
-        io.read(saved(tmp_path, file))
+        io.read_file(saved(tmp_path, file))
 
 
 @needs_rhino
@@ -146,7 +146,7 @@ def test_user_text_that_is_no_value_is_refused(tmp_path: Path, key: str, value: 
     file = new_file()
     file.Objects.AddBrep(cube(), attributes(file, "cube", **{key: value}))
     with pytest.raises(FormatError, match=rf"'cube': user text '{key}' is '{value}'"):
-        io.read(saved(tmp_path, file))
+        io.read_file(saved(tmp_path, file))
 
 
 @needs_rhino
@@ -164,7 +164,7 @@ def test_writing_and_reading_keeps_everything_to_the_last_bit(
     )
     assembly = Assembly(blocks, assembly.fixed)
     io.write(assembly, tmp_path / "model.3dm")
-    again = io.read(tmp_path / "model.3dm")
+    again = io.read_file(tmp_path / "model.3dm")
     assert again.notes == ()
     assert again.assembly.names == assembly.names
     assert np.array_equal(again.assembly.fixed, assembly.fixed)
@@ -180,7 +180,7 @@ def test_what_is_no_3dm_file_is_refused(tmp_path: Path, data: bytes) -> None:
     path = tmp_path / "model.3dm"
     path.write_bytes(data)
     with pytest.raises(FormatError, match=r"model\.3dm: is no 3dm file"):
-        io.read(path)
+        io.read_file(path)
 
 
 @needs_rhino
@@ -192,7 +192,7 @@ def test_a_reader_that_dies_is_no_traceback(
     monkeypatch.setattr(rhino, "PROGRAM", program)
     path = saved(tmp_path, new_file())
     with pytest.raises(FormatError, match="is damaged"):
-        io.read(path)
+        io.read_file(path)
 
 
 @needs_rhino
@@ -205,7 +205,7 @@ def test_a_reader_that_does_not_end_is_ended(
     monkeypatch.setattr(rhino, "WALL_S", 0.2)
     path = saved(tmp_path, new_file())
     with pytest.raises(FormatError, match=r"was not read within 0\.2 s"):
-        io.read(path)
+        io.read_file(path)
 
 
 @needs_rhino
@@ -220,7 +220,7 @@ def test_small_files_are_answered_within_five_seconds(
 
     monkeypatch.setattr(subprocess, "run", run)
     with pytest.raises(FormatError, match="the machine is very busy"):
-        io.read(saved(tmp_path, new_file()))
+        io.read_file(saved(tmp_path, new_file()))
     assert told == [4.0]
 
 
@@ -231,7 +231,7 @@ def test_without_rhino3dm_the_extra_is_named(
     path = tmp_path / "model.3dm"
     path.write_bytes(b"x")
     with pytest.raises(MissingDependency, match=r"drystone\[cad\]"):
-        io.read(path)
+        io.read_file(path)
     with pytest.raises(MissingDependency, match=r"drystone\[cad\]"):
         io.write(Assembly((box((1, 1, 1)),)), path)
 

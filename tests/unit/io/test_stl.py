@@ -7,7 +7,7 @@ import pytest
 from drystone import io
 from drystone.assembly import Assembly
 from drystone.errors import FormatError
-from drystone.geometry.triangulate import triangulate
+from drystone.geometry.plane.triangulate import triangulate
 from drystone.models import arch, box, concave, dome, tower, wall
 
 FAMILIES = [tower(4), arch(), dome(), concave("short"), wall()]
@@ -35,7 +35,7 @@ def test_a_binary_heap_of_touching_solids_is_split_into_blocks(
 ) -> None:
     path = tmp_path / "model.stl"
     path.write_bytes(binary(assembly))
-    model = io.read(path)
+    model = io.read_file(path)
     assert len(model.assembly) == len(assembly)
     assert sorted(model.assembly.volume) == pytest.approx(sorted(assembly.volume), rel=1e-5)
     assert any(f"split into {len(assembly)} solids" in note for note in model.notes)
@@ -45,7 +45,7 @@ def test_a_binary_heap_of_touching_solids_is_split_into_blocks(
 def test_text_keeps_names_and_every_bit_of_the_corners(tmp_path: Path, assembly: Assembly) -> None:
     path = tmp_path / "model.stl"
     io.write(assembly, path)
-    model = io.read(path)
+    model = io.read_file(path)
     assert model.assembly.names == assembly.names
     assert model.assembly.volume == pytest.approx(assembly.volume, rel=1e-12)
     for one, other in zip(assembly.blocks, model.assembly.blocks, strict=True):
@@ -57,15 +57,15 @@ def test_a_single_solid_is_called_like_the_file_or_like_itself(tmp_path: Path) -
     block = Assembly((box((1.0, 1.0, 1.0), name="the stone"),))
     path = tmp_path / "rock.stl"
     path.write_bytes(binary(block))
-    assert io.read(path).assembly.names == ("rock",)
+    assert io.read_file(path).assembly.names == ("rock",)
     io.write(block, path)
-    assert io.read(path).assembly.names == ("the stone",)
+    assert io.read_file(path).assembly.names == ("the stone",)
 
 
 def test_numbers_of_blocks_follow_the_file_name(tmp_path: Path) -> None:
     path = tmp_path / "rock.stl"
     path.write_bytes(binary(tower(3)))
-    assert io.read(path).assembly.names == ("rock-0", "rock-1", "rock-2")
+    assert io.read_file(path).assembly.names == ("rock-0", "rock-1", "rock-2")
 
 
 SIGNALLING_NAN = b"\x01\x00\x80\x7f"
@@ -107,7 +107,7 @@ def test_what_cannot_be_read_is_told_in_one_line(
     path = tmp_path / "model.stl"
     path.write_bytes(data)
     with pytest.raises(FormatError) as caught:
-        io.read(path)
+        io.read_file(path)
     assert "\n" not in str(caught.value)
     for word in ("model.stl", *words):
         assert word in str(caught.value)

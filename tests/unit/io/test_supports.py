@@ -3,8 +3,8 @@ import pytest
 
 from drystone.assembly import Assembly
 from drystone.errors import InputError
-from drystone.io.supports import select
 from drystone.models import box, tower
+from drystone.supports import select
 
 
 def named(*names: str) -> Assembly:

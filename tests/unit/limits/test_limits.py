@@ -25,6 +25,7 @@ from drystone.limits import (
     tilt_sweep,
     tolerance,
 )
+from drystone.model import Model
 from drystone.models import arch, h_model, incline, tower
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
@@ -37,7 +38,7 @@ SLIDE = float(np.rad2deg(np.arctan(0.4)))
 
 
 def test_a_limit_as_plain_values_can_be_written_as_json() -> None:
-    told = json.loads(json.dumps(limit_tilt(TOWER, JOINTS, "x", options=QUICK).to_dict()))
+    told = json.loads(json.dumps(limit_tilt(Model(TOWER, JOINTS), "x", options=QUICK).to_dict()))
     assert told["unit"] == "deg"
     assert told["range"] == [0.0, 180.0]
     assert told["equilibrium"]["stands"] < SLIDE < told["equilibrium"]["falls"]
@@ -51,7 +52,9 @@ def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
     def never(*arguments: object) -> None:
         raise AssertionError(arguments)
 
-    limit = limit_tilt(TOWER, JOINTS, check=never, options=LimitOptions(full=False, width=0.01))  # type: ignore[arg-type]
+    limit = limit_tilt(
+        Model(TOWER, JOINTS), check=never, options=LimitOptions(full=False, width=0.01)
+    )  # type: ignore[arg-type]
     assert limit.rest is None
     assert limit.best is limit.equilibrium
     assert limit.to_dict()["rest"] is None
@@ -60,7 +63,7 @@ def test_the_equilibrium_limit_alone_asks_no_verdict() -> None:
 def test_a_tilt_axis_is_a_name_or_any_vector() -> None:
     values = [
         limit_tilt(
-            TOWER, JOINTS, axis, options=LimitOptions(full=False, width=0.01)
+            Model(TOWER, JOINTS), axis, options=LimitOptions(full=False, width=0.01)
         ).equilibrium.value
         for axis in ("x", "-y", (2.0, 0.0, 0.0), (3.0, 1.0, 0.0))
     ]
@@ -69,10 +72,10 @@ def test_a_tilt_axis_is_a_name_or_any_vector() -> None:
 
 def test_loads_keep_their_direction_while_the_model_turns() -> None:
     load = LoadCase.gravity(TOWER) + LoadCase.moment(TOWER, 1, (1.0, 2.0, 3.0))
-    turned = Tilt(TOWER, JOINTS, load, np.array([0.0, 1.0, 0.0])).turned(90.0)
+    turned = Tilt(Model(TOWER, JOINTS, load), np.array([0.0, 1.0, 0.0])).turned(90.0)
     np.testing.assert_allclose(turned.wrench[1, :3], [2400.0 * 9.81, 0.0, 0.0], atol=1e-9)
     np.testing.assert_allclose(turned.wrench[1, 3:], [-3.0, 2.0, 1.0], atol=1e-9)
-    plain = Tilt(TOWER, JOINTS, LoadCase.gravity(TOWER), np.array([1.0, 2.0, 0.0]))
+    plain = Tilt(Model(TOWER, JOINTS, LoadCase.gravity(TOWER)), np.array([1.0, 2.0, 0.0]))
     np.testing.assert_allclose(
         plain.turned(20.0).wrench, LoadCase.tilt(TOWER, (1.0, 2.0, 0.0), 20.0).wrench, atol=1e-9
     )
@@ -81,29 +84,38 @@ def test_loads_keep_their_direction_while_the_model_turns() -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: limit_tilt(TOWER, JOINTS, (0.0, 0.0, 0.0)), "axis is zero"),
-        (lambda: limit_tilt(TOWER, JOINTS, "w"), "no axis is called 'w'"),
-        (lambda: limit_tilt(TOWER, JOINTS, upper=0.0), "largest angle is 0"),
-        (lambda: limit_friction(TOWER, JOINTS, upper=-1.0), "largest friction is -1"),
-        (lambda: limit_friction(TOWER, JOINTS, upper=float("nan")), "is nan"),
-        (lambda: limit_load(TOWER, JOINTS, 0.0 * LoadCase.gravity(TOWER)), "live load is zero"),
+        (lambda: limit_tilt(Model(TOWER, JOINTS), (0.0, 0.0, 0.0)), "axis is zero"),
+        (lambda: limit_tilt(Model(TOWER, JOINTS), "w"), "no axis is called 'w'"),
+        (lambda: limit_tilt(Model(TOWER, JOINTS), upper=0.0), "largest angle is 0"),
+        (lambda: limit_friction(Model(TOWER, JOINTS), upper=-1.0), "largest friction is -1"),
+        (lambda: limit_friction(Model(TOWER, JOINTS), upper=float("nan")), "is nan"),
         (
-            lambda: limit_load(TOWER, JOINTS, LoadCase.gravity(TOWER), upper=-2.0),
+            lambda: limit_load(Model(TOWER, JOINTS), 0.0 * LoadCase.gravity(TOWER)),
+            "live load is zero",
+        ),
+        (
+            lambda: limit_load(Model(TOWER, JOINTS), LoadCase.gravity(TOWER), upper=-2.0),
             "largest factor is -2",
         ),
-        (lambda: limit_tilt(TOWER.with_fixed([0, 1]), JOINTS), "every block is fixed"),
-        (lambda: limit_tilt(TOWER, JOINTS, load=0.0 * LoadCase.gravity(TOWER)), "nothing loads"),
+        (lambda: limit_tilt(Model(TOWER.with_fixed([0, 1]), JOINTS)), "every block is fixed"),
+        (lambda: limit_tilt(Model(TOWER, JOINTS, 0.0 * LoadCase.gravity(TOWER))), "nothing loads"),
         (lambda: limit_thickness(lambda t: TOWER, 1.0, 1.0), "no length"),
         (lambda: LimitOptions(width=0.0), "width is 0"),
         (lambda: LimitOptions(scan=0), "scan is 0"),
-        (lambda: tilt_sweep(TOWER, JOINTS, 0), "0 directions"),
-        (lambda: tolerance(TOWER, JOINTS, Imperfections(), draws=0), "0 draws"),
-        (lambda: tolerance(TOWER, JOINTS, Imperfections(), confidence=1.0), "confidence is 1"),
+        (lambda: tilt_sweep(Model(TOWER, JOINTS), 0), "0 directions"),
+        (lambda: tolerance(Model(TOWER, JOINTS), Imperfections(), draws=0), "0 draws"),
+        (
+            lambda: tolerance(Model(TOWER, JOINTS), Imperfections(), confidence=1.0),
+            "confidence is 1",
+        ),
         (lambda: Imperfections(friction=(0.5, 0.4)), "friction from 0.5 to 0.4"),
         (lambda: Imperfections(corner_loss=1.5), "corner_loss is 1.5"),
         (lambda: Imperfections(tilt_deg=-1.0), "tilt_deg is -1"),
-        (lambda: thrust_bounds(TOWER, JOINTS, "block-9", (1.0, 0.0, 0.0)), "no block is called"),
-        (lambda: thrust_bounds(TOWER, JOINTS, 0, (0.0, 0.0, 0.0)), "direction is zero"),
+        (
+            lambda: thrust_bounds(Model(TOWER, JOINTS), "block-9", (1.0, 0.0, 0.0)),
+            "no block is called",
+        ),
+        (lambda: thrust_bounds(Model(TOWER, JOINTS), 0, (0.0, 0.0, 0.0)), "direction is zero"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(call, words) -> None:  # type: ignore[no-untyped-def]
@@ -114,22 +126,22 @@ def test_what_cannot_be_asked_is_refused(call, words) -> None:  # type: ignore[n
 def test_friction_can_be_searched_as_a_share_of_each_joint() -> None:
     slope = incline(20.0)
     joints = touching_faces(slope, 0.8)
-    limit = limit_friction(slope, joints, scaled=True, options=LimitOptions(scan=1))
+    limit = limit_friction(Model(slope, joints), scaled=True, options=LimitOptions(scan=1))
     assert limit.parameter == "share of friction"
     assert limit.best.value == pytest.approx(np.tan(np.deg2rad(20.0)) / 0.8, abs=1e-3)
 
 
 def test_a_structure_that_never_stood_has_no_limit() -> None:
     slope = incline(50.0)
-    limit = limit_tilt(slope, touching_faces(slope, 0.4), "x", options=QUICK)
+    limit = limit_tilt(Model(slope, touching_faces(slope, 0.4)), "x", options=QUICK)
     assert limit.equilibrium.stands is None
     assert limit.best.value is None
 
 
 def test_a_sweep_is_the_same_with_one_and_two_workers() -> None:
-    alone = tilt_sweep(TOWER, JOINTS, 3, options=QUICK)
+    alone = tilt_sweep(Model(TOWER, JOINTS), 3, options=QUICK)
     with ProcessPoolExecutor(2) as executor:
-        together = tilt_sweep(TOWER, JOINTS, 3, options=QUICK, executor=executor)
+        together = tilt_sweep(Model(TOWER, JOINTS), 3, options=QUICK, executor=executor)
     np.testing.assert_array_equal(alone.rest, together.rest)
     np.testing.assert_array_equal(alone.equilibrium, together.equilibrium)
     assert alone.rest == pytest.approx([SLIDE] * 3, abs=0.01)
@@ -140,7 +152,7 @@ def test_an_azimuth_is_the_direction_of_the_lean() -> None:
     # a plate that reaches beyond its foot towards +x falls first when it leans that way
     slope = incline(10.0)  # slides towards +x
     sweep = tilt_sweep(
-        slope, touching_faces(slope, 0.4), 4, options=LimitOptions(full=False, width=0.1)
+        Model(slope, touching_faces(slope, 0.4)), 4, options=LimitOptions(full=False, width=0.1)
     )
     assert sweep.azimuth[sweep.weakest] == 0.0
     assert sweep.equilibrium[0] == pytest.approx(SLIDE - 10.0, abs=0.1)
@@ -149,10 +161,9 @@ def test_an_azimuth_is_the_direction_of_the_lean() -> None:
 
 def test_progress_counts_to_its_end() -> None:
     told: list[tuple[str, int, int]] = []
-    limit_tilt(TOWER, JOINTS, options=QUICK, progress=lambda *step: told.append(step))
+    limit_tilt(Model(TOWER, JOINTS), options=QUICK, progress=lambda *step: told.append(step))
     tilt_sweep(
-        TOWER,
-        JOINTS,
+        Model(TOWER, JOINTS),
         2,
         options=LimitOptions(full=False, width=0.01),
         progress=lambda *step: told.append(step),
@@ -164,26 +175,26 @@ def test_progress_counts_to_its_end() -> None:
 def test_thrust_bounds_contain_every_equilibrium_and_are_met_by_their_states() -> None:
     assembly = arch(0.2, 10)
     joints = touching_faces(assembly, 0.8)
-    bounds = thrust_bounds(assembly, joints, "springer-right", (1.0, 0.0, 0.0))
+    bounds = thrust_bounds(Model(assembly, joints), "springer-right", (1.0, 0.0, 0.0))
     foot = joints.block_b == assembly.index("springer-right")
-    result = solve_rbe(assembly, joints)
+    result = solve_rbe(Model(assembly, joints))
     assert bounds.least_state is not None
-    thrust = [float(each.resultants().force[foot][0, 0]) for each in (result, bounds.least_state)]
+    thrust = [float(each.resultants.force[foot][0, 0]) for each in (result, bounds.least_state)]
     assert bounds.least - 1e-3 <= thrust[0] <= bounds.most + 1e-3
     assert thrust[1] == pytest.approx(bounds.least, rel=1e-6)
 
 
 def test_prestress_has_no_largest_thrust_and_a_falling_block_no_thrust_at_all() -> None:
     wedged = h_model()
-    bounds = thrust_bounds(wedged, touching_faces(wedged, 0.6), 0, (1.0, 0.0, 0.0))
+    bounds = thrust_bounds(Model(wedged, touching_faces(wedged, 0.6)), 0, (1.0, 0.0, 0.0))
     assert np.isinf([bounds.least, bounds.most]).any()
     slope = incline(45.0)
-    none = thrust_bounds(slope, touching_faces(slope, 0.2), 0, (1.0, 0.0, 0.0))
+    none = thrust_bounds(Model(slope, touching_faces(slope, 0.2)), 0, (1.0, 0.0, 0.0))
     assert np.isnan([none.least, none.most]).all()
 
 
 def test_the_size_of_joints_that_a_straight_tower_needs_is_nothing() -> None:
-    limit = limit_shrink(TOWER, JOINTS, options=QUICK)
+    limit = limit_shrink(Model(TOWER, JOINTS), options=QUICK)
     assert limit.equilibrium.stands == 0.0
 
 
@@ -191,9 +202,9 @@ def test_draws_depend_on_their_seed_only() -> None:
     kinds = Imperfections(friction=(0.3, 0.5))
     slope = incline(np.rad2deg(np.arctan(0.4)))
     joints = touching_faces(slope, 0.4)
-    alone = tolerance(slope, joints, kinds, draws=12, seed=3)
+    alone = tolerance(Model(slope, joints), kinds, draws=12, seed=3)
     with ProcessPoolExecutor(2) as executor:
-        together = tolerance(slope, joints, kinds, draws=12, seed=3, executor=executor)
+        together = tolerance(Model(slope, joints), kinds, draws=12, seed=3, executor=executor)
     assert alone.verdicts == together.verdicts
     assert {Verdict.STABLE, Verdict.UNSTABLE} == set(alone.verdicts)
     low, high = alone.interval
@@ -202,7 +213,7 @@ def test_draws_depend_on_their_seed_only() -> None:
 
 
 def test_perfect_joints_all_stand() -> None:
-    answer = tolerance(TOWER, JOINTS, Imperfections(), draws=3)
+    answer = tolerance(Model(TOWER, JOINTS), Imperfections(), draws=3)
     assert answer.share == 1.0
     assert answer.interval[1] == 1.0
 
@@ -238,7 +249,7 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
 
     assembly = wedge("c")
     joints = touching_faces(assembly, 0.84)
-    limit = limit_tilt(assembly, joints, "x", options=LimitOptions(scan=1, width=6.0))
+    limit = limit_tilt(Model(assembly, joints), "x", options=LimitOptions(scan=1, width=6.0))
     assert limit.uniform is not None
     assert limit.rest is not None
     assert limit.uniform.stands is not None
@@ -254,21 +265,21 @@ def test_large_models_are_searched_by_growing_steps_to_the_same_limit(
 ) -> None:
     from drystone.limits import inside
 
-    def some(assembly, contacts, load):  # type: ignore[no-untyped-def]
+    def some(model):  # type: ignore[no-untyped-def]
         # stands for some stiffness until the load leans by 15 degrees, then nobody knows
-        lean = np.rad2deg(np.arctan2(np.abs(load.wrench[1, 1]), -load.wrench[1, 2]))
+        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
         verdict = Verdict.STABLE if lean < 15.0 else Verdict.UNDECIDED
-        return solve_result(assembly, contacts, load, verdict)
+        return solve_result(model, verdict)
 
-    def one(assembly, contacts, load):  # type: ignore[no-untyped-def]
-        lean = np.rad2deg(np.arctan2(np.abs(load.wrench[1, 1]), -load.wrench[1, 2]))
+    def one(model):  # type: ignore[no-untyped-def]
+        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
         verdict = Verdict.STABLE if lean < 10.0 else Verdict.UNDECIDED
-        return solve_result(assembly, contacts, load, verdict)
+        return solve_result(model, verdict)
 
     monkeypatch.setattr(inside, "some_stiffness", some)
     monkeypatch.setattr(inside, "one_stiffness", one)
     monkeypatch.setattr(inside, "SEARCHED", searched)
-    limit = limit_tilt(TOWER, JOINTS, "x", options=LimitOptions(scan=4, width=0.1))
+    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
     assert limit.uniform is not None
     assert limit.rest is not None
     assert limit.uniform.value == pytest.approx(10.0, abs=0.1)
@@ -277,8 +288,8 @@ def test_large_models_are_searched_by_growing_steps_to_the_same_limit(
     assert limit.is_sensitive
 
 
-def solve_result(assembly, contacts, load, verdict):  # type: ignore[no-untyped-def]
-    return Result("given", verdict, assembly, contacts, load)
+def solve_result(model, verdict):  # type: ignore[no-untyped-def]
+    return Result("given", verdict, model)
 
 
 def after(calls: int) -> Callable[[], bool]:
@@ -290,11 +301,14 @@ def after(calls: int) -> Callable[[], bool]:
 @pytest.mark.parametrize(
     "find",
     [
-        lambda stop: limit_tilt(TOWER, JOINTS, "x", options=QUICK, stop=stop),
-        lambda stop: limit_friction(TOWER, JOINTS, LEANING, options=QUICK, stop=stop),
-        lambda stop: limit_shrink(TOWER, JOINTS, LEANING, options=QUICK, stop=stop),
+        lambda stop: limit_tilt(Model(TOWER, JOINTS), "x", options=QUICK, stop=stop),
+        lambda stop: limit_friction(Model(TOWER, JOINTS, LEANING), options=QUICK, stop=stop),
+        lambda stop: limit_shrink(Model(TOWER, JOINTS, LEANING), options=QUICK, stop=stop),
         lambda stop: limit_load(
-            TOWER, JOINTS, LoadCase.point_load(TOWER, 1, (1e3, 0.0, 0.0)), options=QUICK, stop=stop
+            Model(TOWER, JOINTS),
+            LoadCase.point_load(TOWER, 1, (1e3, 0.0, 0.0)),
+            options=QUICK,
+            stop=stop,
         ),
     ],
 )
@@ -322,7 +336,7 @@ def test_a_stopped_limit_is_a_wider_bracket_around_the_same(
 
 
 def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
-    none = tilt_sweep(TOWER, JOINTS, 4, options=QUICK, stop=lambda: True)
+    none = tilt_sweep(Model(TOWER, JOINTS), 4, options=QUICK, stop=lambda: True)
     assert (none.limits, none.to_dict()["weakest_azimuth"]) == ((), None)
     with pytest.raises(InputError, match="no direction is known"):
         _ = none.weakest
@@ -332,13 +346,13 @@ def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
         nonlocal ended
         ended = True
 
-    some = tilt_sweep(TOWER, JOINTS, 4, options=QUICK, progress=tell, stop=lambda: ended)
+    some = tilt_sweep(Model(TOWER, JOINTS), 4, options=QUICK, progress=tell, stop=lambda: ended)
     assert some.azimuth.tolist() == [0.0]
     assert some.stopped == some.to_dict()["stopped"] == "it was interrupted"
 
 
 def test_stopped_draws_are_those_made() -> None:
     kinds = Imperfections(offset=0.01)
-    some = tolerance(TOWER, JOINTS, kinds, draws=50, stop=after(2))
+    some = tolerance(Model(TOWER, JOINTS), kinds, draws=50, stop=after(2))
     assert (len(some.verdicts), some.share) == (3, 1.0)
-    assert some.verdicts == tolerance(TOWER, JOINTS, kinds, draws=3).verdicts
+    assert some.verdicts == tolerance(Model(TOWER, JOINTS), kinds, draws=3).verdicts

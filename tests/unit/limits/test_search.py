@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import pytest
 
-from drystone import Assembly, Contacts, LoadCase, Result, Verdict
-from drystone.limits.families import Problem
+from drystone import LoadCase, Result, Verdict
 from drystone.limits.search import Bracket, Search
+from drystone.model import Model
 from drystone.models import tower
 from tests.oracle import touching_faces
 
@@ -23,9 +23,9 @@ class Given:
     parameter: str = "given"
     unit: str = ""
 
-    def __call__(self, value: float) -> Problem:
+    def __call__(self, value: float) -> Model:
         load = LoadCase.point_load(TOWER, 1, (value, 0.0, 0.0))
-        return Problem(TOWER, CONTACTS, load)
+        return Model(TOWER, CONTACTS, load)
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class Steps:
     limits: tuple[float, ...]
     verdicts: tuple[Verdict, ...]
 
-    def __call__(self, assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
-        value = float(load.wrench[1, 0])
+    def __call__(self, model: Model) -> Result:
+        value = float(model.load.wrench[1, 0])
         verdict = self.verdicts[sum(value > limit for limit in self.limits)]
-        return Result("given", verdict, assembly, contacts, load)
+        return Result("given", verdict, model)
 
 
 def test_a_single_change_is_bracketed_to_the_width() -> None:
@@ -114,9 +114,9 @@ def test_every_value_is_tried_once_and_listed_in_order() -> None:
     tried: list[float] = []
     steps = Steps((0.37,), (S, U))
 
-    def counted(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
-        tried.append(float(load.wrench[1, 0]))
-        return steps(assembly, contacts, load)
+    def counted(model: Model) -> Result:
+        tried.append(float(model.load.wrench[1, 0]))
+        return steps(model)
 
     found = Search(Given(), counted).run(0.0, 1.0, width=1e-2, scan=4)
     assert len(tried) == len(set(tried))

@@ -9,7 +9,7 @@ import pytest
 
 from drystone import Assembly, Block, InputError, models
 from drystone.detection import find_contacts
-from drystone.geometry import polyhedron
+from drystone.geometry.body import polyhedron
 from drystone.models.curved import LOWER, RIM, UPPER, resampled
 from tests.oracle import touching_faces
 

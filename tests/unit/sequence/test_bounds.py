@@ -4,17 +4,15 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly
-from drystone.detection import find_contacts
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.models import arch, tower
-from drystone.sequence import Model
-from drystone.sequence.bounds import LocalBalance
-from drystone.sequence.stages import members
+from drystone.sequence import Structure
+from drystone.sequence.search.needs import LocalBalance
+from drystone.sequence.stage.stages import members
 
 
 def local(assembly: Assembly, friction: float) -> LocalBalance:
-    contacts = find_contacts(assembly, friction=friction).contacts
-    return LocalBalance(Model(assembly, contacts, LoadCase.gravity(assembly)))
+    return LocalBalance(Structure(Model.of(assembly, friction=friction)))
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2, 0.5, 1.0])

@@ -6,6 +6,7 @@ import pytest
 from drystone.assembly import Assembly, Block
 from drystone.detection import find_contacts
 from drystone.errors import InputError
+from drystone.model import Model
 from drystone.models import box, prism
 from drystone.models.simple import stool
 from drystone.sequence import plan
@@ -83,7 +84,7 @@ def test_a_cut_that_lets_the_tower_slide_is_changed_for_one_that_holds():
     assert len(found.cuts) == 4
     per_place = [[t.accepted for t in found.trials if t.place == i] for i in range(4)]
     assert per_place == [[False, True]] * 4  # 40 degrees slides, 20 holds
-    built = plan(found.assembly, find_contacts(found.assembly, friction=0.6).contacts)
+    built = plan(Model.of(found.assembly, friction=0.6))
     assert built.counts["free"] == 4
     assert sum(block.volume for block in found.assembly.blocks) == pytest.approx(leaning().volume)
 
@@ -91,7 +92,7 @@ def test_a_cut_that_lets_the_tower_slide_is_changed_for_one_that_holds():
 def test_a_snake_is_cut_and_built_from_below():
     places = [tilted_cuts(np.array([0.0, 0.4, z]), Z, Y, (0.0, 10.0)) for z in (1.0, 2.3, 3.6)]
     found = design_cuts(winding(), places, friction=0.6)
-    built = plan(found.assembly, find_contacts(found.assembly, friction=0.6).contacts)
+    built = plan(Model.of(found.assembly, friction=0.6))
     assert built.order == ("c01-block", "c02-block", "c03-block")
     assert built.counts["free"] == 3
 

@@ -1,7 +1,5 @@
 """Margins of stages, sweeps over friction, and the table."""
 
-import csv
-import io
 from functools import partial
 
 import numpy as np
@@ -10,8 +8,8 @@ import pytest
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.errors import InputError
-from drystone.models import box, tower
-from drystone.models.sequences import leaning_tower
+from drystone.model import Model
+from drystone.models import box, leaning_column, tower
 from drystone.sequence import (
     MarginOptions,
     Plan,
@@ -19,14 +17,13 @@ from drystone.sequence import (
     margins,
     plan,
     sweep_friction,
-    table_text,
 )
 
 
 @pytest.fixture(scope="module")
 def stack() -> Plan:
     assembly = tower(4)
-    return plan(assembly, find_contacts(assembly, friction=0.6).contacts)
+    return plan(Model.of(assembly, friction=0.6))
 
 
 def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
@@ -40,31 +37,31 @@ def test_each_stage_of_a_stack_tilts_to_its_closed_form(stack):
 
 def test_the_table_has_a_row_per_block_with_its_margins(stack):
     found = margins(stack, options=MarginOptions(tilt_width=1.0, directions=1))
-    rows = list(csv.DictReader(io.StringIO(table_text(stack, found))))
-    assert [row["block"] for row in rows] == ["block-1", "block-2", "block-3"]
-    assert all(float(row["tilt_deg"]) > 10.0 for row in rows)
-    plain = list(csv.DictReader(io.StringIO(table_text(stack))))
-    assert [row["tilt_deg"] for row in plain] == ["", "", ""]
+    table = found.table()
+    assert table["block"].tolist() == ["block-1", "block-2", "block-3"]
+    assert (table["tilt"] > 10.0).all()
+    assert table.units == {"prop_force": "N", "tilt": "deg"}
+    assert list(stack.table().columns) == list(table.columns)[:-2]
 
 
-def test_a_leaning_tower_is_built_above_the_tangent_of_its_lean_only():
-    assembly = leaning_tower(3, 10.0)
+def test_a_leaning_column_is_built_above_the_tangent_of_its_lean_only():
+    assembly = leaning_column(3, 10.0)
     contacts = find_contacts(assembly, friction=0.6).contacts
     low, high = least_buildable_friction(
         contacts, partial(_plan_of, assembly), upper=0.6, width=0.01
     )
     assert low < np.tan(np.deg2rad(10.0)) < high
     sweep = sweep_friction(contacts, [0.3, 0.1], partial(_plan_of, assembly))
-    assert [row["stands"] for row in sweep.rows()] == [False, True]
-    assert sweep.rows()[1]["free"] == 3
+    assert sweep.table()["stands"].tolist() == [False, True]
+    assert sweep.table()["free"].tolist() == [None, 3]
 
 
 def _plan_of(assembly, contacts):  # type: ignore[no-untyped-def]
-    return plan(assembly, contacts)
+    return plan(Model(assembly, contacts))
 
 
 def test_no_friction_that_lets_it_be_built_is_an_error():
-    assembly = leaning_tower(3, 30.0)
+    assembly = leaning_column(3, 30.0)
     contacts = find_contacts(assembly, friction=0.6).contacts
     with pytest.raises(InputError, match=r"no plan without props at friction 0\.3"):
         least_buildable_friction(contacts, partial(_plan_of, assembly), upper=0.3)
@@ -75,7 +72,7 @@ def test_what_cannot_be_put_in_is_built_at_no_friction():
     sides = tuple(box((1.0, 1.0, 1.0), tuple(at), f"side-{i}") for i, at in enumerate(places))
     top = box((1.0, 1.0, 1.0), (0.0, 0.0, 2.0), "top")
     closed = Assembly((*sides, box((1.0, 1.0, 1.0), name="core"), top), np.arange(8) < 6)
-    contacts = find_contacts(closed).contacts
-    assert plan(closed, contacts).order == ("top",)
+    model = Model.of(closed)
+    assert plan(model).order == ("top",)
     with pytest.raises(InputError, match="no plan without props"):
-        least_buildable_friction(contacts, partial(plan, closed), upper=0.6)
+        least_buildable_friction(model, plan, upper=0.6)

@@ -6,14 +6,15 @@ import pytest
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.errors import InputError
-from drystone.models import arch, box, bridge, corbelled_wall, tower
+from drystone.model import Model
+from drystone.models import arch, box, corbelled_bridge, corbelled_wall, tower
 from drystone.results import Verdict
 from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
 
 
 def planned(assembly: Assembly, friction: float = 0.6, **options: object) -> Plan:
     contacts = find_contacts(assembly, friction=friction).contacts
-    return plan(assembly, contacts, options=PlanOptions(**options))  # type: ignore[arg-type]
+    return plan(Model(assembly, contacts), options=PlanOptions(**options))  # type: ignore[arg-type]
 
 
 def test_a_stack_is_built_from_below_block_by_block():
@@ -164,7 +165,7 @@ def test_props_that_stay_for_good_are_not_proved_to_be_the_fewest():
 
 def test_what_stands_alone_is_not_placed_together():
     # the key of this bridge slides out, but its arms lie flat, each block on the one below
-    found = planned(bridge(), 0.1, anyway=True)
+    found = planned(corbelled_bridge(), 0.1, anyway=True)
     assert found.counts["held"] == 0
     assert found.counts["free"] == 6
     assert [found.model.assembly.names[prop.block] for prop in found.props] == ["key"]

@@ -9,11 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone.assembly import Assembly
-from drystone.contacts import Contacts
 from drystone.detection import find_contacts
 from drystone.errors import FormatError, InputError
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.models import arch
 from drystone.results import Result
 from drystone.sequence import (
@@ -31,7 +29,7 @@ def arch_plan(**arguments: object) -> Plan:
     assembly = arch(0.3, 7)
     contacts = find_contacts(assembly, friction=0.4).contacts
     options = PlanOptions(rules=Rules(hands=1))
-    return plan(assembly, contacts, options=options, **arguments)  # type: ignore[arg-type]
+    return plan(Model(assembly, contacts), options=options, **arguments)  # type: ignore[arg-type]
 
 
 def essence(found: Plan) -> object:
@@ -47,9 +45,9 @@ def alone() -> object:
     return essence(arch_plan())
 
 
-def slowly(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+def slowly(model: Model) -> Result:
     """A judge of the caller's own: no glance comes before it."""
-    return check_once(assembly, contacts, load)
+    return check_once(model)
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +70,7 @@ def planned_in_haste(**options: object) -> Plan:
     """A plan whose patience ends, of which what it asked for decides when."""
     assembly = arch(0.3, 9)
     contacts = find_contacts(assembly, friction=0.4).contacts
-    return plan(assembly, contacts, options=PlanOptions(patience=8.0), **options)  # type: ignore[arg-type]
+    return plan(Model(assembly, contacts), options=PlanOptions(patience=8.0), **options)  # type: ignore[arg-type]
 
 
 def test_what_workers_look_at_in_vain_does_not_cost_patience():
@@ -90,14 +88,12 @@ def test_what_a_checkpoint_knows_costs_patience_as_before(tmp_path):
     assert [step[:3] for step in essence(again)] == [step[:3] for step in essence(first)]
 
 
-def mortal(
-    marker: Path, parent: int, assembly: Assembly, contacts: Contacts, load: LoadCase
-) -> Result:
+def mortal(marker: Path, parent: int, model: Model) -> Result:
     """Kills the first other process that it runs in."""
     if os.getpid() != parent and not marker.exists():
         marker.touch()
         os._exit(13)
-    return check_once(assembly, contacts, load)
+    return check_once(model)
 
 
 def test_two_workers_of_which_one_is_killed_give_the_same_plan(judged, tmp_path):
@@ -140,12 +136,12 @@ def test_new_workers_are_started_for_dead_ones(alone):
 CALLS = {"left": 0}
 
 
-def interrupted(assembly: Assembly, contacts: Contacts, load: LoadCase) -> Result:
+def interrupted(model: Model) -> Result:
     """Ctrl-C after some stages."""
     CALLS["left"] -= 1
     if CALLS["left"] < 0:
         raise KeyboardInterrupt
-    return check_once(assembly, contacts, load)
+    return check_once(model)
 
 
 def test_an_interrupted_plan_goes_on_from_its_checkpoint(judged, tmp_path):
@@ -183,7 +179,7 @@ def test_a_checkpoint_of_another_model_is_refused(tmp_path):
     assembly = arch(0.25, 7)
     contacts = find_contacts(assembly, friction=0.4).contacts
     with pytest.raises(FormatError, match="another model"):
-        plan(assembly, contacts, checkpoint=file)
+        plan(Model(assembly, contacts), checkpoint=file)
 
 
 @pytest.mark.parametrize(

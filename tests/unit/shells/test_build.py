@@ -27,8 +27,8 @@ from drystone.shells import (
     shape_volume,
     three_legged_plan,
 )
-from drystone.shells.materialise import cell_faces
-from drystone.shells.planarise import warps
+from drystone.shells.blocks.materialise import cell_faces
+from drystone.shells.blocks.planarise import warps
 
 LAYOUT = Layout(courses=9, blocks=4, wedge=0.2)
 VAULT = build_shell(barrel_vault(6.0, 6.0, 1.732), LAYOUT, Body(thickness=0.3))
@@ -422,13 +422,13 @@ def test_impossible_families_are_refused():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Layout(courses="9", blocks=4), "number of courses is '9'; give a whole number"),
-        (lambda: Layout(courses=9.5, blocks=4), "number of courses is 9.5"),
+        (lambda: Layout(courses="9", blocks=4), "courses is '9'; give a whole number"),
+        (lambda: Layout(courses=9.5, blocks=4), "courses is 9.5; give a whole number"),
         (lambda: Layout(courses=9, blocks=4.5), "number of blocks is 4.5"),
         (lambda: Layout(courses=2, blocks=[4, 4.5]), "number of blocks is 4.5"),
-        (lambda: Layout(courses=9, blocks=4, partial=0.5), "number of partial courses is 0.5"),
-        (lambda: Body(register_deg="x"), "the register is 'x'"),
-        (lambda: Body(intrados="straight"), "the intrados is 'straight'.*Intrados.STRAIGHT"),
+        (lambda: Layout(courses=9, blocks=4, partial=0.5), "partial is 0.5; give a whole number"),
+        (lambda: Body(register_deg="x"), "register_deg is 'x', not a number"),
+        (lambda: Body(intrados="bent"), "intrados is 'bent'; give one of 'offset', 'straight'"),
         (lambda: barrel_vault().supported_on("left"), "a border stretch is 'left'"),
         (lambda: patch_from_grid([[[0, 0, 0], [1, 0, 0]], [[0, 1, 0]]]), "control grid.*numbers"),
         (lambda: build_shell(barrel_vault(), [None]), "a layout is None"),
@@ -437,7 +437,7 @@ def test_impossible_families_are_refused():
         (lambda: built(thickness="x"), "thicknesses must be numbers, got 'x'"),
         (lambda: built(thickness=[0.3, "x"]), "thicknesses must be numbers"),
         (lambda: built(courses=None, heights=["a", 1]), "heights of courses must be numbers"),
-        (lambda: built(blocks=None, width="x"), "the block width is 'x'"),
+        (lambda: built(blocks=None, width="x"), "width is 'x', not a number"),
     ],
 )
 def test_a_value_of_another_type_is_named(make, words):

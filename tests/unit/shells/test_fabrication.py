@@ -22,7 +22,7 @@ from drystone.shells import (
     write_schedule,
     write_unrolled,
 )
-from drystone.shells.materialise import cell_faces
+from drystone.shells.blocks.materialise import cell_faces
 
 SHELL = build_shell(
     barrel_vault(6.0, 6.0, 2.0), Layout(courses=9, blocks=4, wedge=0.2), Body(thickness=0.3)

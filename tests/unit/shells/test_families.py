@@ -3,6 +3,7 @@
 import pytest
 
 from drystone import Verdict, check, find_contacts
+from drystone.model import Model
 from drystone.shells import Body, Layout, barrel_vault, build_shell
 
 
@@ -13,4 +14,4 @@ def test_a_barrel_stands_by_itself_with_its_default_thickness(span, rise):
     )
     assert shell.shape.default_thickness == 0.075 * span
     contacts = find_contacts(shell.assembly, friction=0.6).contacts
-    assert check(shell.assembly, contacts).verdict is Verdict.STABLE
+    assert check(Model(shell.assembly, contacts)).verdict is Verdict.STABLE

@@ -119,7 +119,7 @@ def test_a_corner_of_the_plan_needs_a_column_of_the_net():
         ({"density": 0.0}, "the density of a net is 0.0"),
         ({"density": float("nan")}, "the density of a net is nan"),
         ({"edge_density": -1.0}, "the edge density of a net is -1.0"),
-        ({"columns": 9.5}, "the number of columns is 9.5"),
+        ({"columns": 9.5}, "columns is 9.5; give a whole number"),
     ],
 )
 def test_a_net_has_densities_above_zero_and_enough_nodes(given, words):

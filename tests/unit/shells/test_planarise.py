@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from drystone.shells import PlanarOptions, planarise
-from drystone.shells.planarise import warps
+from drystone.shells.blocks.planarise import warps
 
 
 def crumpled(rows=6, columns=7, seed=1):

@@ -5,6 +5,7 @@ import pytest
 
 from drystone import Assembly, CheckOptions, LoadCase, Verdict, check, find_contacts, models
 from drystone.geometry.frames import rotation_about
+from drystone.model import Model
 from drystone.models import box
 from drystone.stability import CRAOptions, PenaltyOptions, solve_cra, solve_cra_penalty
 
@@ -53,7 +54,9 @@ def overhanging(offset):
 
 def verdict(model, friction=0.6, load=None):
     contacts = find_contacts(model, friction=friction).contacts
-    return check(model, contacts, load, options=CheckOptions(samples=2, search_tries=2)).verdict
+    return check(
+        Model(model, contacts, load), options=CheckOptions(samples=2, search_tries=2)
+    ).verdict
 
 
 @pytest.mark.parametrize(
@@ -131,7 +134,7 @@ def test_no_load_is_no_danger():
 def test_gravity_upside_down_lifts_all_that_is_loose():
     tower = models.tower(3)
     contacts = find_contacts(tower, friction=0.6).contacts
-    result = check(tower, contacts, LoadCase.gravity(tower, direction=(0, 0, 1)))
+    result = check(Model(tower, contacts, LoadCase.gravity(tower, direction=(0, 0, 1))))
     assert result.verdict is Verdict.UNSTABLE
     assert result.falling == (1, 2)
 
@@ -144,11 +147,11 @@ def test_nothing_free_is_stable():
 @pytest.mark.parametrize(
     "analyse",
     [
-        lambda *model: check(*model, options=CheckOptions(time_limit_s=0.0)),
-        lambda *model: check(*model, stop=lambda: True),
-        lambda *model: solve_cra(*model, options=CRAOptions(time_limit_s=0.0)),
-        lambda *model: solve_cra(*model, stop=lambda: True),
-        lambda *model: solve_cra_penalty(*model, options=PenaltyOptions(time_limit_s=0.0)),
+        lambda *model: check(Model(*model), options=CheckOptions(time_limit_s=0.0)),
+        lambda *model: check(Model(*model), stop=lambda: True),
+        lambda *model: solve_cra(Model(*model), options=CRAOptions(time_limit_s=0.0)),
+        lambda *model: solve_cra(Model(*model), stop=lambda: True),
+        lambda *model: solve_cra_penalty(Model(*model), options=PenaltyOptions(time_limit_s=0.0)),
     ],
 )
 def test_out_of_time_is_undecided_with_a_reason(analyse):
@@ -166,7 +169,7 @@ def test_where_the_iteration_stalls_next_to_rest_convex_steps_end_it(friction, a
     """Wedged pieces on slanted joints: no stiffness is followed to the end."""
     model = models.shelf()
     contacts = find_contacts(model, friction=friction).contacts
-    found = check(model, contacts, LoadCase.tilt(model, axis, tilt))
+    found = check(Model(model, contacts, LoadCase.tilt(model, axis, tilt)))
     assert found.samples.standing == 0
     assert found.verdict is Verdict.STABLE
     assert found.residuals is not None

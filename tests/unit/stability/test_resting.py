@@ -15,10 +15,11 @@ from drystone import (
     models,
 )
 from drystone.checks import mechanism_defects
-from drystone.formulations.compliance import uniform
 from drystone.formulations.equilibrium import EquilibriumSolution
-from drystone.formulations.rest import find_rest
-from drystone.formulations.rest_state import RestOptions, RestState
+from drystone.formulations.rest.compliance import uniform
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions, RestState
+from drystone.model import Model
 from drystone.solvers.conic import ConicSolution, ConicStatus
 from drystone.stability import (
     CRAOptions,
@@ -38,7 +39,7 @@ JOINTS = find_contacts(ARCH, friction=0.9).contacts
 
 
 def test_what_rests_has_forces_and_a_motion_that_pass_the_checks():
-    found = try_rest(ARCH, JOINTS)
+    found = try_rest(Model(ARCH, JOINTS))
     assert found.verdict is Verdict.STABLE
     assert found.residuals is not None
     assert found.residuals.largest < 1e-8
@@ -47,10 +48,10 @@ def test_what_rests_has_forces_and_a_motion_that_pass_the_checks():
 
 def test_what_does_not_rest_is_undecided_after_every_law():
     leaning = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0)
-    found = try_rest(ARCH, JOINTS, leaning, slips=(None, 1.0))
+    found = try_rest(Model(ARCH, JOINTS, leaning), slips=(None, 1.0))
     assert found.verdict is Verdict.UNDECIDED
     assert found.samples.tried == 2
-    assert check(ARCH, JOINTS, leaning).verdict is Verdict.UNSTABLE
+    assert check(Model(ARCH, JOINTS, leaning)).verdict is Verdict.UNSTABLE
 
 
 @pytest.mark.parametrize(("count", "angle"), [(200, 0.2), (400, 0.0)])
@@ -58,7 +59,7 @@ def test_a_high_tower_that_leans_on_the_ground_for_a_while_stands(count, angle):
     tower = models.tower(count)
     contacts = find_contacts(tower, friction=0.6).contacts
     load = LoadCase.tilt(tower, (1.0, 0.0, 0.0), angle)
-    found = check(tower, contacts, load, options=CheckOptions(samples=0, search=False))
+    found = check(Model(tower, contacts, load), options=CheckOptions(samples=0, search=False))
     assert found.verdict is Verdict.STABLE
 
 
@@ -66,17 +67,17 @@ def test_a_high_tower_that_leans_on_the_ground_for_a_while_stands(count, angle):
 def test_what_presses_on_nothing_is_not_called_resting(friction):
     wedged = models.h_model()
     contacts = find_contacts(wedged, friction=friction).contacts
-    assert try_rest(wedged, contacts, slips=(None, 1.0)).verdict is Verdict.UNDECIDED
+    assert try_rest(Model(wedged, contacts), slips=(None, 1.0)).verdict is Verdict.UNDECIDED
     start = np.tile([0.0, 0.0, -1e-3, 0.0, 0.0, 0.0], (len(wedged), 1))
-    assert try_rest(wedged, contacts, start=start).verdict is Verdict.UNDECIDED
+    assert try_rest(Model(wedged, contacts), start=start).verdict is Verdict.UNDECIDED
 
 
 def test_the_rest_state_of_a_neighbour_halves_the_steps_and_changes_no_force():
-    whole = try_rest(ARCH, JOINTS)
+    whole = try_rest(Model(ARCH, JOINTS))
     nearly = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 1.0)
-    cold = try_rest(ARCH, JOINTS, nearly)
+    cold = try_rest(Model(ARCH, JOINTS, nearly))
     for size in (1.0, 1e3):
-        warm = try_rest(ARCH, JOINTS, nearly, start=size * whole.displacement)
+        warm = try_rest(Model(ARCH, JOINTS, nearly), start=size * whole.displacement)
         assert warm.verdict is Verdict.STABLE
         assert warm.iterations <= 0.6 * cold.iterations
         assert np.allclose(warm.force, cold.force, rtol=0.0, atol=1e-8 * np.abs(cold.force).max())
@@ -85,33 +86,35 @@ def test_the_rest_state_of_a_neighbour_halves_the_steps_and_changes_no_force():
 @pytest.mark.parametrize("start", [np.zeros((3, 6)), np.full((len(ARCH), 6), np.nan)])
 def test_a_start_of_another_assembly_is_refused(start):
     with pytest.raises(InputError, match="start"):
-        try_rest(ARCH, JOINTS, start=start)
+        try_rest(Model(ARCH, JOINTS), start=start)
 
 
 def test_a_poor_start_is_dropped():
     rng = np.random.default_rng(0)
     for start in (np.zeros((len(ARCH), 6)), rng.standard_normal((len(ARCH), 6))):
-        assert try_rest(ARCH, JOINTS, start=start).verdict is Verdict.STABLE
+        assert try_rest(Model(ARCH, JOINTS), start=start).verdict is Verdict.STABLE
 
 
 def test_a_brief_look_says_yes_with_the_same_forces_and_names_what_falls():
-    brief, whole = try_rest(ARCH, JOINTS, brief=True), try_rest(ARCH, JOINTS)
+    brief, whole = try_rest(Model(ARCH, JOINTS), brief=True), try_rest(Model(ARCH, JOINTS))
     assert brief.verdict is Verdict.STABLE
     assert np.array_equal(brief.force, whole.force)
     leaning = LoadCase.tilt(models.tower(4), (0.0, 1.0, 0.0), 30.0)
-    found = try_rest(models.tower(4), find_contacts(models.tower(4)).contacts, leaning, brief=True)
+    found = try_rest(
+        Model(models.tower(4), find_contacts(models.tower(4)).contacts, leaning), brief=True
+    )
     assert found.verdict is Verdict.UNDECIDED
     assert found.falling_names == ("block-1", "block-2", "block-3")
 
 
 def test_a_hasty_look_sees_what_rests_nearby_and_gives_up_the_rest_sooner():
-    whole = try_rest(ARCH, JOINTS)
+    whole = try_rest(Model(ARCH, JOINTS))
     nearly = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 1.0)
-    seen = try_rest(ARCH, JOINTS, nearly, brief=True, hasty=True, start=whole.displacement)
+    seen = try_rest(Model(ARCH, JOINTS, nearly), brief=True, hasty=True, start=whole.displacement)
     assert seen.verdict is Verdict.STABLE
     falling = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0)
     hasty, brief = (
-        try_rest(ARCH, JOINTS, falling, brief=True, hasty=quick, start=whole.displacement)
+        try_rest(Model(ARCH, JOINTS, falling), brief=True, hasty=quick, start=whole.displacement)
         for quick in (True, False)
     )
     assert hasty.verdict is brief.verdict is Verdict.UNDECIDED
@@ -120,26 +123,26 @@ def test_a_hasty_look_sees_what_rests_nearby_and_gives_up_the_rest_sooner():
 
 def test_fixed_blocks_rest():
     still = ARCH.with_fixed(range(len(ARCH)))
-    assert try_rest(still, JOINTS).verdict is Verdict.STABLE
+    assert try_rest(Model(still, JOINTS)).verdict is Verdict.STABLE
 
 
 def test_a_load_of_another_assembly_is_refused():
     with pytest.raises(InputError):
-        try_rest(ARCH, JOINTS, LoadCase.gravity(models.tower(3)))
+        try_rest(Model(ARCH, JOINTS, LoadCase.gravity(models.tower(3))))
 
 
 @pytest.mark.parametrize("tilt", [0.0, 8.0, 20.0])
 def test_any_forces_exist_where_the_least_ones_do(tilt):
     leaning = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), tilt)
-    least = solve_rbe(ARCH, JOINTS, leaning, options=RBEOptions(tension=False))
-    some = solve_rbe(ARCH, JOINTS, leaning, options=RBEOptions.feasibility())
+    least = solve_rbe(Model(ARCH, JOINTS, leaning), options=RBEOptions(tension=False))
+    some = solve_rbe(Model(ARCH, JOINTS, leaning), options=RBEOptions.feasibility())
     assert some.verdict is least.verdict
     assert some.iterations <= least.iterations
 
 
 def test_a_certificate_of_any_size_is_a_mechanism():
-    problem = Problem.build(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0))
-    found = solve_rbe(ARCH, JOINTS, problem.load, options=RBEOptions.feasibility())
+    problem = Problem.build(Model(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 20.0)))
+    found = solve_rbe(problem.model, options=RBEOptions.feasibility())
     assert found.mechanism is not None
     scaled = problem.statics.scaled_motion(found.mechanism, problem.statics.mean_length)
     raw = ConicSolution(ConicStatus.INFEASIBLE, np.zeros(0), np.zeros(0), 0, "", "")
@@ -166,8 +169,8 @@ def test_voussoirs_between_vertical_joints_slide_down_together(voussoirs, tilt):
     arch = flat_arch(voussoirs)
     contacts = find_contacts(arch, friction=2.0).contacts
     leaning = LoadCase.tilt(arch, (0.0, 1.0, 0.0), tilt)
-    assert check(arch, contacts, leaning).verdict is Verdict.UNSTABLE
-    assert try_rest(arch, contacts, leaning).verdict is Verdict.UNDECIDED
+    assert check(Model(arch, contacts, leaning)).verdict is Verdict.UNSTABLE
+    assert try_rest(Model(arch, contacts, leaning)).verdict is Verdict.UNDECIDED
 
 
 @pytest.mark.parametrize("voussoirs", [2, 3])
@@ -175,23 +178,23 @@ def test_voussoirs_that_lean_on_their_piers_press_and_stand(voussoirs):
     arch = flat_arch(voussoirs)
     contacts = find_contacts(arch, friction=2.0).contacts
     leaning = LoadCase.tilt(arch, (0.0, 1.0, 0.0), 1.0)
-    assert check(arch, contacts, leaning).verdict is Verdict.STABLE
+    assert check(Model(arch, contacts, leaning)).verdict is Verdict.STABLE
 
 
 @pytest.mark.parametrize("friction", [0.3, 2.0, 1e4])
 def test_a_single_block_between_two_piers_falls(friction):
     wedged = flat_arch(1)
     contacts = find_contacts(wedged, friction=friction).contacts
-    assert check(wedged, contacts).verdict is Verdict.UNSTABLE
+    assert check(Model(wedged, contacts)).verdict is Verdict.UNSTABLE
 
 
 @pytest.mark.parametrize("friction", [0.5, 0.6, 0.7])
 def test_that_nothing_balances_is_proved_where_the_multiplier_is_too_coarse(friction):
     shelf = models.shelf()
     contacts = find_contacts(shelf, friction=friction).contacts
-    found = solve_rbe(shelf, contacts, options=RBEOptions.feasibility())
+    found = solve_rbe(Model(shelf, contacts), options=RBEOptions.feasibility())
     assert found.verdict is Verdict.UNSTABLE
-    assert "no contact forces" in check(shelf, contacts).message
+    assert "no contact forces" in check(Model(shelf, contacts)).message
 
 
 @pytest.mark.parametrize(
@@ -202,13 +205,13 @@ def test_that_nothing_balances_is_proved_where_most_blocks_stand_still(friction,
     shelf = models.shelf()
     contacts = find_contacts(shelf, friction=friction).contacts
     load = LoadCase.tilt(shelf, axis, angle)
-    found = solve_rbe(shelf, contacts, load, options=RBEOptions.feasibility())
+    found = solve_rbe(Model(shelf, contacts, load), options=RBEOptions.feasibility())
     assert found.verdict is Verdict.UNSTABLE
     assert found.mechanism is not None
-    violation, power = mechanism_defects(shelf, contacts, load, found.mechanism)
+    violation, power = mechanism_defects(Model(shelf, contacts, load), found.mechanism)
     assert violation <= 1e-8
     assert power > 0.1
-    assert "no contact forces" in check(shelf, contacts, load).message
+    assert "no contact forces" in check(Model(shelf, contacts, load)).message
 
 
 @pytest.mark.parametrize(
@@ -232,16 +235,21 @@ def test_options_out_of_range_are_refused(options, wrong):
         options(**wrong)
 
 
-@pytest.mark.parametrize("analyse", [check, solve_cra, solve_cra_penalty, solve_rbe, try_rest])
-def test_contacts_of_a_larger_assembly_are_refused(analyse):
+def test_contacts_of_a_larger_assembly_are_refused():
     with pytest.raises(InputError, match="does not have"):
-        analyse(models.tower(2), JOINTS)
+        Model(models.tower(2), JOINTS)
+
+
+@pytest.mark.parametrize("analyse", [check, solve_cra, solve_cra_penalty, solve_rbe])
+def test_what_is_no_model_is_refused(analyse):
+    with pytest.raises(InputError, match="cannot be analysed"):
+        analyse(JOINTS)
 
 
 def test_a_motion_that_the_joints_resist_is_no_first_motion():
     """A block that stands on a slope, said to slide down: no gap closes and gravity does work."""
     block = models.incline(10.0)
-    problem = Problem.build(block, find_contacts(block, friction=0.6).contacts, None)
+    problem = Problem.build(Model(block, find_contacts(block, friction=0.6).contacts, None))
     statics = problem.statics
     slide = statics.load.copy()
     slide[:, 3:] = 0.0
@@ -262,7 +270,7 @@ def test_a_motion_that_the_joints_resist_is_no_first_motion():
 
 def test_the_first_motion_of_a_block_that_slides_is_the_slide():
     block = models.incline(35.0)
-    problem = Problem.build(block, find_contacts(block, friction=0.6).contacts, None)
+    problem = Problem.build(Model(block, find_contacts(block, friction=0.6).contacts, None))
     system = problem.system
     state = find_rest(system, uniform(problem.statics), RestOptions(ground=1e-7, tolerance=1e-7))
     motion = first_motion(problem, state)
@@ -276,4 +284,4 @@ def test_a_glance_knows_a_thin_lune_that_leans_much_on_the_ground_at_rest():
     contacts = find_contacts(model, friction=1.0).contacts
     wall = np.isin(contacts.block_a, (1, 2)) | np.isin(contacts.block_b, (1, 2))
     contacts = contacts.with_friction(np.where(wall, 0.0, 1.0))
-    assert try_rest(model, contacts, brief=True).verdict is Verdict.STABLE
+    assert try_rest(Model(model, contacts), brief=True).verdict is Verdict.STABLE

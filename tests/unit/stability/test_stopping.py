@@ -10,6 +10,7 @@ import pytest
 from scipy import sparse
 
 from drystone import LoadCase, Result, Verdict, find_contacts, models
+from drystone.model import Model
 from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
 from drystone.stability import (
     CheckOptions,
@@ -40,7 +41,7 @@ def stopped(
     """The answers when it is stopped ever later, up to the one that is not stopped."""
     answers = []
     for calls in (0, 2, 8, 16, 32, 64, 1000):
-        answers.append((calls, analyse(ARCH, JOINTS, load, stop=after(calls))))
+        answers.append((calls, analyse(Model(ARCH, JOINTS, load), stop=after(calls))))
         if not answers[-1][1].stopped:
             return answers
     raise AssertionError("it never came to an end")
@@ -83,8 +84,8 @@ def test_a_fall_told_before_the_search_has_ended_says_so():
     load = LoadCase.tilt(wedge, (1.0, 0.0, 0.0), 61.0)
     options = CheckOptions(samples=0, search_tries=8)
     asked = itertools.count()
-    whole = check(wedge, contacts, load, options=options, stop=lambda: next(asked) < 0)
-    broken = check(wedge, contacts, load, options=options, stop=after(next(asked) // 2))
+    whole = check(Model(wedge, contacts, load), options=options, stop=lambda: next(asked) < 0)
+    broken = check(Model(wedge, contacts, load), options=options, stop=after(next(asked) // 2))
     assert (whole.verdict, broken.verdict) == (Verdict.UNSTABLE, Verdict.UNSTABLE)
     assert whole.message.endswith("it starts to move")
     assert broken.message == f"{whole.message}; it was interrupted before all else was tried"
@@ -108,14 +109,14 @@ def test_props_are_not_told_before_they_are_known():
 
 
 def test_rest_stopped_at_once_is_undecided():
-    found = try_rest(ARCH, JOINTS, stop=lambda: True)
+    found = try_rest(Model(ARCH, JOINTS), stop=lambda: True)
     assert (found.verdict, found.stopped) == (Verdict.UNDECIDED, INTERRUPTED)
     assert found.samples.tried == 0
 
 
 def test_equilibrium_without_time_says_so():
     options = RBEOptions(conic=ConicOptions(time_limit_s=0.0))
-    found = solve_rbe(ARCH, JOINTS, options=options)
+    found = solve_rbe(Model(ARCH, JOINTS), options=options)
     assert found.verdict is Verdict.UNDECIDED
     assert found.message == "the time was up in the interior point (steps: 0)"
 
@@ -158,9 +159,9 @@ def test_an_interrupt_within_a_program_is_raised_and_breaks_nothing(
         return False
 
     with pytest.raises(KeyboardInterrupt):
-        check(ARCH, JOINTS, FALLING, stop=stop)
+        check(Model(ARCH, JOINTS, FALLING), stop=stop)
     with pytest.raises(KeyboardInterrupt):
         program(stop)
     assert capfd.readouterr() == ("", "")
     assert program(None) is ConicStatus.SOLVED
-    assert check(ARCH, JOINTS).verdict is Verdict.STABLE
+    assert check(Model(ARCH, JOINTS)).verdict is Verdict.STABLE

@@ -12,7 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block
 from drystone.contacts import Contacts
 from drystone.geometry.frames import frames_from_normals
-from drystone.loads import LoadCase
+from drystone.model import Model
 from drystone.models import box, tower
 from drystone.results import Result, Verdict
 
@@ -47,10 +47,16 @@ def falling_tower(names: tuple[str, ...] = ("foot", "middle", "top")) -> Result:
     force[0, 1] = 400.0
     motion = np.zeros((3, 6))
     motion[2] = [0.5, 0.0, -0.2, 0.0, 0.4, 0.0]
+    model = Model(assembly, contacts)
     return Result(
-        "check", Verdict.UNSTABLE, assembly, contacts, LoadCase.gravity(assembly),
-        "The top falls.", force=force, mechanism=motion, falling=(2,),
-    )  # fmt: skip
+        "check",
+        Verdict.UNSTABLE,
+        model,
+        "The top falls.",
+        force=force,
+        mechanism=motion,
+        falling=(2,),
+    )
 
 
 def l_block(name: str = "L") -> Block:

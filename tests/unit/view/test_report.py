@@ -7,13 +7,14 @@ import pytest
 
 from drystone import Assembly, InputError, LoadCase, Result, Verdict, solve_rbe
 from drystone.assembly import Block
+from drystone.model import Model
 from drystone.models import arch, tower
 from drystone.view.report import save_report
 from tests.oracle import touching_faces
 
 
 def solved(assembly: Assembly) -> Result:
-    return solve_rbe(assembly, touching_faces(assembly, 0.7))
+    return solve_rbe(Model(assembly, touching_faces(assembly, 0.7)))
 
 
 def test_the_page_shows_the_worst_joints_and_asks_nothing_of_the_network(tmp_path: Path) -> None:
@@ -43,7 +44,7 @@ def test_lines_and_points_have_a_plan_too(tmp_path: Path) -> None:
     assembly = tower(2)
     joints = touching_faces(assembly, 0.7)
     for reduced in (to_edge(joints, (1.0, 0.0, 0.0)), to_point(joints)):
-        result = solve_rbe(assembly, reduced, LoadCase.gravity(assembly))
+        result = solve_rbe(Model(assembly, reduced, LoadCase.gravity(assembly)))
         path = tmp_path / "joints.html"
         if result.force is not None:
             save_report(result, path)
@@ -54,7 +55,7 @@ def test_lines_and_points_have_a_plan_too(tmp_path: Path) -> None:
 def test_without_forces_there_is_no_page(tmp_path: Path) -> None:
     assembly = tower(2)
     joints = touching_faces(assembly, 0.7)
-    empty = Result("rbe", Verdict.UNSTABLE, assembly, joints, LoadCase.gravity(assembly))
+    empty = Result("rbe", Verdict.UNSTABLE, Model(assembly, joints, LoadCase.gravity(assembly)))
     with pytest.raises(InputError, match="no forces"):
         save_report(empty, tmp_path / "joints.html")
     assert list(tmp_path.iterdir()) == []

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drystone.detection import find_contacts
+from drystone.model import Model
 from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
 from drystone.view import State, page_text
@@ -14,7 +15,7 @@ from drystone.view.sequence import block_numbers, instructions_text, plan_scene,
 def planned() -> Plan:
     assembly = arch(0.3, 7)
     contacts = find_contacts(assembly, friction=0.4).contacts
-    return plan(assembly, contacts, options=PlanOptions(rules=Rules(hands=2)))
+    return plan(Model(assembly, contacts), options=PlanOptions(rules=Rules(hands=2)))
 
 
 def test_a_plan_is_played_step_by_step_and_summed_up(planned):

@@ -63,9 +63,9 @@ def test_forces_and_motion_arrive_unchanged() -> None:
     stage = data["stages"][0]
     assert stage["state"].tolist() == [State.SUPPORT, State.FREE, State.FALLING]
     assert stage["motion"] == pytest.approx(result.mechanism)
-    assert stage["normal"] == pytest.approx(result.resultants().normal)
-    assert stage["tangential"] == pytest.approx(result.resultants().tangential)
-    assert stage["utilisation"] == pytest.approx(result.utilisation())
+    assert stage["normal"] == pytest.approx(result.resultants.normal)
+    assert stage["tangential"] == pytest.approx(result.resultants.tangential)
+    assert stage["utilisation"] == pytest.approx(result.utilisation)
     layers = {layer["key"]: layer for layer in stage["layers"]}
     assert list(layers) == ["interfaces", "pressure", "tension", "resultants"]
     pressing = result.world_force()
@@ -73,9 +73,9 @@ def test_forces_and_motion_arrive_unchanged() -> None:
     assert layers["pressure"]["vector"] == pytest.approx(pressing)
     assert layers["tension"]["vector"] == pytest.approx(np.array([[0.0, 0.0, 500.0]]))
     assert layers["tension"]["inward"]
-    assert layers["resultants"]["vector"] == pytest.approx(result.resultants().force)
+    assert layers["resultants"]["vector"] == pytest.approx(result.resultants.force)
     position = layers["resultants"]["position"] + np.array(data["origin"])
-    assert position == pytest.approx(result.resultants().position, abs=1e-6)
+    assert position == pytest.approx(result.resultants.position, abs=1e-6)
 
 
 def test_the_headline_says_the_verdict_and_how_many_fall() -> None:

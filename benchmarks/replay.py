@@ -1,0 +1,115 @@
+"""Plans replayed in MuJoCo, stage by stage: ``python -m benchmarks.replay`` (extra ``fall``).
+
+Every stage of a plan is simulated for two seconds with the blocks that are in place, held and
+propped ones fixed. It stays when no block moves by more than a hundredth of its size. MuJoCo's
+contacts are soft and slide a little (docs/robots.md), so this is a referee well inside the limits.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from benchmarks.machine import description
+from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
+from drystone import Model
+from drystone.io.simulators import mjcf_text
+from drystone.models import bridge
+from drystone.reproduce.assembly import niche, ring_dome
+from drystone.sequence import Plan, PlanOptions, plan
+
+PAGE = Path(__file__).parents[1] / "docs" / "robots.md"
+SECONDS, STAYS = 2.0, 0.01
+"""Simulated time, and the largest displacement by the size of a block."""
+CONTACT = {"bridge": 0.005, "vault": 0.01, "dome": 0.01}
+"""[s], time constant of contacts. The bridge creeps with a large one, many contacts need one."""
+
+
+def stages(found: Plan) -> list[tuple[str, Model]]:
+    """Models of all stages: after every block, held and propped blocks fixed."""
+    model = found.model.model
+    names = model.assembly.names
+    out = []
+    placed = set(np.flatnonzero(model.assembly.fixed).tolist()) | set(found.impossible)
+    for number, step in enumerate(found.steps):
+        before = set(found.steps[number - 1].props) if number else set()
+        held: set[int] = set()
+        for place, block in enumerate(step.blocks):
+            placed.add(block)
+            last = place == len(step.blocks) - 1
+            held = set() if last else held | {block}
+            props = set(step.props) if last else before | set(step.props)
+            fixed = np.flatnonzero(model.assembly.fixed).tolist()
+            still = sorted({*fixed, *held, *(props & placed)})
+            some = model.with_supports(still).subset(sorted(placed))
+            out.append((names[block], some))
+    return out
+
+
+def moved(model: Model, contact_s: float, seconds: float = SECONDS) -> float:
+    """Largest displacement of a free block after some time, by its size."""
+    simulator = mujoco.MjModel.from_xml_string(mjcf_text(model, contact_s=contact_s))
+    data = mujoco.MjData(simulator)
+    mujoco.mj_forward(simulator, data)
+    start = np.array(data.xpos)
+    for _ in range(round(seconds / simulator.opt.timestep)):
+        mujoco.mj_step(simulator, data)
+    gone = np.linalg.norm(data.xpos - start, axis=1)[1:]
+    return float((gone / model.assembly.size)[model.assembly.free].max(initial=0.0))
+
+
+def replay(name: str, found: Plan, contact_s: float) -> str:
+    """A row of the table."""
+    began = time.process_time()
+    worst, where, stays = 0.0, "", 0
+    every = stages(found)
+    for block, some in every:
+        far = moved(some, contact_s)
+        stays += far <= STAYS
+        if far > worst:
+            worst, where = far, block
+    spent = time.process_time() - began
+    counts = found.counts
+    return (
+        f"| {name} | {len(found.model.assembly.free)} | {counts['free']} | {counts['held']} "
+        f"| {counts['propped']} | {contact_s:g} | {len(every)} | {stays} "
+        f"| {worst:.1e} | {where} | {spent:.0f} |"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", help="bridge, vault, dome; all when left out")
+    arguments = parser.parse_args()
+    best = PlanOptions(patience=math.inf)
+    course = PlanOptions(rules=BY_COURSE)
+    plans = {
+        "bridge": lambda: plan(Model.of(bridge(), friction=0.66), options=best),
+        "vault": lambda: plan(Model.of(niche(0.2), friction=VAULT_FRICTION), options=course),
+        "dome": lambda: plan(Model.of(ring_dome(), friction=DOME_FRICTION), options=course),
+    }
+    lines = [
+        "| plan | blocks | free | held | propped | contact [s] | stages | stay "
+        "| largest move / size | at | time [s] |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for name in arguments.names or plans:
+        lines.append(replay(name, plans[name](), CONTACT[name]))
+        print(lines[-1], flush=True)
+    if not arguments.names:
+        text = "\n".join(lines)
+        text += f"\n\nMuJoCo {mujoco.__version__}. Measured with {description()}"
+        page = PAGE.read_text(encoding="utf-8")
+        before, _, rest = page.partition("<!-- replay -->")
+        _, _, after = rest.partition("<!-- end replay -->")
+        whole = f"{before}<!-- replay -->\n{text}\n<!-- end replay -->{after}"
+        PAGE.write_text(whole, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

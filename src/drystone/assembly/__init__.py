@@ -1,0 +1,6 @@
+"""What the structure is made of: blocks, and which of them are fixed."""
+
+from drystone.assembly.assembly import Assembly, Blocks
+from drystone.assembly.block import DEFAULT_DENSITY, Block, replace_block
+
+__all__ = ["DEFAULT_DENSITY", "Assembly", "Block", "Blocks", "replace_block"]

@@ -1,0 +1,175 @@
+"""A block: a closed polyhedron with a density."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from drystone.arrays import Floats, frozen, frozen_floats, frozen_points, number, of_type
+from drystone.display import OneLine
+from drystone.errors import InputError
+from drystone.geometry.body.polyhedron import body_mass_properties
+from drystone.geometry.body.surface import closed_surface
+
+DEFAULT_DENSITY = 2400.0
+"""[kg/m3], chosen: dense limestone and plain concrete. Verdicts under self-weight do not depend
+on a common density."""
+
+FLAT = 1e-12
+"""A block whose volume is less than this share of its bounding box diagonal cubed is refused:
+rounding of its coordinates decides the sign."""
+
+SMALLEST = 1e-30
+"""[m], chosen: as far below any block as :data:`drystone.arrays.FARTHEST` is above."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block(OneLine):
+    """A rigid polyhedron, convex or concave, with polygon faces.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops of vertex indices, counter-clockwise seen from outside; concave loops are fine. A face
+        with a hole is given as several faces.
+    name
+        Unique in an assembly.
+    density : [kg/m3]
+    metadata
+        Anything a file says about the block; kept, not used.
+
+    Attributes
+    ----------
+    repairs
+        What had to be mended: faces turned, unused vertices dropped. Empty for a clean block.
+
+    Raises
+    ------
+    InputError
+        Open, non-manifold, self-touching, flat, or not finite; the offending edges are named.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> block = box((1.0, 2.0, 0.5), name="base", density=2000.0)
+    >>> float(block.volume), float(block.mass)
+    (1.0, 2000.0)
+    """
+
+    vertices: Floats
+    faces: tuple[tuple[int, ...], ...]
+    name: str = "block"
+    density: float = DEFAULT_DENSITY
+    metadata: Mapping[str, Any] = field(default_factory=dict)
+    repairs: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = f"block '{self.name}'"
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError("a block needs a name", remedy="give a non-empty string")
+        density = _density(self.density, where)
+        of_type(self.faces, Iterable, f"{where}: faces", "give loops")  # type: ignore[type-abstract]
+        try:
+            vertices = frozen_points(self.vertices, (None, 3), "vertices")
+            surface = closed_surface(self.faces, len(vertices))
+        except InputError as error:
+            raise InputError(error.what, where=where, remedy=error.remedy) from error
+        vertices = frozen(surface.select(vertices))
+        bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
+        extent = math.dist(*bounds.tolist())
+        if 0.0 < extent < SMALLEST:
+            raise InputError(f"it is {extent:.3g} m across", where=where, remedy="give metres")
+        volume, centroid = body_mass_properties(vertices, surface.fan)
+        if abs(volume) <= FLAT * extent**3:
+            raise InputError(
+                f"its volume is zero ({volume:.3g} m3)", where=where, remedy="give it a thickness"
+            )
+        if volume < 0.0:
+            surface, volume = surface.turned(), -volume
+        set_ = object.__setattr__
+        set_(self, "vertices", vertices)
+        set_(self, "faces", surface.loops)
+        set_(self, "density", density)
+        set_(self, "metadata", MappingProxyType(dict(self.metadata)))
+        set_(self, "repairs", (*self.repairs, *surface.notes))
+        set_(self, "volume", volume)
+        set_(self, "centroid", frozen(centroid))
+        set_(self, "bounds", bounds)
+
+    def _summary(self) -> str:
+        return (
+            f"'{self.name}', {len(self.vertices)} vertices, {len(self.faces)} faces, "
+            f"{self.volume:.3g} m3, {self.density:g} kg/m3"
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"metadata": dict(self.metadata)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A block from another process is as read-only as its original."""
+        self.__dict__.update(state | {"metadata": MappingProxyType(state["metadata"])})
+        for value in self.__dict__.values():
+            if isinstance(value, np.ndarray):
+                frozen(value)
+
+    volume: float = field(init=False, repr=False)
+    """[m3]"""
+    centroid: Floats = field(init=False, repr=False)
+    """(3,) [m]"""
+    bounds: Floats = field(init=False, repr=False)
+    """(2, 3) [m], lowest and highest corner of the axis-aligned bounding box."""
+
+    @property
+    def mass(self) -> float:
+        """[kg]"""
+        return self.volume * self.density
+
+    @property
+    def size(self) -> float:
+        """[m], diagonal of the bounding box."""
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+
+    def transformed(self, rotation: Any = None, translation: Any = (0.0, 0.0, 0.0)) -> Block:
+        """The block moved by ``rotation @ x + translation``.
+
+        Parameters
+        ----------
+        rotation : (3, 3), optional
+            Any invertible matrix: a mirror image keeps its faces outwards, a scale scales.
+        translation : (3,) [m]
+        """
+        matrix = np.eye(3) if rotation is None else frozen_floats(rotation, (3, 3), "rotation")
+        with np.errstate(over="ignore", invalid="ignore"):  # what is too far is refused below
+            moved = self.vertices @ matrix.T + frozen_floats(translation, (3,), "translation")
+            mirrored = np.linalg.det(matrix) < 0.0
+        faces = tuple(f[::-1] for f in self.faces) if mirrored else self.faces
+        return Block(moved, faces, self.name, self.density, self.metadata, self.repairs)
+
+    def renamed(self, name: str) -> Block:
+        """The same block under another name."""
+        return replace_block(self, name=name)
+
+
+def replace_block(block: Block, **changes: Any) -> Block:
+    """A copy of ``block`` with some of its arguments changed."""
+    arguments = {
+        key: getattr(block, key)
+        for key in ("vertices", "faces", "name", "density", "metadata", "repairs")
+    }
+    return Block(**(arguments | changes))
+
+
+def _density(value: Any, where: str) -> float:
+    density = number(value, f"{where}: density", finite=False)
+    if not 0.0 < density < float("inf"):
+        raise InputError(f"density is {density}", where=where, remedy="give kg/m3 above zero")
+    return density
+
+
+__all__ = ["DEFAULT_DENSITY", "Block", "replace_block"]

@@ -1,0 +1,1 @@
+"""Joints on curved surfaces as many planar interfaces."""

@@ -1,0 +1,120 @@
+"""Faces as chords of a curved surface: how far they may be from it, and which way it curves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.geometry.body.halfedge import HalfEdges
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.plane.polygon import area_vectors
+
+SMOOTH = np.deg2rad(35.0)
+"""[rad] Neighbouring faces that turn by less approximate a curved surface; chosen, a circle of
+eleven strips or more."""
+FACETED = np.deg2rad(50.0)
+"""[rad] The same for triangles, whose edges run across the curve as they happen to; chosen, above
+the 42 degrees between the faces of an icosahedron."""
+TURNS = np.deg2rad(0.1)
+"""[rad] Neighbouring faces that turn by less say nothing about the way that a surface curves;
+chosen, above the noise of coordinates stored in single precision."""
+
+
+@dataclass(frozen=True)
+class Curvature:
+    """What the neighbours of each patch tell about the surface that it stands for.
+
+    Attributes
+    ----------
+    sag : (p,) [m], distance of the patch from the surface
+    bend : (p,) [rad], angle between them
+    bulges, hollow : (p,) bool
+        Whether the surface curves outwards, or inwards, at the patch or at a neighbour of it.
+    """
+
+    sag: Floats
+    bend: Floats
+    bulges: Bools
+    hollow: Bools
+
+
+def curvature(
+    faces: Faces, edges: HalfEdges, turn: Floats, group: Ints, area: Floats, triangle: Bools
+) -> Curvature:
+    """Curvature at patches, from the turns (h,) [rad] at the half-edges of their faces.
+
+    A strip of width w that turns by t to its neighbours is a chord of a curve that it leaves by
+    w t / 8 in the middle and by the angle t / 2 at its edges. The narrower of two neighbours tells
+    the curve: a chamfer does not make a large face curved. Two triangles may be a warped
+    quadrilateral that the other side of the joint cuts along its other diagonal: there the surfaces
+    are w t apart in the middle, half of it for each (w the mean width of the triangle), and turned
+    against each other by as much as the facets about a corner are against their mean.
+
+    Parameters
+    ----------
+    group : (f,) patch of each face
+    area : (p,) [m2]
+    triangle : (p,) bool
+    """
+    count = len(area)
+    sag, bend = np.zeros(count), np.zeros(count)
+    bulges, hollow = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+    border = group[edges.face] != group[edges.face[edges.twin]]
+    curved = _across_curves(edges, turn, group, triangle)
+    smooth = np.flatnonzero(border & curved)
+    if len(smooth) == 0:
+        return Curvature(sag, bend, bulges, hollow)
+    here, there = group[edges.face[smooth]], group[edges.face[edges.twin[smooth]]]
+    along = faces.point[faces.loop[edges.after[smooth]]] - faces.point[faces.loop[smooth]]
+    length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
+    own = np.minimum(area[here] / length, np.sqrt(area[here]))
+    other = np.minimum(area[there] / length, np.sqrt(area[there]))
+    narrow = np.minimum(own, other)
+    share = narrow / np.where(own > 0.0, own, 1.0)
+    angle = np.abs(turn[smooth])
+    np.maximum.at(sag, here, narrow * angle * np.where(triangle[here], 0.5, 0.125))
+    np.maximum.at(bend, here, 0.5 * angle * share)
+    if triangle[here].any():
+        _turn_to_corners(bend, faces, edges, curved, group, triangle)
+    for way, sign in ((bulges, 1.0), (hollow, -1.0)):
+        turns = sign * turn[smooth] > TURNS
+        way[here[turns]] = True
+        way[here[way[there]]] = True  # once more, to the neighbours
+    return Curvature(sag, bend, bulges, hollow)
+
+
+def _across_curves(edges: HalfEdges, turn: Floats, group: Ints, triangle: Bools) -> Bools:
+    """Whether each half-edge (h,) lies on a smooth surface rather than at a corner of it."""
+    three = triangle[group[edges.face]] & triangle[group[edges.face[edges.twin]]]
+    smooth: Bools = (edges.twin >= 0) & (np.abs(turn) < np.where(three, FACETED, SMOOTH))
+    return smooth
+
+
+def _turn_to_corners(
+    bend: Floats, faces: Faces, edges: HalfEdges, smooth: Bools, group: Ints, triangle: Bools
+) -> None:
+    """Raise the bend (p,) of triangles to their angle to the mean of the facets about a corner.
+
+    The mean weighs by area: slivers say little.
+    """
+    from scipy.sparse import coo_array  # slow to import, and few models need it
+    from scipy.sparse.csgraph import connected_components
+
+    joins = np.flatnonzero(smooth)
+    beside = edges.after[edges.twin[joins]]  # the same corner, in the face across the edge
+    count = len(edges.face)
+    graph = coo_array((np.ones(len(joins)), (joins, beside)), shape=(count, count))
+    fan = connected_components(graph, directed=False)[1]
+    vector = area_vectors(faces.point[faces.loop], faces.start)[edges.face]
+    summed = [np.bincount(fan, vector[:, i]) for i in range(3)]
+    mean: Floats = np.stack(summed, axis=1).astype(np.float64)[fan]
+    sine = np.linalg.norm(np.cross(vector, mean), axis=1)
+    angle = np.arctan2(sine, dot(vector, mean))
+    patch = group[edges.face]
+    chosen = triangle[patch]
+    np.maximum.at(bend, patch[chosen], angle[chosen])
+
+
+__all__ = ["Curvature", "curvature"]

@@ -1,0 +1,117 @@
+"""What is missing of the area of curved joints whose two sides are meshed too differently."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.detection.options import DetectionOptions
+from drystone.detection.report.misses import Judgement
+from drystone.detection.search.candidates import fits
+from drystone.detection.search.nearest import gaps
+from drystone.detection.search.patches import Patches
+from drystone.detection.search.planes import Pieces, Planes
+from drystone.geometry.plane import clip
+
+WORTH = 0.02
+"""Share of the area of a joint that may be missing without a word."""
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """A curved joint of which a part was not found.
+
+    Attributes
+    ----------
+    block_a, block_b
+        Positions, a < b.
+    area : [m2], about what is missing
+    share
+        Of the area of the joint.
+    gap, angle : [-], [deg]
+        Options with which all of it would be found; they may be larger than the options can be.
+    """
+
+    block_a: int
+    block_b: int
+    area: float
+    share: float
+    gap: float
+    angle: float
+
+
+def shortfalls(
+    patches: Patches,
+    planes: Planes,
+    shared: Pieces,
+    found: Pieces,
+    judgement: Judgement,
+    options: DetectionOptions,
+) -> tuple[Shortfall, ...]:
+    """Joints of curved faces in which overlaps were refused on faces that stay bare.
+
+    Parameters
+    ----------
+    shared, found
+        Overlaps of the patches, and those that became contacts.
+    """
+    curved = fits(patches, planes.f, planes.g)
+    if shared.count == 0 or not curved.any():
+        return ()
+    count = len(planes.f)
+    away = np.abs(gaps(planes, shared)) - judgement.slack[shared.row]
+    near = away <= options.search * planes.size[shared.row]
+    area = clip.areas(shared.corner, shared.start)
+    kept = _summed(found.row, clip.areas(found.corner, found.start), count)
+    lost = _summed(shared.row, np.where(near, area, 0.0), count) - kept
+    lost = np.where(curved, np.maximum(lost, 0.0), 0.0)
+    first, second = patches.owner[planes.f], patches.owner[planes.g]
+    keys, pair = np.unique(first * len(patches.size) + second, return_inverse=True)
+    pair = pair.ravel()
+    joint = np.bincount(pair, np.where(curved, kept, 0.0))
+    missing = np.maximum(
+        *(np.bincount(pair, _bare(patches, side, lost, kept)) for side in (planes.f, planes.g))
+    )
+    gap, angle = _needed(planes, shared, judgement, options)
+    result = []
+    for i in np.flatnonzero((joint > 0.0) & (missing > WORTH * (joint + missing))).tolist():
+        mine = (pair == i) & (lost > 1e-3 * lost[pair == i].max())
+        a, b = divmod(int(keys[i]), len(patches.size))
+        share = float(missing[i] / (joint[i] + missing[i]))
+        result.append(
+            Shortfall(
+                a, b, float(missing[i]), share, float(gap[mine].max()), float(angle[mine].max())
+            )
+        )
+    return tuple(result)
+
+
+def _bare(patches: Patches, side: Ints, lost: Floats, kept: Floats) -> Floats:
+    """Lost area (q,) as far as the patch on one side has that much area left."""
+    covered = _summed(side, kept, patches.count)
+    wanted = _summed(side, lost, patches.count)
+    left = np.clip(patches.area - covered, 0.0, wanted)
+    part: Floats = lost * (left / np.where(wanted > 0.0, wanted, 1.0))[side]
+    return part
+
+
+def _summed(row: Ints, area: Floats, count: int) -> Floats:
+    total: Floats = np.bincount(row, area, minlength=count).astype(np.float64)
+    return total
+
+
+def _needed(
+    planes: Planes, shared: Pieces, judgement: Judgement, options: DetectionOptions
+) -> tuple[Floats, Floats]:
+    """The gap (q,) and the angle (q,) [deg] with which pairs of patches would be joined."""
+    row = shared.corner_row
+    most = np.zeros(len(planes.f))
+    np.maximum.at(most, row, np.abs(planes.gap_at(shared.corner, row)))
+    gap = np.maximum((most - judgement.slack) / planes.size, options.gap)
+    angle = np.rad2deg(np.maximum(judgement.angle - judgement.limit, 0.0)) + options.angle
+    return gap, angle
+
+
+__all__ = ["Shortfall", "shortfalls"]

@@ -1,0 +1,315 @@
+"""What the contact search found, what it left out and why, and what would change that."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints
+from drystone.detection.freeform.shortfall import Shortfall
+from drystone.detection.options import DetectionOptions
+from drystone.detection.report.advice import SHOWN, counted, listed, millimetres, suggestions
+from drystone.detection.report.penetration import Penetration
+from drystone.detection.report.reasons import Missed, Reason
+from drystone.display import Card
+from drystone.table import Table
+
+KINDS = {3: "area", 2: "line", 1: "point"}
+"""Names of the kinds of interfaces."""
+
+
+@dataclass(frozen=True)
+class ContactReport(Card):
+    """How the contacts came about.
+
+    Attributes
+    ----------
+    names
+        Of the blocks.
+    options
+    block_a, block_b, face_a, face_b : (m,)
+        Blocks and (first) faces of each interface; -1 where the block touches with an edge or a
+        corner.
+    kind : (m,)
+        3 for an area, 2 for a line, 1 for a point.
+    area : (m,) [m2]
+    gap : (m,) [m]
+        Distance of the faces in the middle of the interface, negative where they overlap.
+    warp : (m,) [m]
+        Largest distance of a face corner from its plane, of the two faces.
+    angle : (m,) [deg]
+        Between the two faces.
+    clipped : (m,) bool
+        Whether the faces are within tolerance on a part of their common area only.
+    merged : (m,)
+        Number of pieces that were merged into the interface.
+    missed
+        Near misses.
+    shortfalls
+        Curved joints of which a part was not found.
+    undirected
+        Pairs that meet along parallel edges or in corners, where no direction can be told.
+    near_undirected
+        Pairs whose parallel edges or corners are near each other, beyond the gap.
+    isolated
+        Blocks that touch nothing.
+    penetrations
+        Blocks that stand in each other.
+    duplicates
+        Pairs of blocks that are the same solid in the same place.
+    parts
+        Blocks that consist of several separate parts, and how many.
+    repairs
+        Per repaired block its position and what was mended.
+    """
+
+    names: tuple[str, ...]
+    options: DetectionOptions
+    block_a: Ints
+    block_b: Ints
+    face_a: Ints
+    face_b: Ints
+    kind: Ints
+    area: Floats
+    gap: Floats
+    warp: Floats
+    angle: Floats
+    clipped: Bools
+    merged: Ints
+    missed: tuple[Missed, ...]
+    shortfalls: tuple[Shortfall, ...]
+    undirected: tuple[tuple[int, int], ...]
+    near_undirected: tuple[tuple[int, int], ...]
+    isolated: tuple[int, ...]
+    penetrations: tuple[Penetration, ...]
+    duplicates: tuple[tuple[int, int], ...]
+    parts: tuple[tuple[int, int], ...]
+    repairs: tuple[tuple[int, str], ...]
+
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        ends = [self.gap.min(), self.gap.max()] if len(self.gap) else []
+        return self._summary(), {
+            "gaps [mm]": " to ".join(millimetres(gap) for gap in ends),
+            "touch nothing": listed([self.names[i] for i in self.isolated]),
+            "suggestions": "; ".join(self.suggestions()),
+        }
+
+    def _summary(self) -> str:
+        apart = len({(miss.block_a, miss.block_b) for miss in self.missed if not miss.joined})
+        return (
+            f"{counted(len(self.names), 'block')}, {counted(len(self.area), 'interface')} in "
+            f"{counted(self.pair_count, 'pair')}, {counted(apart, 'pair')} missed, "
+            f"{counted(len(self.penetrations), 'overlap')}"
+        )
+
+    @property
+    def pair_count(self) -> int:
+        """Number of pairs of blocks that touch."""
+        return len(np.unique(self.block_a * len(self.names) + self.block_b))
+
+    def suggestions(self) -> tuple[str, ...]:
+        """What would join more pairs of blocks that do not touch yet, in plain words."""
+        return suggestions(self)
+
+    def summary(self) -> list[str]:
+        """The report as lines of text."""
+        lines = [f"{counted(len(self.area), 'interface')} in {counted(self.pair_count, 'pair')}"]
+        kinds = Counter(self.kind.tolist())
+        if kinds[2] or kinds[1]:
+            lines[0] += f", {counted(kinds[2], 'line')} and {counted(kinds[1], 'point')} among them"
+        if len(self.gap):
+            lines.append(
+                f"gaps {millimetres(self.gap.min())} to {millimetres(self.gap.max())} mm,"
+                f" warp up to {millimetres(self.warp.max())} mm,"
+                f" angles up to {round(float(self.angle.max()), 6):.3g} degrees"
+            )
+        if self.clipped.any():
+            lines.append(
+                f"{counted(int(self.clipped.sum()), 'interface')} within tolerance on a part only"
+            )
+        if (self.merged > 1).any():
+            many = self.merged > 1
+            lines.append(
+                f"{int(self.merged[many].sum())} pieces merged into"
+                f" {counted(int(many.sum()), 'interface')}"
+            )
+        lines += self._missed_lines()
+        lines += _first(
+            [
+                f"{100.0 * short.share:.2g} % of the curved joint of '{self.names[short.block_a]}'"
+                f" and '{self.names[short.block_b]}' is missed, {short.area:.3g} m2: its two sides"
+                " are meshed too differently"
+                for short in sorted(self.shortfalls, key=lambda joint: -joint.share)
+            ]
+        )
+        if self.undirected:
+            shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
+            lines.append(
+                f"{counted(len(shown), 'pair')} not joined, edge meets edge or corner meets corner"
+                f" and the direction of contact is open: {listed(shown)}"
+            )
+        if self.near_undirected:
+            shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.near_undirected]
+            lines.append(
+                f"{counted(len(shown), 'pair')} not joined, edge near edge or corner near corner:"
+                f" {listed(shown)}"
+            )
+        if self.isolated:
+            lines.append(
+                f"{counted(len(self.isolated), 'block')}"
+                f" {'touches' if len(self.isolated) == 1 else 'touch'} nothing:"
+                f" {listed([self.names[i] for i in self.isolated])}"
+            )
+        deepest = sorted(self.penetrations, key=lambda pair: -pair.depth)
+        lines += _first(
+            [
+                f"blocks '{self.names[deep.block_a]}' and '{self.names[deep.block_b]}'"
+                f" stand {millimetres(deep.depth)} mm in each other"
+                for deep in deepest
+            ]
+        )
+        lines += _first(
+            [
+                f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
+                for a, b in self.duplicates
+            ]
+        )
+        lines += _first(
+            [f"block '{self.names[i]}' consists of {n} separate parts" for i, n in self.parts]
+        )
+        lines += _first([f"block '{self.names[i]}': {what}" for i, what in self.repairs])
+        return lines + [f"suggestion: {text}" for text in self.suggestions()]
+
+    def _missed_lines(self) -> list[str]:
+        apart: dict[Reason, dict[tuple[int, int], Missed]] = {}
+        for miss in self.missed:
+            if not miss.joined:
+                nearest = apart.setdefault(miss.reason, {})
+                pair = (miss.block_a, miss.block_b)
+                if pair not in nearest or _beyond(miss) < _beyond(nearest[pair]):
+                    nearest[pair] = miss
+        lines = []
+        for reason, pairs in apart.items():
+            shown = [
+                f"{self.names[a]}-{self.names[b]}{_by_how_much(miss)}"
+                for (a, b), miss in sorted(pairs.items(), key=lambda item: item[0])
+            ]
+            lines.append(f"{counted(len(pairs), 'pair')} not joined, {reason}: {listed(shown)}")
+        beside = Counter(str(miss.reason) for miss in self.missed if miss.joined)
+        lines += [
+            f"{counted(count, 'overlap')} dropped between blocks that touch elsewhere, {reason}"
+            for reason, count in beside.items()
+        ]
+        return lines
+
+    def table(self) -> Table:
+        """A row per interface: its blocks and faces, its size, and how well they fit."""
+        columns = {
+            "block_a": [self.names[a] for a in self.block_a],
+            "block_b": [self.names[b] for b in self.block_b],
+            "face_a": [_face(face) for face in self.face_a],
+            "face_b": [_face(face) for face in self.face_b],
+            "kind": [KINDS[kind] for kind in self.kind.tolist()],
+            "area": self.area,
+            "gap": self.gap,
+            "warp": self.warp,
+            "angle": self.angle,
+            "clipped": self.clipped,
+            "merged": self.merged,
+        }
+        return Table("interfaces", columns, {"area": "m2", "gap": "m", "warp": "m", "angle": "deg"})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain lists, numbers and strings, for JSON."""
+        name = self.names
+        return {
+            "options": {
+                key: getattr(self.options, key)
+                for key in ("gap", "angle", "warp", "sliver", "merge", "search")
+            }
+            | {"edges": str(self.options.edges)},
+            "pairs": self.pair_count,
+            "interfaces": [
+                {
+                    "blocks": [name[a], name[b]],
+                    "faces": [_face(self.face_a[i]), _face(self.face_b[i])],
+                    "kind": KINDS[int(self.kind[i])],
+                    "area": float(self.area[i]),
+                    "gap": float(self.gap[i]),
+                    "warp": float(self.warp[i]),
+                    "angle": float(self.angle[i]),
+                    "clipped": bool(self.clipped[i]),
+                    "merged": int(self.merged[i]),
+                }
+                for i, (a, b) in enumerate(
+                    zip(self.block_a.tolist(), self.block_b.tolist(), strict=True)
+                )
+            ],
+            "missed": [
+                {
+                    "blocks": [name[m.block_a], name[m.block_b]],
+                    "faces": [_face(m.face_a), _face(m.face_b)],
+                    "reason": str(m.reason),
+                    "gap": m.gap,
+                    "angle": m.angle,
+                    "area": m.area,
+                    "needed": None if np.isnan(m.needed) else m.needed,
+                    "polygon": m.polygon.tolist(),
+                    "joined": m.joined,
+                }
+                for m in self.missed
+            ],
+            "shortfalls": [
+                {
+                    "blocks": [name[short.block_a], name[short.block_b]],
+                    "area": short.area,
+                    "share": short.share,
+                    "gap": short.gap,
+                    "angle": short.angle,
+                }
+                for short in self.shortfalls
+            ],
+            "undirected": [[name[a], name[b]] for a, b in self.undirected],
+            "near_undirected": [[name[a], name[b]] for a, b in self.near_undirected],
+            "isolated": [name[i] for i in self.isolated],
+            "penetrations": [
+                {"blocks": [name[p.block_a], name[p.block_b]], "depth": p.depth}
+                for p in self.penetrations
+            ],
+            "duplicates": [[name[a], name[b]] for a, b in self.duplicates],
+            "parts": [{"block": name[i], "count": count} for i, count in self.parts],
+            "repairs": [{"block": name[i], "what": what} for i, what in self.repairs],
+            "suggestions": list(self.suggestions()),
+        }
+
+
+def _beyond(miss: Missed) -> float:
+    """By what a near miss is worse than another of its reason."""
+    return miss.angle if miss.reason is Reason.ANGLE else abs(miss.gap)
+
+
+def _by_how_much(miss: Missed) -> str:
+    """The distance or the angle that kept two faces apart."""
+    if miss.reason is Reason.ANGLE:
+        return f" ({miss.angle:.3g} degrees)"
+    if miss.reason in (Reason.GAP, Reason.OVERLAP):
+        return f" ({millimetres(abs(miss.gap))} mm)"
+    return ""
+
+
+def _face(number: Any) -> int | None:
+    """A face number; none for the side of a contact that is an edge or a corner."""
+    return int(number) if number >= 0 else None
+
+
+def _first(lines: list[str]) -> list[str]:
+    """The first of several lines of one kind."""
+    more = [f"and {len(lines) - SHOWN} more like this"] if len(lines) > SHOWN else []
+    return lines[:SHOWN] + more
+
+
+__all__ = ["ContactReport", "Missed", "Penetration", "Reason"]

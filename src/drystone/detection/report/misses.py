@@ -1,0 +1,166 @@
+"""Which overlaps count as contacts, and why the others do not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints
+from drystone.detection.options import DetectionOptions
+from drystone.detection.report.reasons import Missed, Reason
+from drystone.detection.search.candidates import granted_to
+from drystone.detection.search.interfaces import Interfaces, angles, from_pieces
+from drystone.detection.search.nearest import gaps
+from drystone.detection.search.patches import Patches
+from drystone.detection.search.planes import Pieces, Planes, widths
+from drystone.geometry.plane import clip
+
+EXPLAINED = 0.9
+"""A face of which this share is in contact already misses nothing; chosen."""
+NOTABLE = 0.02
+"""Missed overlaps narrower than this share of the block size are not worth a word; chosen."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What the tolerances say of every overlap.
+
+    Attributes
+    ----------
+    tolerance : (q,) [m] granted to each pair of patches
+    slack : (q,) [m] the part of it that is due to warp and curvature
+    angle : (q,) [rad]
+    limit : (q,) [rad]
+    accepted : (s,) overlaps that are contacts, at least in part
+    partial : (q,) whether only a part is within tolerance
+    too_far, too_deep, too_steep, too_warped : (s,)
+    """
+
+    tolerance: Floats
+    slack: Floats
+    angle: Floats
+    limit: Floats
+    accepted: Bools
+    partial: Bools
+    too_far: Bools
+    too_deep: Bools
+    too_steep: Bools
+    too_warped: Bools
+
+
+def judge(patches: Patches, planes: Planes, shared: Pieces, options: DetectionOptions) -> Judgement:
+    """Hold every overlap against the tolerances."""
+    f, g = planes.f, planes.g
+    granted, turned = granted_to(patches, f, g, options)
+    tolerance = options.gap * planes.size + granted
+    angle = angles(patches, f, g)
+    limit = np.deg2rad(options.angle) + turned
+    corner_row = shared.corner_row
+    gap = planes.gap_at(shared.corner, corner_row)
+    if shared.count:
+        least = np.minimum.reduceat(gap - tolerance[corner_row], shared.start[:-1])
+        most = np.maximum.reduceat(gap + tolerance[corner_row], shared.start[:-1])
+        over = np.maximum.reduceat(np.abs(gap) - tolerance[corner_row], shared.start[:-1])
+    else:
+        least = most = over = np.zeros(0)
+    row = shared.row
+    too_far, too_deep = least > 0.0, most < 0.0
+    too_steep = (angle > limit)[row]
+    most_warp = np.maximum(patches.warp[f], patches.warp[g])
+    too_warped = (most_warp > options.warp * planes.size)[row]
+    accepted = ~(too_far | too_deep | too_steep | too_warped)
+    partial = np.zeros(len(f), dtype=bool)
+    partial[row[over > 0.0]] = True
+    return Judgement(
+        tolerance,
+        granted,
+        angle,
+        limit,
+        accepted,
+        partial,
+        too_far,
+        too_deep,
+        too_steep,
+        too_warped,
+    )
+
+
+def dropped(
+    patches: Patches, planes: Planes, pieces: Pieces, found: Pieces, reason: Reason
+) -> list[Missed]:
+    """Overlaps within all tolerances that were left out for another reason."""
+    interfaces = from_pieces(patches, planes, pieces, np.zeros(len(planes.f), dtype=bool))
+    joined = np.isin(_pair_keys(patches, planes, pieces), _pair_keys(patches, planes, found))
+    return [
+        _missed(interfaces, i, reason, float("nan"), bool(joined[i]), patches.origin)
+        for i in range(interfaces.count)
+    ]
+
+
+def misses(
+    patches: Patches,
+    planes: Planes,
+    shared: Pieces,
+    found: Pieces,
+    judgement: Judgement,
+    options: DetectionOptions,
+) -> list[Missed]:
+    """Near misses: overlaps of faces that nothing else touches, just beyond a tolerance."""
+    refused = ~judgement.accepted & (widths(shared) > NOTABLE * planes.size[shared.row])
+    if not refused.any():
+        return []
+    covered = np.zeros(patches.count)
+    area = clip.areas(found.corner, found.start)
+    np.add.at(covered, planes.f[found.row], area)
+    np.add.at(covered, planes.g[found.row], area)
+    explained = covered >= EXPLAINED * patches.area
+    row = shared.row
+    refused &= ~(explained[planes.f] | explained[planes.g])[row]
+    near = np.abs(gaps(planes, shared)) - judgement.slack[row]
+    near /= planes.size[row]
+    refused &= near <= options.search
+    chosen = shared.select(refused)
+    interfaces = from_pieces(patches, planes, chosen, judgement.partial)
+    joined = np.isin(_pair_keys(patches, planes, chosen), _pair_keys(patches, planes, found))
+    excess = np.rad2deg(judgement.angle - judgement.limit)[chosen.row] + options.angle
+    result = []
+    for i, piece in enumerate(np.flatnonzero(refused).tolist()):
+        if judgement.too_warped[piece]:
+            reason, needed = Reason.WARP, float("nan")
+        elif judgement.too_steep[piece]:
+            far = judgement.too_far[piece] or judgement.too_deep[piece]
+            reason, needed = Reason.ANGLE, float("nan") if far else float(excess[i])
+        else:
+            reason = Reason.GAP if judgement.too_far[piece] else Reason.OVERLAP
+            needed = float(near[piece])
+        result.append(_missed(interfaces, i, reason, needed, bool(joined[i]), patches.origin))
+    return result
+
+
+def _pair_keys(patches: Patches, planes: Planes, pieces: Pieces) -> Ints:
+    count = len(patches.size)
+    owner = patches.owner
+    keys: Ints = owner[planes.f[pieces.row]] * count + owner[planes.g[pieces.row]]
+    return keys
+
+
+def _missed(
+    interfaces: Interfaces, i: int, reason: Reason, needed: float, joined: bool, origin: Floats
+) -> Missed:
+    return Missed(
+        block_a=int(interfaces.block_a[i]),
+        block_b=int(interfaces.block_b[i]),
+        face_a=int(interfaces.face_a[i]),
+        face_b=int(interfaces.face_b[i]),
+        reason=reason,
+        gap=float(interfaces.gap[i]),
+        angle=float(interfaces.angle[i]),
+        area=float(interfaces.area[i]),
+        needed=needed,
+        polygon=interfaces.point[interfaces.start[i] : interfaces.start[i + 1]] + origin,
+        joined=joined,
+    )
+
+
+__all__ = ["Judgement", "dropped", "judge", "misses"]

@@ -1,0 +1,63 @@
+"""Near misses: faces that nearly touch, and why they were not joined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from drystone.arrays import Floats
+from drystone.display import OneLine
+
+
+class Reason(StrEnum):
+    """Why two faces that nearly touch were not joined."""
+
+    GAP = "too far apart"
+    OVERLAP = "too deep in each other"
+    ANGLE = "not parallel enough"
+    WARP = "too warped"
+    SLIVER = "overlap too narrow"
+    HIDDEN = "another block lies between"
+
+
+@dataclass(frozen=True)
+class Missed(OneLine):
+    """Two faces that nearly touch, and were not joined.
+
+    Attributes
+    ----------
+    block_a, block_b
+        Positions, a < b.
+    face_a, face_b
+        Numbers of the faces in their blocks; the first where coplanar faces were merged, -1 for an
+        edge or a corner.
+    reason
+    gap : [m]
+        Smallest distance over the shared area, negative where they overlap.
+    angle : [deg]
+    area : [m2]
+        Shared area in projection; zero for an edge or a corner.
+    needed
+        What ``gap`` (for ``Reason.GAP`` and ``OVERLAP``) or ``angle`` [deg] (for ``ANGLE``) of the
+        options would join them; NaN for other reasons.
+    polygon : (c, 3) [m]
+        The shared area, halfway between the faces; a band across the gap where an edge nearly
+        touches, two points across it where a corner does.
+    joined
+        Whether the two blocks touch elsewhere.
+    """
+
+    block_a: int
+    block_b: int
+    face_a: int
+    face_b: int
+    reason: Reason
+    gap: float
+    angle: float
+    area: float
+    needed: float
+    polygon: Floats
+    joined: bool
+
+
+__all__ = ["Missed", "Reason"]

@@ -1,0 +1,1 @@
+"""Which faces of blocks touch, and where."""

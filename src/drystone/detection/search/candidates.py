@@ -1,0 +1,170 @@
+"""Which patches may touch: near each other, and facing each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.detection.options import DetectionOptions
+from drystone.detection.search.patches import Patches
+from drystone.geometry import boxes
+
+MISSED_ANGLE = np.deg2rad(10.0)
+"""[rad] Patches that exceed the angle tolerance by less are reported as near misses."""
+WIDEST_ANGLE = np.deg2rad(50.0)
+"""[rad] Patches that face each other less than this never touch, however curved they are; chosen
+below the 60 degrees between the sides of a tetrahedral notch."""
+MANY = 4096
+"""Patch pairs of two blocks above which a grid finds the near ones."""
+
+Pairs = tuple[Ints, Ints]
+
+
+def most_slack(patches: Patches, options: DetectionOptions) -> Floats:
+    """(p,) [m] that may be granted on top of the gap: warp and sag, as far as it is tolerated."""
+    granted: Floats = np.minimum(patches.warp + patches.sag, _tolerated(patches, options))
+    return granted
+
+
+def warp_slack(patches: Patches, options: DetectionOptions) -> Floats:
+    """(p,) [m] granted on top of the gap for warp, whatever lies opposite."""
+    granted: Floats = np.minimum(patches.warp, _tolerated(patches, options))
+    return granted
+
+
+def _tolerated(patches: Patches, options: DetectionOptions) -> Floats:
+    most: Floats = options.warp * patches.size[patches.owner]
+    return most
+
+
+def fits(patches: Patches, f: Ints, g: Ints) -> Bools:
+    """(q,) whether facing patches may be chords of one curved surface: one bulges, one is hollow.
+
+    What a curve leaves open is granted to such patches only: a roller on a plane, or two rollers
+    side by side, are no curved joint.
+    """
+    one: Bools = patches.bulges[f] & patches.hollow[g]
+    other: Bools = patches.hollow[f] & patches.bulges[g]
+    return one | other
+
+
+def granted_to(
+    patches: Patches, f: Ints, g: Ints, options: DetectionOptions
+) -> tuple[Floats, Floats]:
+    """Distance (q,) [m] and angle (q,) [rad] granted to pairs of patches above the tolerances."""
+    curved = fits(patches, f, g)
+    flat, most = warp_slack(patches, options), most_slack(patches, options)
+    distance: Floats = np.where(curved, most[f] + most[g], flat[f] + flat[g])
+    angle: Floats = patches.tilt[f] + patches.tilt[g]
+    angle = angle + np.where(curved, patches.bend[f] + patches.bend[g], 0.0)
+    return distance, angle
+
+
+def reach(options: DetectionOptions) -> float:
+    """How far apart pairs are looked at, relative to the block size."""
+    return max(options.gap, options.search)
+
+
+def near_blocks(patches: Patches, options: DetectionOptions) -> Pairs:
+    """Blocks (a < b) whose boxes come within reach of each other."""
+    start = patches.first_patch[:-1]
+    most = np.maximum.reduceat(most_slack(patches, options), start)
+    margin = (0.5 * reach(options) * patches.size + most)[:, None]
+    low, high = block_boxes(patches)
+    return boxes.overlapping(low - margin, high + margin)
+
+
+def block_boxes(patches: Patches) -> tuple[Floats, Floats]:
+    """Lowest and highest corner (n, 3) of each block [m], relative to the patches' origin."""
+    start = patches.first_patch[:-1]
+    low: Floats = np.minimum.reduceat(patches.low, start, axis=0)
+    high: Floats = np.maximum.reduceat(patches.high, start, axis=0)
+    return low, high
+
+
+def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) -> Pairs:
+    """Patches f of the first and g of the second block of each pair that may touch.
+
+    They look at each other within the widest angle in question, and their boxes come within reach.
+    """
+    a, b = pairs
+    reach_of_pair = reach(options) * np.minimum(patches.size[a], patches.size[b])
+    granted = most_slack(patches, options)
+    most = np.maximum.reduceat(granted, patches.first_patch[:-1])
+    one = _patches_near(patches, a, b, reach_of_pair + most[a] + most[b])
+    other = _patches_near(patches, b, a, reach_of_pair + most[a] + most[b])
+    f, g = _products(patches, one, other, len(a), reach_of_pair + most[a] + most[b])
+    limit = np.deg2rad(options.angle) + MISSED_ANGLE + granted_to(patches, f, g, options)[1]
+    limit[fits(patches, f, g)] = WIDEST_ANGLE  # what a curved joint lacks is told
+    cosine = -dot(patches.normal[f], patches.normal[g])
+    keep = cosine >= np.cos(np.minimum(limit, WIDEST_ANGLE))
+    f, g = f[keep], g[keep]
+    smaller = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
+    margin = (reach(options) * smaller + granted[f] + granted[g])[:, None]
+    keep = boxes.touching(
+        patches.low[f] - margin, patches.high[f] + margin, patches.low[g], patches.high[g]
+    )
+    return f[keep], g[keep]
+
+
+def _patches_near(patches: Patches, block: Ints, other: Ints, margin: Floats) -> Pairs:
+    """Pair and patch of every patch of a block that is near the other block and looks at it."""
+    low, high = block_boxes(patches)
+    first = patches.first_patch
+    pair, patch = boxes.expand(first[block], first[block + 1] - first[block])
+    for axis in range(3):  # most are far away along some axis: they are not looked at again
+        below = (low[:, axis][other] - margin)[pair]
+        above = (high[:, axis][other] + margin)[pair]
+        near = (patches.high[:, axis][patch] >= below) & (patches.low[:, axis][patch] <= above)
+        pair, patch = pair[near], patch[near]
+    looks = _looks_at(patches, patch, other[pair], margin[pair], low, high)
+    return pair[looks], patch[looks]
+
+
+def _looks_at(
+    patches: Patches, patch: Ints, other: Ints, margin: Floats, low: Floats, high: Floats
+) -> Bools:
+    """Whether some of the other block's box lies in front of the patch."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    normal = patches.normal[patch]
+    ahead = dot(middle[other] - patches.centre[patch], normal)
+    ahead += dot(half[other], np.abs(normal))
+    looks: Bools = ahead >= -margin
+    return looks
+
+
+def _products(patches: Patches, one: Pairs, other: Pairs, count: int, margin: Floats) -> Pairs:
+    """Every patch of one side with every patch of the other, pair by pair."""
+    pair_f, f = one
+    pair_g, g = other
+    begin = np.searchsorted(pair_g, np.arange(count + 1))
+    per_pair = np.diff(begin)
+    product = np.bincount(pair_f, minlength=count) * per_pair
+    large = product > MANY
+    small = np.flatnonzero(~large[pair_f])
+    source, place = boxes.expand(begin[pair_f[small]], per_pair[pair_f[small]])
+    found_f, found_g = [f[small][source]], [g[place]]
+    for pair in np.flatnonzero(large):
+        mine, theirs = f[pair_f == pair], g[pair_g == pair]
+        i, j = boxes.between(
+            patches.low[mine] - margin[pair],
+            patches.high[mine] + margin[pair],
+            patches.low[theirs],
+            patches.high[theirs],
+        )
+        found_f.append(mine[i])
+        found_g.append(theirs[j])
+    return np.concatenate(found_f), np.concatenate(found_g)
+
+
+__all__ = [
+    "Pairs",
+    "block_boxes",
+    "facing_patches",
+    "fits",
+    "granted_to",
+    "most_slack",
+    "near_blocks",
+    "reach",
+    "warp_slack",
+]

@@ -1,0 +1,98 @@
+"""Coplanar neighbours among the faces of blocks: which continue each other, and their outline."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints, cross, dot
+from drystone.geometry.body.halfedge import HalfEdges, joined_faces, outlines
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.plane.polygon import area_vectors, following
+
+FLAT = np.deg2rad(0.1)
+"""[rad] Neighbouring faces that turn by less may be one polygon cut up; chosen, above the noise of
+coordinates stored in single precision."""
+PLANAR = 1e-4
+"""They are one polygon when no corner lies farther from its plane than this share of the block
+size; chosen, so that a finely meshed curve is not flattened."""
+STRAIGHT = 1e-9
+"""A corner nearer than this share of the block size to the line of its neighbours is no corner."""
+
+
+def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:
+    """Group (f,) of each face, numbered by first face: coplanar neighbours share one."""
+    flat = (edges.twin >= 0) & (np.abs(turn) < FLAT)
+    if not flat.any():
+        return np.arange(faces.count, dtype=np.intp)
+    group = joined_faces(edges, flat, faces.count)
+    many = np.bincount(group)[group] > 1
+    corner_face = edges.face
+    point = faces.point[faces.loop]
+    weight = area_vectors(point, faces.start)
+    total = _summed(weight, group, int(group.max()) + 1)
+    normal = unit_rows(total, np.linalg.norm(total, axis=1))
+    corner_group = group[corner_face]
+    share = np.bincount(corner_group)
+    middle = _summed(point, corner_group, len(share)) / share[:, None]
+    height = np.abs(dot(point - middle[corner_group], normal[corner_group]))
+    worst = np.zeros(len(share))
+    np.maximum.at(worst, corner_group, height)
+    keep = many & (worst[group] <= PLANAR * size[faces.owner])
+    apart = np.where(keep, group, len(share) + np.arange(faces.count))
+    _, first, label = np.unique(apart, return_index=True, return_inverse=True)
+    rank = np.empty(len(first), dtype=np.intp)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return rank[label.ravel()]
+
+
+def rings_of(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Vertex loops, their starts, the patch of each ring, the first face of each patch."""
+    number, face = np.unique(group, return_index=True)
+    if len(number) == faces.count:
+        return faces.loop, faces.start, group, face.astype(np.intp)
+    loop, start, owner = outlines(faces, edges, group)
+    vectors = area_vectors(faces.point[loop], start)
+    whole = area_vectors(faces.point[faces.loop], faces.start)
+    total = _summed(whole, group, len(number))
+    hole = -dot(vectors, total[owner])  # outlines run along their patch, holes against
+    order = np.lexsort((hole, owner))
+    length = np.diff(start)
+    begin = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
+    source = np.repeat(start[order] - begin[:-1], length[order]) + np.arange(len(loop))
+    return loop[source], begin, owner[order], face.astype(np.intp)
+
+
+def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats, Ints]:
+    """Rings less the corners on a straight line, left over where faces were merged."""
+    while True:
+        after = following(start)
+        before = np.empty_like(after)
+        before[after] = np.arange(len(after))
+        ring = np.repeat(np.arange(len(start) - 1), np.diff(start))
+        chord = corner[after] - corner[before]
+        length = np.linalg.norm(chord, axis=1)
+        off = np.linalg.norm(cross(chord, corner - corner[before]), axis=1)
+        straight = off <= STRAIGHT * size[ring] * length
+        straight &= ~straight[before]  # neighbours one after the other
+        straight &= (np.diff(start) > 3)[ring]
+        if not straight.any():
+            return corner, start
+        lost = np.bincount(ring, straight, minlength=len(start) - 1).astype(np.intp)
+        start = np.concatenate([[0], np.cumsum(np.diff(start) - lost)]).astype(np.intp)
+        corner = corner[~straight]
+
+
+def unit_rows(vectors: Floats, length: Floats) -> Floats:
+    """Vectors (r, 3) by their length (r,); zero where that is."""
+    safe = np.where(length > 0.0, length, 1.0)[:, None]
+    unit: Floats = np.where(length[:, None] > 0.0, vectors / safe, 0.0)
+    return unit
+
+
+def _summed(values: Floats, group: Ints, count: int) -> Floats:
+    """Sum (count, 3) of the rows of each group."""
+    columns = [np.bincount(group, values[:, i], minlength=count) for i in range(3)]
+    return np.stack(columns, axis=1).astype(np.float64)
+
+
+__all__ = ["STRAIGHT", "coplanar_groups", "rings_of", "unit_rows", "without_straight"]

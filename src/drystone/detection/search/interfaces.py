@@ -1,0 +1,148 @@
+"""Interfaces on their way to contacts, each with how it came about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.contacts import Contacts, check_friction
+from drystone.detection.search.nearest import gaps
+from drystone.detection.search.patches import Patches
+from drystone.detection.search.planes import Pieces, Planes
+from drystone.geometry.boxes import expand
+from drystone.geometry.plane import clip
+
+
+@dataclass(frozen=True)
+class Interfaces:
+    """Polygons, lines and points between blocks.
+
+    Letters: m interfaces, k corners.
+
+    Attributes
+    ----------
+    block_a, block_b, face_a, face_b : (m,)
+        Blocks (a < b) and the numbers of their faces.
+    frame : (m, 3, 3) rows n, u, v; n from a to b
+    point : (k, 3) [m]
+    start : (m + 1,) corners of each
+    area : (m,) [m2]
+    gap : (m,) [m]
+    warp : (m,) [m]
+    angle : (m,) [deg]
+    clipped : (m,) bool
+    merged : (m,) number of pieces
+    size : (m,) [m], of the smaller block
+    """
+
+    block_a: Ints
+    block_b: Ints
+    face_a: Ints
+    face_b: Ints
+    frame: Floats
+    point: Floats
+    start: Ints
+    area: Floats
+    gap: Floats
+    warp: Floats
+    angle: Floats
+    clipped: Bools
+    merged: Ints
+    size: Floats
+
+    @property
+    def count(self) -> int:
+        """Number of interfaces, m."""
+        return len(self.area)
+
+    def flat(self) -> Floats:
+        """Corners (k, 2) in (u, v) about the first corner of their interface."""
+        owner = np.repeat(np.arange(self.count), np.diff(self.start))
+        local = self.point - self.point[self.start[owner]]
+        flat: Floats = np.einsum("kij,kj->ki", self.frame[owner, 1:], local)
+        return flat
+
+    def take(self, order: Ints) -> Interfaces:
+        """Some of the interfaces in a given order."""
+        length = np.diff(self.start)[order]
+        corner = expand(self.start[order], length)[1]
+        values = {f.name: getattr(self, f.name)[order] for f in fields(self) if f.name not in OWN}
+        start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+        return Interfaces(point=self.point[corner], start=start, **values)
+
+    def ordered(self) -> Interfaces:
+        """By blocks, then faces; pieces of one pair of faces keep their order."""
+        return self.take(np.lexsort((self.face_b, self.face_a, self.block_b, self.block_a)))
+
+    def contacts(self, origin: Floats, friction: float) -> Contacts:
+        """As contacts in the frame whose ``origin`` the points are relative to."""
+        owner = np.repeat(np.arange(self.count, dtype=np.intp), np.diff(self.start))
+        return Contacts(
+            self.block_a,
+            self.block_b,
+            self.frame,
+            self.area,
+            check_friction(friction, self.count),
+            self.point + origin,
+            owner,
+        )
+
+
+OWN = ("point", "start")
+"""Fields of :class:`Interfaces` with a row per corner instead of a row per interface."""
+
+
+def joined(parts: list[Interfaces]) -> Interfaces:
+    """Several lists of interfaces, one after another."""
+    values = {
+        f.name: np.concatenate([getattr(part, f.name) for part in parts])
+        for f in fields(Interfaces)
+        if f.name != "start"
+    }
+    length = np.concatenate([np.diff(part.start) for part in parts])
+    start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    return Interfaces(start=start, **values)
+
+
+def from_pieces(patches: Patches, planes: Planes, pieces: Pieces, clipped: Bools) -> Interfaces:
+    """Interfaces of overlapping patches.
+
+    Parameters
+    ----------
+    clipped : (q,) per plane
+    """
+    row = pieces.row
+    f, g = planes.f[row], planes.g[row]
+    of_corner = pieces.corner_row
+    point = planes.origin[of_corner]
+    for axis in (0, 1):
+        point = point + pieces.corner[:, axis : axis + 1] * planes.frame[of_corner, axis + 1]
+    return Interfaces(
+        block_a=patches.owner[f],
+        block_b=patches.owner[g],
+        face_a=patches.face[f],
+        face_b=patches.face[g],
+        frame=planes.frame[row],
+        point=point,
+        start=pieces.start,
+        area=clip.areas(pieces.corner, pieces.start),
+        gap=gaps(planes, pieces),
+        warp=np.maximum(patches.warp[f], patches.warp[g]),
+        angle=np.rad2deg(angles(patches, f, g)),
+        clipped=clipped[row],
+        merged=np.ones(len(row), dtype=np.intp),
+        size=planes.size[row],
+    )
+
+
+def angles(patches: Patches, f: Ints, g: Ints) -> Floats:
+    """Angle (q,) [rad] between facing patches, exact for small ones."""
+    apart = patches.normal[f] + patches.normal[g]
+    half = np.minimum(0.5 * np.sqrt(dot(apart, apart)), 1.0)
+    angle: Floats = 2.0 * np.arcsin(half)
+    return angle
+
+
+__all__ = ["Interfaces", "angles", "from_pieces", "joined"]

@@ -1,0 +1,178 @@
+"""The area that two facing patches share, in the plane halfway between them."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+import shapely
+
+from drystone.arrays import Bools, Floats, Ints
+from drystone.detection.search.patches import Patches
+from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
+from drystone.geometry.boxes import expand
+from drystone.geometry.plane import clip, planar
+from drystone.geometry.plane.polygon import following
+
+NEGLIGIBLE = 0.02
+"""Overlaps narrower than this share of another of the same patch and blocks are noise; chosen, so
+that areas are kept to 2 %."""
+BATCH = 400_000
+"""Corners of padded polygons worked on at a time, chosen: bounds the memory to some 100 MB."""
+
+Rings: TypeAlias = tuple[Floats, Ints, Ints]
+"""Corners (l, 2), ring starts (r + 1,) and the row of each ring (r,), ascending."""
+
+
+def overlaps(patches: Patches, planes: Planes) -> Pieces:
+    """Areas that the projections of the two patches of each pair share, without holes.
+
+    Overlaps no wider than rounding are left out.
+    """
+    one = _projected(patches, planes, planes.f, reverse=False)
+    other = _projected(patches, planes, planes.g, reverse=True)
+    convex = patches.convex[planes.f] & patches.convex[planes.g]
+    return tidy(_shared(one, other, convex), planes)
+
+
+def _projected(patches: Patches, planes: Planes, patch: Ints, *, reverse: bool) -> Rings:
+    """Rings of one patch per plane, in the plane, outlines counter-clockwise."""
+    rings = np.diff(patches.first_ring)[patch]
+    row, ring = expand(patches.first_ring[patch], rings)
+    length = np.diff(patches.ring_start)[ring]
+    of_corner, corner = expand(patches.ring_start[ring], length)
+    start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    if reverse:
+        corner = corner[(start[:-1] + start[1:] - 1)[of_corner] - np.arange(len(corner))]
+    return planes.flat(patches.corner[corner], row[of_corner]), start, row
+
+
+def _shared(one: Rings, other: Rings, convex: Bools) -> Pieces:
+    """Intersections of regions, row by row; ``convex`` where both are one convex ring."""
+    parts = []
+    for size in _size_classes(one, other, convex):
+        polygons = clip.intersect_convex(_padded(one, size), _padded(other, size))
+        corner, start = clip.flatten(polygons)
+        parts.append(Pieces(corner, start, size))
+    rest = np.flatnonzero(~convex)
+    if len(rest):
+        shapes = planar.overlay(shapely.intersection, _regions(one, rest), _regions(other, rest))
+        corner, start, row = planar.pieces_of(shapes)
+        parts.append(Pieces(corner, start, rest[row]))
+    return merged(parts)
+
+
+def _size_classes(one: Rings, other: Rings, convex: Bools) -> list[Ints]:
+    """Rows of convex pairs with about as many corners, so that padding wastes little."""
+    rows = np.flatnonzero(convex)
+    if len(rows) == 0:
+        return []
+    count = np.maximum(_corner_count(one, rows), _corner_count(other, rows))
+    grade = np.ceil(np.log2(count)).astype(np.intp)
+    classes = []
+    for each in np.unique(grade):
+        mine = rows[grade == each]
+        step = max(BATCH // 2 ** int(each), 1)
+        classes += [mine[i : i + step] for i in range(0, len(mine), step)]
+    return classes
+
+
+def _corner_count(rings: Rings, rows: Ints) -> Ints:
+    return np.diff(rings[1])[np.searchsorted(rings[2], rows)]
+
+
+def _padded(rings: Rings, rows: Ints) -> clip.Padded:
+    corner, start, row = rings
+    ring = np.searchsorted(row, rows)
+    return clip.pad(corner, start[ring], np.diff(start)[ring])
+
+
+def _regions(rings: Rings, rows: Ints) -> planar.Regions:
+    """Shapely regions of some rows."""
+    corner, start, row = rings
+    first, last = np.searchsorted(row, rows), np.searchsorted(row, rows, side="right")
+    region, ring = expand(first, last - first)
+    length = np.diff(start)[ring]
+    picked = expand(start[ring], length)[1]
+    begin = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    return planar.regions(corner[picked], begin, region)
+
+
+def _is_convex(corner: Floats, start: Ints) -> Bools:
+    edge = corner[following(start)] - corner
+    after = edge[following(start)]
+    turn = edge[:, 0] * after[:, 1] - edge[:, 1] * after[:, 0]
+    convex: Bools = np.logical_and.reduceat(turn >= 0.0, start[:-1])
+    return convex
+
+
+def negligible(patches: Patches, planes: Planes, pieces: Pieces) -> Bools:
+    """Whether each polygon is a sliver beside a wide one of the same patch and the same blocks.
+
+    Rounded coordinates let a patch overlap the neighbours of the one that it matches.
+    """
+    width = widths(pieces)
+    f, g = planes.f[pieces.row], planes.g[pieces.row]
+    widest = np.zeros(pieces.count)
+    for patch, other in ((f, patches.owner[g]), (g, patches.owner[f])):
+        _, key = np.unique(patch * len(patches.size) + other, return_inverse=True)
+        most = np.zeros(pieces.count)
+        np.maximum.at(most, key, width)
+        widest = np.maximum(widest, most[key])
+    spare: Bools = width < NEGLIGIBLE * widest
+    return spare
+
+
+def within(pieces: Pieces, planes: Planes, tolerance: Floats) -> Pieces:
+    """The part of each polygon in which the gap stays within a tolerance.
+
+    Parameters
+    ----------
+    tolerance : (q,) [m] per plane
+    """
+    row = pieces.corner_row
+    over = np.abs(planes.gap_at(pieces.corner, row)) > tolerance[row]
+    piece = np.repeat(np.arange(pieces.count), np.diff(pieces.start))
+    beyond = np.bincount(piece, over, minlength=pieces.count) > 0
+    if not beyond.any():
+        return pieces
+    part = pieces.select(beyond)
+    band = _bands(part, planes, tolerance)
+    clipped = _shared(
+        (part.corner, part.start, np.arange(part.count)),
+        band,
+        _is_convex(part.corner, part.start),
+    )
+    inside = Pieces(clipped.corner, clipped.start, part.row[clipped.row])
+    return tidy(merged([pieces.select(~beyond), inside]), planes)
+
+
+def _bands(pieces: Pieces, planes: Planes, tolerance: Floats) -> Rings:
+    """A rectangle per polygon, in which the gap is within the tolerance and nothing is lost."""
+    slope = planes.slope[pieces.row]
+    steep = np.hypot(slope[:, 0], slope[:, 1])
+    apart = steep * 1e9 * planes.size[pieces.row] < np.abs(planes.gap[pieces.row])
+    safe = np.where(apart, 1.0, steep)
+    along = np.where(apart[:, None], [1.0, 0.0], slope / safe[:, None])
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    # where the planes are parallel the gap is too large everywhere: the band is far away
+    offset = np.where(apart, 1e9 * planes.size[pieces.row], -planes.gap[pieces.row] / safe)
+    half = tolerance[pieces.row] / safe
+    piece = np.repeat(np.arange(pieces.count), np.diff(pieces.start))
+    far = np.zeros(pieces.count)
+    np.maximum.at(far, piece, np.abs(pieces.corner).sum(axis=1))
+    near, away = offset - half, offset + half
+    corner = np.stack(
+        [
+            near[:, None] * along - far[:, None] * across,
+            away[:, None] * along - far[:, None] * across,
+            away[:, None] * along + far[:, None] * across,
+            near[:, None] * along + far[:, None] * across,
+        ],
+        axis=1,
+    ).reshape(-1, 2)
+    count = np.arange(pieces.count + 1, dtype=np.intp)
+    return corner, 4 * count, count[:-1]
+
+
+__all__ = ["negligible", "overlaps", "within"]

@@ -1,0 +1,232 @@
+"""The faces of an assembly as planar patches: coplanar neighbours merged, deviations measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints, cross, dot
+from drystone.assembly import Assembly
+from drystone.detection.freeform.curvature import curvature
+from drystone.detection.search.coplanar import (
+    STRAIGHT,
+    coplanar_groups,
+    rings_of,
+    unit_rows,
+    without_straight,
+)
+from drystone.errors import InputError
+from drystone.geometry.body.halfedge import HalfEdges, half_edges, turn_angles
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.plane.polygon import area_vectors, following, loop_means
+
+REENTRANT = np.deg2rad(0.5)
+"""[rad] A block is convex when no edge turns inwards by more; chosen, above the noise of warped
+faces."""
+COARSE = 1e-3
+"""Rounding of coordinates, by block size, above which a shape is lost; chosen, a fifth of the gap
+within which faces touch."""
+FOLDED = 1e-12
+"""Area vector of a face, by the surface of its block, that is none."""
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Planar patches of the surfaces of all blocks, ordered by block.
+
+    Letters: p patches, r rings (outline first, then holes), l corners, n blocks.
+
+    Attributes
+    ----------
+    corner : (l, 3) [m], relative to ``origin``
+    ring_start : (r + 1,) corners of each ring
+    first_ring : (p + 1,) rings of each patch
+    owner : (p,) block
+    face : (p,) number of its (first) face in the block
+    normal : (p, 3) outwards
+    centre : (p, 3) [m], mean of the outline's corners
+    area : (p,) [m2]
+    warp : (p,) [m], largest distance of a corner from the plane
+    sag : (p,) [m], distance of the plane from the curved surface that the patch stands for
+    bend : (p,) [rad], angle between the plane and that surface
+    tilt : (p,) [rad], angle between the plane and the warped face
+    bulges, hollow : (p,) whether that surface curves outwards, or inwards, hereabouts
+    convex : (p,) whether the patch is one convex polygon
+    low, high : (p, 3) [m], bounding box
+    first_patch : (n + 1,) patches of each block
+    size : (n,) [m], six times volume over surface
+    block_convex : (n,)
+    one_surface : (n,) whether the block's surface is one, without handles
+    origin : (3,) [m]
+    """
+
+    corner: Floats
+    ring_start: Ints
+    first_ring: Ints
+    owner: Ints
+    face: Ints
+    normal: Floats
+    centre: Floats
+    area: Floats
+    warp: Floats
+    sag: Floats
+    bend: Floats
+    tilt: Floats
+    bulges: Bools
+    hollow: Bools
+    convex: Bools
+    low: Floats
+    high: Floats
+    first_patch: Ints
+    size: Floats
+    block_convex: Bools
+    one_surface: Bools
+    origin: Floats
+
+    @property
+    def count(self) -> int:
+        """Number of patches."""
+        return len(self.owner)
+
+    @property
+    def corner_start(self) -> Ints:
+        """(p + 1,) corners of each patch, all its rings together."""
+        return self.ring_start[self.first_ring]
+
+
+def patches_of(assembly: Assembly) -> Patches:
+    """Patches of an assembly.
+
+    Faces that continue each other in one plane become one patch, possibly with holes. Coordinates
+    are taken relative to the middle of the assembly, so that its place costs no digits.
+    """
+    faces, origin = _centred(assembly)
+    _refuse_rounded(assembly, origin)
+    vectors = area_vectors(faces.point[faces.loop], faces.start)
+    area = np.linalg.norm(vectors, axis=1)
+    surface: Floats = np.bincount(faces.owner, area, minlength=len(assembly)).astype(np.float64)
+    size = 6.0 * assembly.volume / surface
+    _refuse_folded(assembly, faces, area, surface)
+    normal = unit_rows(vectors, area)
+    edges = half_edges(faces)
+    turn = turn_angles(faces, edges, normal)
+    block_convex, one_surface = _convex_blocks(faces, edges, turn, len(assembly))
+    group = coplanar_groups(faces, edges, turn, size)
+    loop, ring_start, ring_patch, face = rings_of(faces, edges, group)
+    corner = faces.point[loop]
+    if len(face) < faces.count:
+        corner, ring_start = without_straight(
+            corner, ring_start, size[faces.owner[face]][ring_patch]
+        )
+    first_ring = np.searchsorted(ring_patch, np.arange(len(face) + 1)).astype(np.intp)
+    if len(face) < faces.count:
+        vectors = np.add.reduceat(area_vectors(corner, ring_start), first_ring[:-1], axis=0)
+        area = np.sqrt(dot(vectors, vectors))
+        normal = unit_rows(vectors, area)
+    owner = faces.owner[face]
+    centre = loop_means(corner, ring_start)[first_ring[:-1]]
+    start = ring_start[first_ring]
+    of_corner = np.repeat(np.arange(len(face), dtype=np.intp), np.diff(start))
+    height = np.abs(dot(corner - centre[of_corner], normal[of_corner]))
+    warp = np.maximum.reduceat(height, start[:-1])
+    curved = curvature(faces, edges, turn, group, area, np.diff(start) == 3)
+    width = np.sqrt(np.where(area > 0.0, area, 1.0))
+    first_face = np.searchsorted(faces.owner, np.arange(len(assembly)))
+    return Patches(
+        corner=corner,
+        ring_start=ring_start,
+        first_ring=first_ring,
+        owner=owner,
+        face=face - first_face[owner],
+        normal=normal,
+        centre=centre,
+        area=area,
+        warp=warp,
+        sag=curved.sag,
+        bend=curved.bend,
+        tilt=np.arctan2(2.0 * warp, width),
+        bulges=curved.bulges,
+        hollow=curved.hollow,
+        convex=_convex_patches(corner, ring_start, ring_patch, normal, len(face)),
+        low=np.minimum.reduceat(corner, start[:-1], axis=0),
+        high=np.maximum.reduceat(corner, start[:-1], axis=0),
+        first_patch=np.searchsorted(owner, np.arange(len(assembly) + 1)).astype(np.intp),
+        size=size,
+        block_convex=block_convex,
+        one_surface=one_surface,
+        origin=origin,
+    )
+
+
+def _centred(assembly: Assembly) -> tuple[Faces, Floats]:
+    faces = assembly.faces
+    origin = 0.5 * (faces.point.min(axis=0) + faces.point.max(axis=0))
+    return Faces(faces.point - origin, faces.loop, faces.start, faces.owner), origin
+
+
+def _refuse_rounded(assembly: Assembly, origin: Floats) -> None:
+    """Raise for a block so far out, for its size, that its shape is lost in rounding."""
+    reach = np.maximum(np.abs(assembly.bounds).max(axis=(1, 2)), np.abs(origin).max())
+    lost = np.flatnonzero(np.spacing(reach) > COARSE * assembly.size)
+    if len(lost):
+        block = int(lost[0])
+        raise InputError(
+            f"it is {assembly.size[block]:.3g} m across, with coordinates or neighbours up to"
+            f" {reach[block]:.3g} m: no digits are left to tell its shape",
+            where=f"block '{assembly.names[block]}'",
+            remedy="move the model nearer to the origin, or check its units",
+        )
+
+
+def _refuse_folded(assembly: Assembly, faces: Faces, area: Floats, surface: Floats) -> None:
+    """Raise for a face that is folded onto itself: corners in space, and yet no area.
+
+    A face whose corners lie on one line has no area either, and does no harm.
+    """
+    flat = np.flatnonzero(area <= FOLDED * surface[faces.owner])
+    for face in flat.tolist():
+        corner = faces.point[faces.loop[faces.start[face] : faces.start[face + 1]]]
+        local = corner - corner.mean(axis=0)
+        spread = np.linalg.norm(np.cross(local, np.roll(local, -1, axis=0)), axis=1).sum()
+        if spread > 1e3 * FOLDED * surface[faces.owner[face]]:
+            block = int(faces.owner[face])
+            number = face - int(np.searchsorted(faces.owner, block))
+            raise InputError(
+                f"face {number} is folded onto itself: it has corners but no area",
+                where=f"block '{assembly.names[block]}'",
+                remedy="its corners are out of order, or the face is twisted: split or rebuild it",
+            )
+
+
+def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> tuple[Bools, Bools]:
+    """Which blocks are convex, locally and everywhere, and which are one surface without handles.
+
+    Source of the second: Euler's formula.
+    """
+    reentrant = np.bincount(faces.owner[edges.face], turn < -REENTRANT, minlength=count)
+    half = np.bincount(faces.owner[edges.face], minlength=count)
+    face = np.bincount(faces.owner, minlength=count)
+    vertex_owner = np.zeros(len(faces.point), dtype=np.intp)
+    vertex_owner[faces.loop] = faces.owner[edges.face]
+    vertex = np.bincount(vertex_owner, minlength=count)
+    one_surface: Bools = 2 * vertex - half + 2 * face == 4
+    return one_surface & (reentrant == 0), one_surface
+
+
+def _convex_patches(
+    corner: Floats, ring_start: Ints, ring_patch: Ints, normal: Floats, count: int
+) -> Bools:
+    after = following(ring_start)
+    edge = corner[after] - corner
+    ring = np.repeat(np.arange(len(ring_start) - 1), np.diff(ring_start))
+    turn = dot(cross(edge, edge[after]), normal[ring_patch[ring]])
+    square = dot(edge, edge)
+    inward = turn < -STRAIGHT * (square + square[after])
+    bad = np.bincount(ring_patch[ring], inward, minlength=count)
+    rings = np.bincount(ring_patch, minlength=count)
+    convex: Bools = (bad == 0) & (rings == 1)
+    return convex
+
+
+__all__ = ["Patches", "patches_of"]

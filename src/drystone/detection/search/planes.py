@@ -1,0 +1,139 @@
+"""Planes between facing patches, and polygons in them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.detection.search.patches import Patches
+from drystone.geometry.boxes import expand
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.plane import clip
+
+CLEAN = 1e-6
+"""Corners of an overlap this near to each other, or to the line of their neighbours, relative to
+the block size, are one; chosen, above the rounding of coordinates far from the origin."""
+TOUCH = 1e-6
+"""Overlaps narrower than this share of the block size touch along an edge only."""
+
+
+@dataclass(frozen=True)
+class Planes:
+    """The planes halfway between pairs of patches, and how far apart the patches are.
+
+    Letters: q pairs. The plane is that of the bisector, so the patches are equally far from it.
+
+    Attributes
+    ----------
+    f, g : (q,) patches
+    frame : (q, 3, 3) rows n, u, v; n from f to g
+    origin : (q, 3) [m] a point of the plane, where (u, v) is (0, 0)
+    gap : (q,) [m] distance of the patches at the origin along n, negative where they overlap
+    slope : (q, 2) its change per metre along u and v
+    size : (q,) [m], of the smaller block
+    """
+
+    f: Ints
+    g: Ints
+    frame: Floats
+    origin: Floats
+    gap: Floats
+    slope: Floats
+    size: Floats
+
+    def flat(self, points: Floats, row: Ints) -> Floats:
+        """Points (l, 3) in the (u, v) of their row's plane."""
+        local = points - self.origin[row]
+        flat: Floats = np.stack([dot(local, self.frame[row, i]) for i in (1, 2)], axis=1)
+        return flat
+
+    def gap_at(self, flat: Floats, row: Ints) -> Floats:
+        """Distance [m] of the patches at points (l, 2) of their plane."""
+        gap: Floats = self.gap[row] + dot(self.slope[row], flat)
+        return gap
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Simple polygons in planes, flat corners.
+
+    Attributes
+    ----------
+    corner : (l, 2) [m] counter-clockwise about n
+    start : (s + 1,)
+    row : (s,) plane of each, ascending
+    """
+
+    corner: Floats
+    start: Ints
+    row: Ints
+
+    @property
+    def count(self) -> int:
+        """Number of polygons."""
+        return len(self.row)
+
+    @property
+    def corner_row(self) -> Ints:
+        """(l,) plane of each corner."""
+        return np.repeat(self.row, np.diff(self.start))
+
+    def select(self, keep: Bools) -> Pieces:
+        """Some of the polygons."""
+        length = np.diff(self.start)
+        start = np.concatenate([[0], np.cumsum(length[keep])]).astype(np.intp)
+        return Pieces(self.corner[np.repeat(keep, length)], start, self.row[keep])
+
+
+def planes_between(patches: Patches, f: Ints, g: Ints) -> Planes:
+    """Planes of pairs of patches that face each other."""
+    normal_f, normal_g = patches.normal[f], patches.normal[g]
+    normal = normal_f - normal_g
+    normal /= np.sqrt(dot(normal, normal))[:, None]
+    frame = frames_from_normals(normal)
+    size = np.minimum(patches.size[patches.owner[f]], patches.size[patches.owner[g]])
+    smaller = np.where(patches.area[f] <= patches.area[g], f, g)
+    origin = patches.centre[smaller]
+    height, slope = [], []
+    for patch, own in ((f, normal_f), (g, normal_g)):
+        rise = dot(own, normal)
+        height.append(dot(patches.centre[patch] - origin, own) / rise)
+        slope.append(-np.einsum("qj,qij->qi", own, frame[:, 1:]) / rise[:, None])
+    origin = origin + (0.5 * (height[0] + height[1]))[:, None] * normal
+    return Planes(f, g, frame, origin, height[1] - height[0], slope[1] - slope[0], size)
+
+
+def merged(parts: list[Pieces]) -> Pieces:
+    """Pieces of several lists, by row."""
+    parts = [part for part in parts if part.count]
+    if not parts:
+        return Pieces(np.zeros((0, 2)), np.zeros(1, dtype=np.intp), np.zeros(0, dtype=np.intp))
+    row = np.concatenate([part.row for part in parts])
+    length = np.concatenate([np.diff(part.start) for part in parts])
+    corner = np.concatenate([part.corner for part in parts])
+    begin = np.cumsum(length) - length
+    order = np.argsort(row, kind="stable")
+    picked = expand(begin[order], length[order])[1]
+    start = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
+    return Pieces(corner[picked], start, row[order])
+
+
+def tidy(pieces: Pieces, planes: Planes) -> Pieces:
+    """The same polygons with true corners only; those of no width left out."""
+    size = planes.size[pieces.row]
+    corner, start = clip.cleaned(pieces.corner, pieces.start, CLEAN * size)
+    filled = np.diff(start) > 0
+    result = Pieces(corner, start[np.concatenate([[True], filled])], pieces.row[filled])
+    return result.select(widths(result) > TOUCH * planes.size[result.row])
+
+
+def widths(pieces: Pieces) -> Floats:
+    """Mean width (s,) [m]: twice the area over the perimeter, the width of a long rectangle."""
+    around = clip.perimeters(pieces.corner, pieces.start)
+    width: Floats = 2.0 * clip.areas(pieces.corner, pieces.start) / np.where(around > 0, around, 1)
+    return width
+
+
+__all__ = ["Pieces", "Planes", "merged", "planes_between", "tidy", "widths"]

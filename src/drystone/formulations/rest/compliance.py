@@ -1,0 +1,103 @@
+"""Assumed stiffness of contacts, in scaled units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.formulations.rest.friction import FrictionLaw, SlipLength, StickSlip
+from drystone.statics import Statics
+
+SPECK = 1e-4
+"""Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compliance:
+    """Springs at the corners.
+
+    Attributes
+    ----------
+    normal : (k,) kn
+    friction : law of the tangential force
+    overlap
+        Overlap at which a corner begins to press. Zero for springs; a positive one with stiff
+        springs makes the overlaps of all pressed corners equal, as eq. 5.6 wants them.
+    glue
+        Stiffness against opening, by kn. Zero for dry joints.
+    """
+
+    normal: Floats
+    friction: FrictionLaw
+    overlap: float = 0.0
+    glue: float = 0.0
+
+
+def uniform(
+    statics: Statics, *, slip: float | None = None, tangential: float = 0.1, glue: float = 0.0
+) -> Compliance:
+    """Normal stiffness proportional to tributary area, the same everywhere.
+
+    Parameters
+    ----------
+    statics
+    slip
+        Slip length by the local overlap for the smooth law; left out, the stick-slip law is used.
+    tangential
+        kt / kn of the stick-slip law. Chosen: 0.1 keeps friction below its limit wherever it can.
+    glue
+        Stiffness against opening, by kn.
+    """
+    normal = normal_stiffness(statics)
+    if slip is None:
+        return Compliance(normal, StickSlip(statics.friction, tangential * normal), glue=glue)
+    reach = slip * corner_load(statics) / normal
+    return Compliance(normal, SlipLength(statics.friction, reach), glue=glue)
+
+
+def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
+    """Stiffness distributions unlike the uniform one: smooth slip of several lengths, and random.
+
+    A random one draws for every interface a stiffness within one decade, as joints of one building
+    differ, and one slip length for all of them.
+    """
+    rng = np.random.default_rng(seed)
+    base = normal_stiffness(statics)
+    load = corner_load(statics)
+    joints = int(statics.interface.max(initial=-1)) + 1
+    slips = (1.0, 10.0, 0.1, 100.0)
+    for number in range(count):
+        if number % 2 == 0 and number // 2 < len(slips):
+            yield uniform(statics, slip=slips[number // 2])
+        else:
+            normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[statics.interface]
+            slip = 10.0 ** rng.uniform(-0.5, 1.0)
+            yield Compliance(normal, SlipLength(statics.friction, slip * load / base))
+
+
+def normal_stiffness(statics: Statics) -> Floats:
+    """Tributary area, no less than 5 % of the interface's mean and a speck of the smaller block.
+
+    Slivers spoil the conditioning; lines and points have no area at all.
+    """
+    area = statics.tributary
+    if not len(area):
+        return area
+    count = np.bincount(statics.interface)
+    mean = np.bincount(statics.interface, area) / np.maximum(count, 1)
+    return np.maximum(np.maximum(area, 0.05 * mean[statics.interface]), SPECK * statics.block_area)
+
+
+def corner_load(statics: Statics) -> Floats:
+    """Typical force (k,) of a corner: the load of the lighter of its free blocks."""
+    load = wrench_size(statics.load)
+    load = np.append(np.where(load > 0.0, load, 1.0), np.inf)
+    return np.minimum(load[statics.block_a], load[statics.block_b])
+
+
+def wrench_size(wrench: Floats) -> Floats:
+    """(n,) length of the force plus length of the moment of scaled wrenches (n, 6)."""
+    return np.linalg.norm(wrench[:, :3], axis=1) + np.linalg.norm(wrench[:, 3:], axis=1)

@@ -1,0 +1,119 @@
+"""Friction laws of a compliant contact: force from slide, with derivatives.
+
+A law gives the tangential force ``ft = -T(fn, dt)`` that opposes the slide ``dt``. Every law here
+keeps inside the Coulomb cone, ``|T| <= mu fn``, and points along ``dt``: whatever rest state it
+leads to satisfies the friction conditions of coupled rigid-block analysis (Kao et al. 2022,
+eq. 5.6: ``ft = -alpha dt``, ``alpha >= 0``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from drystone.arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionResponse:
+    """Tangential force and its derivatives, per corner.
+
+    Attributes
+    ----------
+    force : (k, 2) T
+    slope
+        Makes the derivatives: most responses are asked for their force alone.
+    """
+
+    force: Floats
+    slope: Callable[[], tuple[Floats, Floats]]
+
+    @cached_property
+    def derivatives(self) -> tuple[Floats, Floats]:
+        """By slide, dT / d dt (k, 2, 2), and by normal force, dT / d fn (k, 2)."""
+        return self.slope()
+
+    @property
+    def by_slide(self) -> Floats:
+        """(k, 2, 2) dT / d dt"""
+        return self.derivatives[0]
+
+    @property
+    def by_normal(self) -> Floats:
+        """(k, 2) dT / d fn"""
+        return self.derivatives[1]
+
+
+@dataclass(frozen=True, eq=False)
+class SlipLength:
+    """``T = mu fn dt / sqrt(delta^2 + |dt|^2)``: smooth, and proportional to the normal force.
+
+    Attributes
+    ----------
+    friction : (k,) mu
+    slip : (k,) delta, the slide at which 71 % of the friction is mobilised
+    """
+
+    friction: Floats
+    slip: Floats
+
+    def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
+        """Response to normal forces (k,) and slides (k, 2)."""
+        reach = np.sqrt(self.slip**2 + slide[:, 0] ** 2 + slide[:, 1] ** 2)
+        stiffness = self.friction * normal / reach
+
+        def slope() -> tuple[Floats, Floats]:
+            direction = slide / reach[:, None]
+            return _across(stiffness, stiffness, direction), self.friction[:, None] * direction
+
+        return FrictionResponse(stiffness[:, None] * slide, slope)
+
+
+@dataclass(frozen=True, eq=False)
+class StickSlip:
+    """``T = kt dt`` while that is inside the cone, else ``mu fn dt / |dt|``: elastic, then Coulomb.
+
+    This is the law of discrete-element programs (Cundall 1971).
+
+    Attributes
+    ----------
+    friction : (k,) mu
+    stiffness : (k,) kt
+    """
+
+    friction: Floats
+    stiffness: Floats
+
+    def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
+        """Response to normal forces (k,) and slides (k, 2)."""
+        length = np.sqrt(slide[:, 0] ** 2 + slide[:, 1] ** 2)
+        bound = self.friction * normal
+        slips = self.stiffness * length > bound
+        safe = np.where(length > 0.0, length, 1.0)
+        secant = np.where(slips, bound / safe, self.stiffness)
+
+        def slope() -> tuple[Floats, Floats]:
+            direction = slide / safe[:, None]
+            return (
+                _across(secant, secant * slips, direction),
+                (slips * self.friction)[:, None] * direction,
+            )
+
+        return FrictionResponse(secant[:, None] * slide, slope)
+
+
+def _across(stiffness: Floats, along: Floats, direction: Floats) -> Floats:
+    """(k, 2, 2) stiffness (k,) in the plane, less some (k,) along a unit direction (k, 2)."""
+    x, y = direction[:, 0], direction[:, 1]
+    lost = along * x
+    out = np.empty((len(stiffness), 2, 2))
+    out[:, 0, 0] = stiffness - lost * x
+    out[:, 0, 1] = out[:, 1, 0] = -lost * y
+    out[:, 1, 1] = stiffness - along * y * y
+    return out
+
+
+FrictionLaw = SlipLength | StickSlip

@@ -1,0 +1,130 @@
+"""The tangent ``A D A'`` of blocks on contact springs, assembled block by block.
+
+The corners of an interface are first summed about one point of it, (m, 6, 6), then carried to the
+centroids of its two blocks: the pattern is that of the contact graph, found once per model.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from drystone.arrays import Floats, Ints
+from drystone.geometry.frames import skew
+from drystone.solvers.multifrontal import BlockFactor, BlockOrdering
+from drystone.statics import Statics
+
+
+class TangentSystem:
+    """Assembles and factorises ``A D A' + diag(weight)`` for one model.
+
+    Parameters
+    ----------
+    statics
+    position : (n, 3) [m] of the free blocks, for the elimination order
+    """
+
+    def __init__(self, statics: Statics, position: Floats) -> None:
+        self.statics = statics
+        n = statics.free_count
+        k = statics.corner_count
+        begins = np.ones(k, dtype=bool)
+        np.not_equal(statics.interface[1:], statics.interface[:-1], out=begins[1:])
+        first = np.flatnonzero(begins)
+        self.joints = len(first)
+        # sums over corners and over interfaces as sparse products: they beat reduceat tenfold
+        self.of_joint = _sums(np.arange(k), np.append(first, k), (len(first), k))
+        interface = np.cumsum(begins) - 1
+        a, b = statics.block_a[first], statics.block_b[first]
+        # lengths by block differ: levers are taken by the length of either block, then scaled
+        self.to_a, local_a = _carry(statics.lever_a, interface, first, a)
+        self.to_b, local_b = _carry(statics.lever_b, interface, first, b)
+        # the reference arm is that of whichever block is free (both give the same sum)
+        use_b = (b >= 0)[interface]
+        lever = np.where(use_b[:, None], local_b, local_a)
+        axes = np.swapaxes(statics.frame, 1, 2)
+        self.spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
+        self.gather = np.ascontiguousarray(np.swapaxes(self.spread, 1, 2))
+        ratio = _length_ratio(statics, a, b)
+        self.to_a[:, 3:, 3:] *= ratio[:, None, None]
+        self.from_a = np.ascontiguousarray(np.swapaxes(self.to_a, 1, 2))
+        self.from_b = np.ascontiguousarray(np.swapaxes(self.to_b, 1, 2))
+        row, column, source, kind = _pattern(a, b)
+        key = np.concatenate([np.arange(n) * (n + 1), row * n + column])
+        unique, where = np.unique(key, return_inverse=True)
+        self.row, self.column = unique // n, unique % n
+        self.diagonal = where[:n]
+        order = np.argsort(where[n:], kind="stable")
+        ends = np.cumsum(np.bincount(where[n:], minlength=len(unique)))
+        self.of_block = _sums(
+            (kind * len(first) + source)[order], np.append(0, ends), (len(unique), 4 * len(first))
+        )
+        self.ordering = BlockOrdering(position, self.row, self.column, 6)
+
+    def blocks(self, tangent: Floats, weight: Floats) -> Floats:
+        """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
+        out = np.zeros((len(self.row), 6, 6))
+        if self.joints:
+            corner = self.spread @ tangent @ self.gather
+            joint = (self.of_joint @ corner.reshape(-1, 36)).reshape(-1, 6, 6)
+            left_a, left_b = self.to_a @ joint, self.to_b @ joint
+            parts = np.empty((4, self.joints, 6, 6))
+            np.matmul(left_a, self.from_a, out=parts[0])
+            np.negative(left_a @ self.from_b, out=parts[1])
+            np.negative(left_b @ self.from_a, out=parts[2])
+            np.matmul(left_b, self.from_b, out=parts[3])
+            out = (self.of_block @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
+        index = np.arange(6)
+        out[self.diagonal[:, None], index, index] += weight
+        return out
+
+    def factorise(self, tangent: Floats, weight: Floats) -> BlockFactor:
+        """Factors of ``A D A' + diag(weight)``.
+
+        Raises
+        ------
+        SolverError
+            The matrix is singular.
+        """
+        return self.ordering.factorise(self.blocks(tangent, weight))
+
+
+def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matrix:
+    """The matrix whose row i sums the entries ``column[start[i]:start[i + 1]]`` of a vector."""
+    wide = max(len(column), *shape) >= 2**31
+    index: np.dtype[np.signedinteger] = np.dtype(np.int64 if wide else np.int32)
+    parts = np.ones(len(column)), column.astype(index), start.astype(index)
+    return sparse.csr_matrix(parts, shape=shape)
+
+
+def _carry(lever: Floats, interface: Ints, first: Ints, block: Ints) -> tuple[Floats, Floats]:
+    """Maps (m, 6, 6) from the interface's first corner to a block, and levers from that corner."""
+    reference = lever[first]
+    to_block = np.empty((len(first), 6, 6))
+    to_block[:] = np.eye(6)
+    to_block[:, 3:, :3] = skew(reference)
+    to_block[block < 0] = 0.0
+    return to_block, lever - reference[interface]
+
+
+def _length_ratio(statics: Statics, a: Ints, b: Ints) -> Floats:
+    """Length of the reference block by the length of block a, per interface."""
+    length = np.append(statics.length, 1.0)
+    return np.where((a >= 0) & (b >= 0), length[b] / length[a], 1.0)
+
+
+def _pattern(a: Ints, b: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Row, column, interface and kind (aa, ab, ba, bb) of every block that interfaces fill."""
+    rows, columns, sources, kinds = [], [], [], []
+    for kind, (i, j) in enumerate(((a, a), (a, b), (b, a), (b, b))):
+        here = np.flatnonzero((i >= 0) & (j >= 0))
+        rows.append(i[here])
+        columns.append(j[here])
+        sources.append(here)
+        kinds.append(np.full(len(here), kind, dtype=np.intp))
+    return (
+        np.concatenate(rows),
+        np.concatenate(columns),
+        np.concatenate(sources),
+        np.concatenate(kinds),
+    )

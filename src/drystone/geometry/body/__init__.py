@@ -1,0 +1,1 @@
+"""Closed polyhedra: topology, mass properties, cuts, and how they touch each other."""

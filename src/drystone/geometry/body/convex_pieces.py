@@ -1,0 +1,182 @@
+"""Bodies in convex pieces: for collisions, swept volumes and simulators."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import manifold3d
+import numpy as np
+from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
+
+from drystone.arrays import Floats, Ints
+from drystone.geometry.body.polyhedron import Loop
+from drystone.geometry.plane.triangulate import triangulate
+
+CONVEX = 1e-6
+"""A piece is convex when its hull is larger by less than this share of the hull's volume."""
+SLIVER = 1e-6
+"""Pieces below this share of the body's volume come from rounding of the cuts and are dropped."""
+KERF = 1e-7
+"""Half the width of a cut, by the size of the body. Faces in the plane of a cut would else be left
+on either part as sheets without thickness."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexPiece:
+    """A convex part of a body.
+
+    Attributes
+    ----------
+    point : (p, 3) [m]
+        Its corners.
+    normal : (f, 3) unit
+        Outward, of its faces.
+    offset : (f,) [m]
+        The piece is where ``normal @ x <= offset``.
+    """
+
+    point: Floats
+    normal: Floats
+    offset: Floats
+
+    @classmethod
+    def around(cls, point: Floats) -> ConvexPiece:
+        """The convex hull of some points (p, 3) [m] that do not lie in one plane."""
+        hull = ConvexHull(point)
+        plane = np.unique(np.round(hull.equations, 9), axis=0)
+        return cls(point[hull.vertices], plane[:, :3], -plane[:, 3])
+
+    def inset(self, depth: float) -> Floats | None:
+        """Corners (p, 3) of the piece with all faces moved in by ``depth`` [m]; None if empty."""
+        middle = self.point.mean(axis=0)
+        if (self.normal @ middle >= self.offset - depth).any():
+            return None
+        inner = np.column_stack([self.normal, depth - self.offset])
+        try:
+            return np.asarray(HalfspaceIntersection(inner, middle).intersections)
+        except QhullError:  # thinner than rounding
+            return None
+
+
+def solid_of(vertices: Floats, faces: Sequence[Loop]) -> manifold3d.Manifold:
+    """A closed body as manifold3d takes it.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops, oriented outwards.
+    """
+    loop = np.concatenate([np.asarray(face, dtype=np.intp) for face in faces])
+    start = np.concatenate([[0], np.cumsum([len(face) for face in faces])]).astype(np.intp)
+    triangle = loop[triangulate(vertices[loop], start)[0]]
+    return manifold3d.Manifold(manifold3d.Mesh64(np.array(vertices), triangle.astype(np.uint64)))
+
+
+def convex_pieces(vertices: Floats, faces: Sequence[Loop]) -> list[ConvexPiece]:
+    """Convex pieces that fill a body and share no volume.
+
+    A body is cut along the plane of a face beside its longest concave edge, and so are its parts.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops, oriented outwards.
+
+    Examples
+    --------
+    >>> from drystone.models import prism
+    >>> block = prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], (0, 1))
+    >>> len(convex_pieces(block.vertices, block.faces))
+    2
+    """
+    body = solid_of(vertices, faces)
+    least = SLIVER * body.volume()
+    waiting, found = [body], []
+    while waiting:
+        part = waiting.pop()
+        hull = part.hull()
+        if part.volume() <= least:
+            continue
+        if hull.volume() - part.volume() <= CONVEX * hull.volume():
+            found.append(ConvexPiece.around(_mesh(hull)[0]))
+            continue
+        connected = part.decompose()
+        waiting += connected if len(connected) > 1 else _cut(part)
+    return found
+
+
+def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
+    """Two parts, cut along the plane of a face beside the longest concave edge that it divides.
+
+    Of the two planes at an edge the one is taken that leaves fewer concave edges. Where a triangle
+    without area hides the edge, the plane of the largest face that has something above it is taken.
+    A part that no plane divides is bent by no more than rounding, and its hull is taken.
+    """
+    point, triangle = _mesh(part)
+    normal, size = _normals(point[triangle])
+    kerf = KERF * float(np.linalg.norm(np.ptp(point, axis=0)))
+    length, planes = _concave_edges(point, triangle)
+    bent = [planes[edge] for edge in np.argsort(-length)]
+    high = (
+        (point @ normal.T).max(axis=0) - (point[triangle[:, 0]] * normal).sum(axis=1)
+    ) > 10 * kerf
+    faces = [[(normal[t], float(normal[t] @ point[triangle[t, 0]]))] for t in np.argsort(-size)
+             if high[t] and size[t] > 0.0]  # fmt: skip
+    least = SLIVER * part.volume()
+    for choice in (*bent, *faces):
+        best: tuple[int, Sequence[manifold3d.Manifold]] | None = None
+        for along, offset in choice:
+            above = part.trim_by_plane(along, offset + kerf)
+            halves = (above, part.trim_by_plane(-along, kerf - offset))
+            if min(half.volume() for half in halves) <= least:
+                continue
+            left = sum(len(_concave_edges(*_mesh(half))[0]) for half in halves)
+            if best is None or left < best[0]:
+                best = (left, halves)
+        if best is not None:
+            return best[1]
+    return [part.hull()]
+
+
+def _normals(corner: Floats) -> tuple[Floats, Floats]:
+    """Unit normals (t, 3) and twice the areas (t,) of triangles (t, 3, 3)."""
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    size = np.linalg.norm(normal, axis=1)
+    return normal / np.where(size > 0.0, size, 1.0)[:, None], size
+
+
+def _concave_edges(
+    point: Floats, triangle: Ints
+) -> tuple[Floats, list[list[tuple[Floats, float]]]]:
+    """Lengths of the concave edges, and the planes of the two faces at each."""
+    corner = point[triangle]
+    normal, size = _normals(corner)
+    extent = float(np.linalg.norm(np.ptp(point, axis=0)))
+    first: dict[tuple[int, int], int] = {}
+    for t, (a, b, c) in enumerate(triangle.tolist()):
+        first |= {(a, b): t, (b, c): t, (c, a): t}
+    length, planes = [], []
+    for (a, b), one in first.items():
+        other = first.get((b, a))
+        if a > b or other is None or min(size[one], size[other]) <= 0.0:
+            continue
+        above = float(((corner[other] - point[a]) @ normal[one]).max())
+        if above > 1e-6 * extent:
+            length.append(float(np.linalg.norm(point[a] - point[b])))
+            planes.append([(normal[t], float(normal[t] @ point[a])) for t in (one, other)])
+    return np.array(length), planes
+
+
+def _mesh(solid: manifold3d.Manifold) -> tuple[Floats, Ints]:
+    """Corners (p, 3) and triangles (t, 3); manifold3d may write one corner several times."""
+    mesh = solid.to_mesh64()
+    point = np.asarray(mesh.vert_properties)[:, :3]
+    place = np.arange(len(point))
+    place[np.asarray(mesh.merge_from_vert, dtype=np.intp)] = mesh.merge_to_vert
+    return point, place[np.asarray(mesh.tri_verts).astype(np.intp)]
+
+
+__all__ = ["ConvexPiece", "convex_pieces", "solid_of"]

@@ -1,0 +1,62 @@
+"""Which bodies are convex."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats
+from drystone.geometry import boxes
+from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
+from drystone.geometry.plane import polygon
+
+CONVEX = 1e-9
+"""A body is convex when no vertex lies farther than this share of its size over a face plane."""
+MANY_PAIRS = 2_000_000
+"""Pairs of a vertex and a face looked at together, chosen: some hundred MB at most."""
+
+
+def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
+    """Whether no vertex of a body lies above the plane of a face of it, within :data:`CONVEX`.
+
+    A body with so many faces that the question costs more than it saves is taken for concave.
+
+    Parameters
+    ----------
+    vertices
+        Per body (v, 3) [m].
+    faces
+        Per body its loops, oriented outwards.
+    """
+    convex = np.zeros(len(vertices), dtype=bool)
+    pairs = np.array([len(v) * len(f) for v, f in zip(vertices, faces, strict=True)])
+    small = np.flatnonzero(pairs <= MANY_PAIRS)
+    batch = np.cumsum(pairs[small]) // MANY_PAIRS
+    for bodies in np.split(small, np.flatnonzero(np.diff(batch)) + 1):
+        if len(bodies):
+            part = bodies.tolist()
+            convex[bodies] = _convex_batch([vertices[i] for i in part], [faces[i] for i in part])
+    return convex
+
+
+def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
+    placed = [(v - v[0]) / np.linalg.norm(v.max(axis=0) - v.min(axis=0)) for v in vertices]
+    stacked = stack_faces(placed, faces)
+    normal, middle = planes(stacked)
+    count = np.array([len(v) for v in vertices])
+    first = np.cumsum(count) - count
+    face, vertex = boxes.expand(first[stacked.owner], count[stacked.owner])
+    height = ((stacked.point[vertex] - middle[face]) * normal[face]).sum(axis=1)
+    highest = np.zeros(len(vertices))
+    np.maximum.at(highest, stacked.owner[face], height)
+    return highest <= CONVEX
+
+
+def planes(faces: Faces) -> tuple[Floats, Floats]:
+    """Unit normal (zero for a face without area) and mean corner of each face."""
+    here = faces.point[faces.loop]
+    area = polygon.area_vectors(here, faces.start)
+    length = np.linalg.norm(area, axis=1)
+    normal = area / np.where(length > 0.0, length, 1.0)[:, None]
+    return normal, polygon.loop_means(here, faces.start)

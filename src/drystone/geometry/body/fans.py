@@ -1,0 +1,116 @@
+"""Warped faces as the triangles that they stand for: a fan about the mean of the corners."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints, cross
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.plane.polygon import area_vectors, following, loop_means
+
+
+def fan_warped(faces: Faces, tolerance: float) -> Faces:
+    """The same bodies, every warped face replaced by its fan about the mean of its corners.
+
+    The volume and the centroid of a body are those of this fan
+    (:func:`drystone.geometry.body.polyhedron.mass_properties`), so triangles in a file enclose
+    the solid that was computed with. Two bodies with one warped face have the same fan on it.
+
+    Parameters
+    ----------
+    faces
+        Oriented outwards, the points of each body together.
+    tolerance
+        A face is warped when a corner is farther from its plane, relative to the size of its body.
+
+    Returns
+    -------
+    Faces
+        The points of each body are followed by the middles of its warped faces. Left as they are:
+        planar faces, triangles, and warped faces whose fan would fold over, since their mean does
+        not see all of their edges.
+
+    Examples
+    --------
+    >>> saddle = np.array([[0.0, 0, 0.1], [1, 0, 0], [1, 1, 0.1], [0, 1, 0]])
+    >>> one = Faces(saddle, np.arange(4), np.array([0, 4]), np.array([0]))
+    >>> fan = fan_warped(one, 1e-9)
+    >>> fan.point[4].tolist(), fan.loop.reshape(-1, 3).tolist()
+    ([0.5, 0.5, 0.05], [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    """
+    if faces.count == 0:
+        return faces
+    body = point_owners(faces)
+    corner = faces.point[faces.loop]
+    chosen = _warped(faces, body, corner, tolerance) & (np.diff(faces.start) > 3)
+    if not chosen.any():
+        return faces
+    added = np.flatnonzero(chosen)
+    middle = loop_means(corner, faces.start)
+    order = np.argsort(np.concatenate([body, faces.owner[added]]), kind="stable")
+    place = np.empty(len(order), dtype=np.intp)
+    place[order] = np.arange(len(order))
+    middle_at = np.full(faces.count, -1, dtype=np.intp)
+    middle_at[added] = place[len(body) :]
+    face = np.repeat(np.arange(faces.count), np.diff(faces.start))
+    fanned = chosen[face]
+    row = np.empty((len(face), 3), dtype=np.intp)
+    row[:, 0] = place[faces.loop]
+    row[:, 1] = row[following(faces.start), 0]
+    row[:, 2] = middle_at[face]
+    kept = np.ones((len(face), 3), dtype=bool)
+    kept[:, 1:] = fanned[:, None]
+    first = np.zeros(len(face), dtype=bool)
+    first[faces.start[:-1]] = True
+    begins = np.flatnonzero(first | fanned)
+    sizes = np.add.reduceat(kept.sum(axis=1), begins)
+    return Faces(
+        np.concatenate([faces.point, middle[added]])[order],
+        row[kept],
+        np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp),
+        faces.owner[face[begins]],
+    )
+
+
+def point_owners(faces: Faces) -> Ints:
+    """(v,) the body that each point belongs to; every point is a corner of a face."""
+    owner = np.zeros(len(faces.point), dtype=np.intp)
+    owner[faces.loop] = np.repeat(faces.owner, np.diff(faces.start))
+    return owner
+
+
+def _warped(faces: Faces, body: Ints, corner: Floats, tolerance: float) -> Bools:
+    """(f,) whether a face is warped beyond the tolerance, and its mean sees all of its edges."""
+    height, seen = warp_and_view(corner, faces.start)
+    count = int(body.max()) + 1
+    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(low, body, faces.point)
+    np.maximum.at(high, body, faces.point)
+    size = np.linalg.norm(high - low, axis=1)[faces.owner]
+    return (height > tolerance * size) & seen
+
+
+def warp_and_view(corners: Floats, start: Ints) -> tuple[Floats, Bools]:
+    """How far polygons are from planar, and whether the mean of their corners sees all their edges.
+
+    Parameters
+    ----------
+    corners : (l, 3) [m]
+    start : (f + 1,)
+
+    Returns
+    -------
+    height : (f,) [m]
+        Largest distance of a corner from the plane through the mean, square to the area vector.
+    seen : (f,)
+        Every triangle of the fan about the mean turns the way of the polygon.
+    """
+    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    area = area_vectors(corners, start)
+    length = np.linalg.norm(area, axis=1)
+    normal = (area / np.where(length > 0.0, length, 1.0)[:, None])[loop]
+    local = corners - loop_means(corners, start)[loop]
+    turn = (cross(local, local[following(start)]) * normal).sum(axis=1)
+    height: Floats = np.maximum.reduceat(np.abs((local * normal).sum(axis=1)), start[:-1])
+    seen: Bools = np.minimum.reduceat(turn, start[:-1]) > 0.0
+    return height, seen

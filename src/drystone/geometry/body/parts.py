@@ -1,0 +1,71 @@
+"""Bodies whose surface has several closed shells: separate parts, and cavities in them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.geometry.body.polyhedron import (
+    Loop,
+    face_components,
+    fan_triangles,
+    mass_properties,
+    stack_faces,
+)
+from drystone.geometry.body.solid import winding_number
+
+
+def separate_parts(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[list[Loop]], int]:
+    """Parts of a body, each with its cavities, all shells turned as they should be.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Closed, and oriented alike within each shell.
+
+    Returns
+    -------
+    parts
+        Per part its loops. One part for a body that is in one piece.
+    turned
+        Number of shells that were inside out: a shell that lies inside no other, or inside two,
+        bounds material from outside; one that lies inside one other bounds a cavity.
+    """
+    components = face_components(faces)
+    if len(components) == 1:
+        return [list(faces)], 0
+    loops = [[faces[i] for i in component] for component in components]
+    stacked = stack_faces([vertices] * len(loops), loops)
+    volume = mass_properties(stacked, len(loops))[0]
+    around = [_shells_around(i, vertices, loops) for i in range(len(loops))]
+    turned = 0
+    for i, shell in enumerate(loops):
+        cavity = len(around[i]) % 2 == 1
+        if (volume[i] < 0.0) != cavity:
+            loops[i] = [loop[::-1] for loop in shell]
+            turned += 1
+    parts: dict[int, list[Loop]] = {}
+    for i, shell in enumerate(loops):
+        home = i
+        if len(around[i]) % 2 == 1:
+            home = min(around[i], key=lambda j: abs(volume[j]))
+        parts.setdefault(home, []).extend(shell)
+    return list(parts.values()), turned
+
+
+def _shells_around(shell: int, vertices: Floats, loops: Sequence[Sequence[Loop]]) -> list[int]:
+    """Shells that most vertices of one shell lie inside."""
+    corners = [vertices[sorted({v for loop in one for v in loop})] for one in loops]
+    low, high = corners[shell].min(axis=0), corners[shell].max(axis=0)
+    found = []
+    for other, points in enumerate(corners):
+        inside = (points.min(axis=0) <= low).all() and (points.max(axis=0) >= high).all()
+        if other == shell or not inside:
+            continue
+        surface = fan_triangles(stack_faces([vertices], [loops[other]]))[0]
+        if float(np.median(np.abs(winding_number(corners[shell], surface)))) > 0.75:
+            found.append(other)
+    return found

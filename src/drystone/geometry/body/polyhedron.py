@@ -1,0 +1,306 @@
+"""Closed polyhedra with polygon faces: topology, orientation, mass properties.
+
+A face is a loop of vertex indices, counter-clockwise seen from outside; it may be concave and
+slightly warped. A warped face is understood as the fan about the mean of its corners, which does
+not depend on where the loop starts.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.display import OneLine
+
+Loop = tuple[int, ...]
+Edge = tuple[int, int]
+
+
+@dataclass(frozen=True)
+class Faces(OneLine):
+    """Polygon faces of many polyhedra as flat arrays.
+
+    Attributes
+    ----------
+    point : (v, 3) [m]
+    loop : (l,) index into ``point``, face after face
+    start : (f + 1,) face i has the corners ``loop[start[i]:start[i + 1]]``
+    owner : (f,) index of the polyhedron that the face belongs to
+    """
+
+    point: Floats
+    loop: Ints
+    start: Ints
+    owner: Ints
+
+    @property
+    def count(self) -> int:
+        """Number of faces."""
+        return len(self.owner)
+
+
+def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Faces:
+    """Flat arrays of the faces of several polyhedra.
+
+    Parameters
+    ----------
+    vertices
+        Per polyhedron (v, 3) [m].
+    faces
+        Per polyhedron its loops.
+    """
+    sizes = np.array([len(v) for v in vertices], dtype=np.intp)
+    offset = np.concatenate([[0], np.cumsum(sizes)])
+    flat: dict[int, tuple[Ints, Ints]] = {}  # bodies of one kind share their face list
+    for loops in faces:
+        if id(loops) not in flat:
+            corners = np.fromiter(chain.from_iterable(loops), dtype=np.intp)
+            flat[id(loops)] = corners, np.fromiter(map(len, loops), dtype=np.intp)
+    none = np.zeros(0, dtype=np.intp)
+    loop = np.concatenate([none, *(flat[id(loops)][0] for loops in faces)])
+    lengths = np.concatenate([none, *(flat[id(loops)][1] for loops in faces)])
+    owner = np.repeat(
+        np.arange(len(faces), dtype=np.intp),
+        np.array([len(loops) for loops in faces], dtype=np.intp),
+    )
+    start = np.concatenate([[0], np.cumsum(lengths)]).astype(np.intp)
+    loop = loop + np.repeat(offset[owner], lengths)
+    point = np.concatenate(list(vertices)) if len(vertices) else np.zeros((0, 3))
+    return Faces(point, loop, start, owner)
+
+
+def fan_triangles(faces: Faces) -> tuple[Floats, Ints]:
+    """Triangles (t, 3, 3) of every face's fan about its mean corner, and their face (t,)."""
+    lengths = np.diff(faces.start)
+    face = np.repeat(np.arange(faces.count, dtype=np.intp), lengths)
+    here = faces.point[faces.loop]
+    following = np.arange(len(faces.loop), dtype=np.intp) + 1
+    following[faces.start[1:] - 1] = faces.start[:-1]
+    middle = np.add.reduceat(here, faces.start[:-1], axis=0) / lengths[:, None]
+    return np.stack([middle[face], here, here[following]], axis=1), face
+
+
+def mass_properties(faces: Faces, count: int) -> tuple[Floats, Floats]:
+    """Volume and centroid of each polyhedron, by the divergence theorem.
+
+    Parameters
+    ----------
+    faces
+        Faces of ``count`` polyhedra, oriented outwards.
+    count
+        Number of polyhedra.
+
+    Returns
+    -------
+    volume : (count,) [m3], negative when the faces point inwards
+    centroid : (count, 3) [m], NaN where the volume is exactly zero
+
+    Notes
+    -----
+    Everything is summed relative to a point of each polyhedron, so that a model far from the
+    origin loses no digits. Source: Mirtich 1996; Eberly 2002.
+    """
+    triangles, face = fan_triangles(faces)
+    owner = faces.owner[face]
+    first_face = np.searchsorted(faces.owner, np.arange(count))
+    origin = faces.point[faces.loop[faces.start[first_face]]]
+    a, b, c = (triangles - origin[owner][:, None, :]).transpose(1, 2, 0)
+    six_volume = _six_volumes(a, b, c)
+    volume = np.bincount(owner, six_volume, minlength=count) / 6.0
+    moment = np.stack(
+        [np.bincount(owner, row, minlength=count) for row in six_volume * (a + b + c)], axis=1
+    )
+    safe = np.where(volume == 0.0, np.nan, volume)
+    return volume, origin + moment / (24.0 * safe[:, None])
+
+
+@dataclass(frozen=True, eq=False)
+class Fan:
+    """The triangles of :func:`fan_triangles` of one polyhedron, as indices: no coordinates.
+
+    Attributes
+    ----------
+    corner, following : (t,) vertex at which each triangle's outer edge starts, and ends
+    face : (t,)
+    start : (f,) first triangle of each face
+    sides : (f,) number of corners of each face
+    """
+
+    corner: Ints
+    following: Ints
+    face: Ints
+    start: Ints
+    sides: Ints
+
+    @classmethod
+    def of(cls, loops: Sequence[Loop]) -> Fan:
+        """The fan of a polyhedron's faces."""
+        sides = np.array([len(loop) for loop in loops], dtype=np.intp)
+        return cls(
+            corner=np.array([v for loop in loops for v in loop], dtype=np.intp),
+            following=np.array([v for f in loops for v in (*f[1:], f[0])], dtype=np.intp),
+            face=np.repeat(np.arange(len(loops), dtype=np.intp), sides),
+            start=np.cumsum(sides) - sides,
+            sides=sides,
+        )
+
+
+def body_mass_properties(vertices: Floats, fan: Fan) -> tuple[float, Floats]:
+    """:func:`mass_properties` of one polyhedron whose topology is at hand.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    fan
+
+    Returns
+    -------
+    volume : [m3]
+    centroid : (3,) [m], NaN where the volume is exactly zero
+    """
+    origin = vertices[fan.corner[0]]
+    local = (vertices - origin).T
+    b, c = local.take(fan.corner, axis=1), local.take(fan.following, axis=1)
+    a = (np.add.reduceat(b, fan.start, axis=1) / fan.sides).take(fan.face, axis=1)
+    six_volume = _six_volumes(a, b, c)
+    total = float(six_volume.sum())
+    moment: Floats = (a + b + c) @ six_volume
+    return total / 6.0, origin + moment / (4.0 * total if total != 0.0 else np.nan)
+
+
+def _six_volumes(a: Floats, b: Floats, c: Floats) -> Floats:
+    """Six times the signed volume (t,) of tetrahedra over the origin; each corner (3, t)."""
+    (a0, a1, a2), (b0, b1, b2), (c0, c1, c2) = a, b, c
+    return a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0)
+
+
+def edges_of(faces: Sequence[Loop]) -> Ints:
+    """Edges (e, 2) of some faces: each once, the lower vertex first, in ascending order."""
+    pairs = {
+        (min(i, j), max(i, j))
+        for face in faces
+        for i, j in zip(face, (*face[1:], face[0]), strict=True)
+    }
+    return np.array(sorted(pairs), dtype=np.intp)
+
+
+def edge_defects(faces: Sequence[Loop]) -> tuple[list[Edge], list[Edge], bool]:
+    """Edges that keep a face list from being a closed 2-manifold.
+
+    Returns
+    -------
+    open_edges
+        Used by one face only.
+    crowded_edges
+        Used by more than two faces.
+    consistent
+        Whether every edge is run once in each direction.
+    """
+    count: dict[Edge, int] = defaultdict(int)
+    balance: dict[Edge, int] = defaultdict(int)
+    for loop in faces:
+        previous = loop[-1]
+        for vertex in loop:
+            edge = (previous, vertex) if previous < vertex else (vertex, previous)
+            count[edge] += 1
+            balance[edge] += 1 if previous < vertex else -1
+            previous = vertex
+    open_edges = [e for e, used in count.items() if used == 1]
+    crowded = [e for e, used in count.items() if used > 2]
+    return open_edges, crowded, not any(balance.values())
+
+
+def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
+    """Turn faces so that neighbours agree, in each connected part like its first face.
+
+    Returns
+    -------
+    faces
+        Loops, some reversed.
+    turned
+        Indices of the reversed ones.
+
+    Notes
+    -----
+    Assumes a closed 2-manifold (:func:`edge_defects`). A surface that cannot be oriented keeps
+    inconsistent edges, which the caller sees by asking :func:`edge_defects` again.
+    """
+    users: dict[Edge, list[tuple[int, bool]]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        for a, b in zip(loop, (*loop[1:], loop[0]), strict=True):
+            users[min(a, b), max(a, b)].append((f, a < b))
+    neighbours: dict[int, list[tuple[int, bool]]] = defaultdict(list)
+    for pair in users.values():
+        (f, forward_f), (g, forward_g) = pair
+        agree = forward_f != forward_g
+        neighbours[f].append((g, agree))
+        neighbours[g].append((f, agree))
+    turn: dict[int, bool] = {}
+    for seed in range(len(faces)):
+        if seed in turn:
+            continue
+        turn[seed] = False
+        queue = deque([seed])
+        while queue:
+            f = queue.popleft()
+            for g, agree in neighbours[f]:
+                if g not in turn:
+                    turn[g] = turn[f] if agree else not turn[f]
+                    queue.append(g)
+    turned = [f for f in range(len(faces)) if turn[f]]
+    return [loop[::-1] if turn[f] else loop for f, loop in enumerate(faces)], turned
+
+
+def open_faces(faces: Sequence[Loop]) -> list[int]:
+    """Faces with an edge that no other face uses."""
+    users: dict[Edge, list[int]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        for a, b in zip(loop, (*loop[1:], *loop[:1]), strict=True):
+            users[min(a, b), max(a, b)].append(f)
+    return sorted({used[0] for used in users.values() if len(used) == 1})
+
+
+def face_components(faces: Sequence[Loop]) -> list[list[int]]:
+    """Faces grouped into parts connected through shared vertices."""
+    parent: dict[int, int] = {}
+
+    def root(i: int) -> int:
+        while parent[i] != i:
+            parent[i] = parent[parent[i]]
+            i = parent[i]
+        return i
+
+    for loop in faces:
+        for v in loop:
+            parent.setdefault(v, v)
+        first = root(loop[0])
+        for v in loop[1:]:
+            parent[root(v)] = first
+    groups: dict[int, list[int]] = defaultdict(list)
+    for f, loop in enumerate(faces):
+        groups[root(loop[0])].append(f)
+    return list(groups.values())
+
+
+def pinched_vertices(faces: Sequence[Loop]) -> list[int]:
+    """Vertices at which a closed surface touches itself: their faces form more than one fan."""
+    links: dict[int, dict[int, int]] = defaultdict(dict)
+    for loop in faces:
+        n = len(loop)
+        for i, v in enumerate(loop):
+            links[v][loop[i - 1]] = loop[(i + 1) % n]
+    pinched = []
+    for vertex, link in links.items():
+        start = next(iter(link))
+        current, steps = link[start], 1
+        while current != start and current in link and steps <= len(link):
+            current = link[current]
+            steps += 1
+        if current != start or steps != len(link):
+            pinched.append(vertex)
+    return pinched

@@ -1,0 +1,289 @@
+"""Closed surfaces that touch or cross themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from drystone.arrays import Bools, Floats, Ints
+from drystone.geometry.body.convexity import convex_bodies, planes
+from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
+from drystone.geometry.plane import polygon
+
+TOUCH = 1e-9
+"""Distance, relative to the size of a body, at which parts of its surface touch."""
+SIDE = 2.0
+"""An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
+the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
+BATCH = 500
+"""Edges or vertices compared at a time with all faces near them, chosen: bounds the memory."""
+
+MOST_PAIRS = 20_000_000
+"""After so many pairs of boxes that overlap the search gives up, chosen: some seconds. A body whose
+parts are all in each other's way is not looked through to the end."""
+
+Finding = tuple[int, str]
+
+
+@dataclass(frozen=True)
+class SelfContact:
+    """A place where the surface of one body touches or crosses itself.
+
+    Attributes
+    ----------
+    body
+        Position of the polyhedron.
+    what
+        A verb and its object, such as "touches itself: vertex 3 lies on face 7".
+    """
+
+    body: int
+    what: str
+
+
+@dataclass(frozen=True)
+class _Surface:
+    """Bodies scaled to size 1 and set apart, so that only parts of one body are near each other.
+
+    Letters: v vertices, e edges, f faces.
+    """
+
+    faces: Faces
+    normal: Floats  # (f, 3)
+    middle: Floats  # (f, 3)
+    warp: Floats  # (f,) largest distance of a corner from the plane
+    axes: Floats  # (f, 2, 3) in-plane
+    outline: NDArray[Any]  # (f,) shapely polygons, in the plane
+    edge: Ints  # (e, 2) vertices
+    vertex_body: Ints  # (v,)
+    first_vertex: Ints  # (body,) to number vertices as the caller does
+    first_face: Ints
+
+    def ends(self) -> tuple[Floats, Floats]:
+        """First and second end (e, 3) of every edge."""
+        return self.faces.point[self.edge[:, 0]], self.faces.point[self.edge[:, 1]]
+
+    def height(self, points: Floats, face: Ints) -> Floats:
+        """Signed distance of each point from the plane of its face."""
+        out: Floats = ((points - self.middle[face]) * self.normal[face]).sum(axis=1)
+        return out
+
+    def in_plane(self, points: Floats, face: Ints) -> NDArray[Any]:
+        """Each point in the plane of its face, as shapely points."""
+        flat = np.einsum("pj,pij->pi", points - self.middle[face], self.axes[face])
+        return np.asarray(shapely.points(flat))
+
+
+def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> list[SelfContact]:
+    """The first self-contact of each closed polyhedron that has one.
+
+    Parameters
+    ----------
+    vertices
+        Per body (v, 3) [m].
+    faces
+        Per body its loops: a closed 2-manifold, oriented outwards.
+
+    Notes
+    -----
+    A convex body cannot touch itself and is passed over. Of the others, four things are looked
+    for: a face whose outline crosses itself; an edge that pierces a face; a vertex that lies on a
+    face, or an edge that crosses another, without belonging to it.
+    """
+    concave = np.flatnonzero(~convex_bodies(vertices, faces)).tolist()
+    if not concave:
+        return []
+    surface = _surface([vertices[i] for i in concave], [faces[i] for i in concave])
+    searches: tuple[Callable[[_Surface], Iterator[Finding]], ...] = (
+        _crossed_outlines,
+        _pierced_faces,
+        _touching_vertices,
+        _touching_edges,
+    )
+    found: dict[int, str] = {}
+    for search in searches:
+        for body, what in search(surface):
+            found.setdefault(body, what)
+    return [SelfContact(concave[body], what) for body, what in sorted(found.items())]
+
+
+def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Surface:
+    placed = []
+    for i, points in enumerate(vertices):
+        low, high = points.min(axis=0), points.max(axis=0)
+        placed.append((points - low) / np.linalg.norm(high - low) + np.array([2.0 * i, 0.0, 0.0]))
+    stacked = stack_faces(placed, faces)
+    normal, middle = planes(stacked)
+    face = np.repeat(np.arange(stacked.count), np.diff(stacked.start))
+    local = stacked.point[stacked.loop] - middle[face]
+    height = np.abs((local * normal[face]).sum(axis=1))
+    u = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
+    u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
+    axes = np.stack([u, np.cross(normal, u)], axis=1)
+    plane = np.einsum("lj,lij->li", local, axes[face])
+    sizes = np.array([len(points) for points in vertices])
+    after = stacked.loop[polygon.following(stacked.start)]
+    sides = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)
+    return _Surface(
+        faces=stacked,
+        normal=normal,
+        middle=middle,
+        warp=np.maximum.reduceat(height, stacked.start[:-1]),
+        axes=axes,
+        outline=shapely.polygons(shapely.linearrings(plane, indices=face)),
+        edge=np.unique(sides, axis=0),
+        vertex_body=np.repeat(np.arange(len(vertices)), sizes),
+        first_vertex=np.cumsum(sizes) - sizes,
+        first_face=np.searchsorted(stacked.owner, np.arange(len(vertices))),
+    )
+
+
+def _crossed_outlines(surface: _Surface) -> Iterator[Finding]:
+    """Faces whose outline crosses or touches itself."""
+    for face in np.flatnonzero(~shapely.is_valid(surface.outline)).tolist():
+        body = int(surface.faces.owner[face])
+        yield body, f"crosses itself in the outline of face {face - surface.first_face[body]}"
+
+
+def _near(low: Floats, high: Floats, others: tuple[Floats, Floats]) -> Iterator[tuple[Ints, Ints]]:
+    """Pairs of axis-aligned boxes that overlap, in batches: position, position among others."""
+    tree = shapely.STRtree(_boxes(*others))
+    looked_at = 0
+    for start in range(0, len(low), BATCH):
+        part = slice(start, start + BATCH)
+        one, other = tree.query(_boxes(low[part], high[part]))
+        looked_at += len(one)
+        if looked_at > MOST_PAIRS:
+            return
+        one = one + start
+        meet = (low[one, 2] <= others[1][other, 2] + TOUCH) & (
+            high[one, 2] >= others[0][other, 2] - TOUCH
+        )
+        yield one[meet], other[meet]
+
+
+def _boxes(low: Floats, high: Floats) -> NDArray[Any]:
+    """Plan view of boxes, grown by the touching distance."""
+    grown = (low[:, 0] - TOUCH, low[:, 1] - TOUCH, high[:, 0] + TOUCH, high[:, 1] + TOUCH)
+    return np.asarray(shapely.box(*grown))
+
+
+def _face_boxes(surface: _Surface) -> tuple[Floats, Floats]:
+    corner = surface.faces.point[surface.faces.loop]
+    start = surface.faces.start[:-1]
+    return np.minimum.reduceat(corner, start, axis=0), np.maximum.reduceat(corner, start, axis=0)
+
+
+def _edge_boxes(surface: _Surface) -> tuple[Floats, Floats]:
+    one, other = surface.ends()
+    return np.minimum(one, other), np.maximum(one, other)
+
+
+def _pierced_faces(surface: _Surface) -> Iterator[Finding]:
+    """Edges that go through a face."""
+    one, other = surface.ends()
+    for edge, face in _near(*_edge_boxes(surface), _face_boxes(surface)):
+        margin = SIDE * surface.warp[face] + TOUCH
+        from_one = surface.height(one[edge], face)
+        from_other = surface.height(other[edge], face)
+        through = (np.minimum(np.abs(from_one), np.abs(from_other)) > margin) & (
+            from_one * from_other < 0.0
+        )
+        edge, face, margin = edge[through], face[through], margin[through]
+        share = from_one[through] / (from_one[through] - from_other[through])
+        point = one[edge] + share[:, None] * (other[edge] - one[edge])
+        inside = _inside(surface, point, face, margin)
+        for e, f in zip(edge[inside].tolist(), face[inside].tolist(), strict=True):
+            body = int(surface.faces.owner[f])
+            a, b = (surface.edge[e] - surface.first_vertex[body]).tolist()
+            yield (
+                body,
+                (f"crosses itself: edge {a}-{b} goes through face {f - surface.first_face[body]}"),
+            )
+
+
+def _inside(surface: _Surface, point: Floats, face: Ints, margin: Floats) -> Bools:
+    """Whether points in the plane of a face lie inside its outline, off its border."""
+    outline = surface.outline[face]
+    flat = surface.in_plane(point, face)
+    out: Bools = shapely.contains(outline, flat) & (
+        shapely.distance(shapely.boundary(outline), flat) > margin
+    )
+    return out
+
+
+def _touching_vertices(surface: _Surface) -> Iterator[Finding]:
+    """Vertices that lie on a plane face without being one of its corners."""
+    point = surface.faces.point
+    count = surface.faces.count
+    lengths = np.diff(surface.faces.start)
+    corner = np.unique(surface.faces.loop * count + np.repeat(np.arange(count), lengths))
+    joined = {tuple(pair) for pair in surface.edge.tolist()}
+    for vertex, face in _near(point, point, _face_boxes(surface)):
+        on = (
+            (np.abs(surface.height(point[vertex], face)) <= TOUCH)
+            & (surface.warp[face] <= TOUCH)
+            & ~np.isin(vertex * count + face, corner)
+        )
+        vertex, face = vertex[on], face[on]
+        flat = surface.in_plane(point[vertex], face)
+        on = shapely.distance(surface.outline[face], flat) <= TOUCH
+        for v, f in zip(vertex[on].tolist(), face[on].tolist(), strict=True):
+            if not _short_edge(surface, v, f, joined):
+                body = int(surface.faces.owner[f])
+                yield (
+                    body,
+                    (
+                        f"touches itself: vertex {v - surface.first_vertex[body]} lies on face"
+                        f" {f - surface.first_face[body]}"
+                    ),
+                )
+
+
+def _short_edge(surface: _Surface, vertex: int, face: int, joined: set[tuple[int, ...]]) -> bool:
+    """Whether a vertex is near a face only because a very short edge joins the two."""
+    loop = surface.faces.loop[surface.faces.start[face] : surface.faces.start[face + 1]]
+    gap = np.linalg.norm(surface.faces.point[loop] - surface.faces.point[vertex], axis=1)
+    close = loop[gap <= 2.0 * TOUCH].tolist()
+    return any((min(vertex, c), max(vertex, c)) in joined for c in close)
+
+
+def _touching_edges(surface: _Surface) -> Iterator[Finding]:
+    """Edges that cross each other away from their ends.
+
+    Nearest points of two lines a + s d, b + t e; Source: Ericson 2005, section 5.1.9.
+    """
+    one, other = surface.ends()
+    boxes = _edge_boxes(surface)
+    for first, second in _near(*boxes, boxes):
+        later = first < second
+        first, second = first[later], second[later]
+        d, e = other[first] - one[first], other[second] - one[second]
+        between = one[second] - one[first]
+        cross = np.cross(d, e)
+        square = (cross * cross).sum(axis=1)
+        oblique = square > 1e-12 * (d * d).sum(axis=1) * (e * e).sum(axis=1)
+        safe = np.where(oblique, square, 1.0)
+        s = (np.cross(between, e) * cross).sum(axis=1) / safe
+        t = (np.cross(between, d) * cross).sum(axis=1) / safe
+        gap = np.abs((between * cross).sum(axis=1)) / np.sqrt(safe)
+        margin_s = TOUCH / np.maximum(np.linalg.norm(d, axis=1), TOUCH)
+        margin_t = TOUCH / np.maximum(np.linalg.norm(e, axis=1), TOUCH)
+        hit = (
+            oblique
+            & (gap <= TOUCH)
+            & (s > margin_s)
+            & (s < 1.0 - margin_s)
+            & (t > margin_t)
+            & (t < 1.0 - margin_t)
+        )
+        for i, j in zip(first[hit].tolist(), second[hit].tolist(), strict=True):
+            body = int(surface.vertex_body[surface.edge[i, 0]])
+            a, b = (surface.edge[i] - surface.first_vertex[body]).tolist()
+            c, d_ = (surface.edge[j] - surface.first_vertex[body]).tolist()
+            yield body, f"touches itself: edges {a}-{b} and {c}-{d_} cross"

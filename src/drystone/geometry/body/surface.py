@@ -1,0 +1,151 @@
+"""What a face list says of a body before any coordinate is known: closed, manifold, oriented.
+
+Bodies of one kind share their face list, so that its answer is kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from drystone.arrays import Floats
+from drystone.errors import InputError, counted
+from drystone.geometry.body import polyhedron
+from drystone.geometry.body.polyhedron import Edge, Fan, Loop
+
+SHARED_FACES = 64
+"""Longest face list whose answer is kept, and how many lists are: chosen, some MB at most. A longer
+one is a scan or a freeform body, of which no two are alike."""
+SHARED_LISTS = 1024
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A closed, oriented 2-manifold without coordinates.
+
+    Attributes
+    ----------
+    loops
+        Faces, consistently oriented: all outwards or all inwards.
+    fan
+        Their triangles.
+    used
+        Vertices that were used, in order; None when all were. ``loops`` number these only.
+    notes
+        What was mended.
+    """
+
+    loops: tuple[Loop, ...]
+    fan: Fan
+    used: tuple[int, ...] | None
+    notes: tuple[str, ...]
+
+    def select(self, vertices: Floats) -> Floats:
+        """Those of the vertices (v, 3) that are used."""
+        return vertices if self.used is None else vertices[list(self.used)]
+
+    def turned(self) -> Surface:
+        """The same surface, inside out, with a note."""
+        return _inside_out(self) if len(self.loops) <= SHARED_FACES else _turned(self)
+
+
+def closed_surface(faces: Iterable[Sequence[int]], count: int) -> Surface:
+    """The surface that faces make of ``count`` vertices.
+
+    Raises
+    ------
+    InputError
+        Open, non-manifold, one-sided, or touching itself in a vertex; the edges are named.
+    """
+    loops = _integers(faces)
+    return _shared(loops, count) if len(loops) <= SHARED_FACES else _surface(loops, count)
+
+
+def _integers(faces: Iterable[Sequence[int]]) -> tuple[Loop, ...]:
+    loops: list[Loop] = []
+    for face in faces:
+        try:
+            loops.append(tuple(map(int, face)))
+        except (TypeError, ValueError) as error:
+            raise InputError(f"face {len(loops)} is not a list of integers") from error
+    return tuple(loops)
+
+
+def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
+    _check_loops(faces, count)
+    used = sorted({i for loop in faces for i in loop})
+    notes: list[str] = []
+    if len(used) < count:
+        new = {old: i for i, old in enumerate(used)}
+        faces = tuple(tuple(new[i] for i in loop) for loop in faces)
+        unused = counted(count - len(used), "unused vertex", "unused vertices")
+        notes.append(f"{unused} dropped")
+    open_edges, crowded, consistent = polyhedron.edge_defects(faces)
+    if crowded:
+        raise InputError(
+            f"non-manifold: more than two faces meet at edges {_edges_text(crowded, used)}",
+            remedy="split the block there or remove inner faces",
+        )
+    if open_edges:
+        shown = _edges_text(open_edges, used)
+        at = polyhedron.open_faces(faces)
+        more = f" and {len(at) - 4} more" if len(at) > 4 else ""
+        raise InputError(
+            f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
+            f" {'face' if len(at) == 1 else 'faces'} {', '.join(map(str, at[:4]))}{more}",
+            remedy="close the holes or merge coincident vertices",
+        )
+    if not consistent:
+        oriented, turned = polyhedron.orient(faces)
+        if not polyhedron.edge_defects(oriented)[2]:
+            raise InputError("its surface has no inside", remedy="it is one-sided: model it anew")
+        faces = tuple(oriented)
+        notes.append(f"faces {', '.join(map(str, turned[:8]))} turned to agree with the others")
+    pinched = polyhedron.pinched_vertices(faces)
+    if pinched:
+        raise InputError(
+            f"its surface touches itself at vertex {used[pinched[0]]}",
+            remedy="separate the parts there, or split it into two blocks",
+        )
+    kept = tuple(used) if len(used) < count else None
+    return Surface(faces, Fan.of(faces), kept, tuple(notes))
+
+
+_shared = lru_cache(SHARED_LISTS)(_surface)
+
+
+def _turned(surface: Surface) -> Surface:
+    loops = tuple(loop[::-1] for loop in surface.loops)
+    notes = (*surface.notes, "inside out: all faces turned")
+    return Surface(loops, Fan.of(loops), surface.used, notes)
+
+
+_inside_out = lru_cache(SHARED_LISTS)(_turned)
+
+
+def _check_loops(loops: Sequence[Loop], count: int) -> None:
+    for number, loop in enumerate(loops):
+        if len(loop) < 3 or len(set(loop)) != len(loop):
+            raise InputError(
+                f"face {number} {list(loop)} needs three or more corners, none twice",
+                remedy="remove repeated corners, split a face with a hole into several",
+            )
+        if min(loop) < 0 or max(loop) >= count:
+            raise InputError(
+                f"face {number} uses vertex {max(loop) if max(loop) >= count else min(loop)}",
+                remedy=f"vertices are numbered 0 to {count - 1}",
+            )
+    if len(loops) < 4:
+        raise InputError(
+            f"has {counted(len(loops), 'face')}", remedy="a closed block has four or more"
+        )
+
+
+def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
+    """The first edges, in the caller's numbers of vertices."""
+    shown = ", ".join(f"{number[a]}-{number[b]}" for a, b in edges[:4])
+    return shown + (f" and {len(edges) - 4} more" if len(edges) > 4 else "")
+
+
+__all__ = ["Surface", "closed_surface"]

@@ -1,0 +1,1 @@
+"""Faces from files put in order: points merged, triangles joined, solids told apart."""

@@ -1,0 +1,197 @@
+"""Points that coincide, and solids that are there twice."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.geometry.body.polyhedron import Loop
+
+
+def first_coincident(points: Floats, distance: float | Floats, body: Ints | None = None) -> Ints:
+    """For each point the first of the group of points that it coincides with.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    distance : [m], or (p,) one for each point, the same within a body
+        Points up to this far apart coincide, and so do chains of them; points further apart than
+        four times as much do not, unless a chain joins them.
+    body : (p,), optional
+        Points of different bodies do not coincide.
+
+    Notes
+    -----
+    Cells of twice the distance, on eight grids shifted by half a cell: near points share a cell of
+    one grid at least. The work is linear even when all points are one.
+    """
+    count = len(points)
+    if count == 0:
+        return np.zeros(0, dtype=np.intp)
+    owner = np.zeros(count, dtype=np.intp) if body is None else body
+    same = _first_alike([owner, *points.T])
+    kept = np.flatnonzero(same == np.arange(count))
+    cell = 2.0 * np.broadcast_to(np.asarray(distance, dtype=np.float64), (count,))[kept]
+    if not (cell > 0.0).any():
+        return same
+    first = kept[_joined(points[kept], cell, owner[kept])]
+    whole = np.arange(count, dtype=np.intp)
+    whole[kept] = first
+    return whole[same]
+
+
+def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
+    """For each of different points the first that it coincides with."""
+    from scipy.sparse import coo_array  # slow to import, and few models need it
+    from scipy.sparse.csgraph import connected_components
+
+    count = len(points)
+    low = np.full((int(owner.max()) + 1, 3), np.inf)
+    np.minimum.at(low, owner, points)
+    size = np.where(cell > 0.0, cell, 1.0)[:, None]
+    scaled = (points - low[owner]) / size
+    links = [
+        _first_alike([owner, *np.floor(scaled + np.array(shift)).T])
+        for shift in product((0.0, 0.5), repeat=3)
+    ]
+    here = np.arange(count, dtype=np.intp)
+    moved = [link != here for link in links]
+    if not any(move.any() for move in moved):
+        return here
+    source = np.concatenate([here[move] for move in moved])
+    target = np.concatenate([link[move] for link, move in zip(links, moved, strict=True)])
+    graph = coo_array((np.ones(len(source)), (source, target)), shape=(count, count))
+    parts, label = connected_components(graph, directed=False)
+    first_of = np.full(parts, count, dtype=np.intp)
+    np.minimum.at(first_of, label, here)
+    return first_of[label]
+
+
+def _first_alike(columns: Sequence[Floats | Ints]) -> Ints:
+    """For each row the first row that equals it in every column."""
+    key = np.zeros(len(columns[0]), dtype=np.int64)
+    for column in columns:
+        _, rank = np.unique(column, return_inverse=True)
+        _, key = np.unique(key * (int(rank.max()) + 1) + rank, return_inverse=True)
+    first = np.full(int(key.max()) + 1, len(key), dtype=np.intp)
+    np.minimum.at(first, key, np.arange(len(key), dtype=np.intp))
+    return first[key]
+
+
+def weld(
+    vertices: Floats, faces: Sequence[Sequence[int]], tolerance: float
+) -> tuple[tuple[Loop, ...], int]:
+    """Faces that use one vertex where several coincide.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops of vertex indices.
+    tolerance
+        Distance that counts as coincident, relative to the bounding box diagonal.
+
+    Returns
+    -------
+    faces
+        The same loops over the first of each group of coincident vertices. A corner that falls
+        together with the one before it is left out, a face left with fewer than three is dropped.
+    merged
+        Number of vertices that are no longer used.
+
+    Examples
+    --------
+    >>> twin = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]])
+    >>> weld(twin, [(0, 1, 2), (3, 2, 1)], 1e-9)
+    (((0, 1, 2), (0, 2, 1)), 1)
+    """
+    return weld_each([vertices], [faces], tolerance)[0]
+
+
+def weld_each(
+    vertices: Sequence[Floats], faces: Sequence[Sequence[Sequence[int]]], tolerance: float
+) -> list[tuple[tuple[Loop, ...], int]]:
+    """:func:`weld` for many bodies at once, which is faster than one after the other.
+
+    Parameters
+    ----------
+    vertices
+        Per body (v, 3) [m].
+    faces
+        Per body its loops.
+    tolerance
+        Relative to the bounding box diagonal of each body.
+    """
+    count = np.array([len(points) for points in vertices], dtype=np.intp)
+    owner = np.repeat(np.arange(len(count)), count)
+    every = np.concatenate([np.zeros((0, 3)), *vertices])
+    start = (np.cumsum(count) - count)[count > 0]
+    low, high = (np.zeros((len(count), 3)) for _ in range(2))
+    if len(start):
+        low[count > 0] = np.minimum.reduceat(every, start)
+        high[count > 0] = np.maximum.reduceat(every, start)
+    reach = tolerance * np.linalg.norm(high - low, axis=1)
+    first = first_coincident(every, reach[owner], owner).tolist()
+    welded = []
+    for loops, begin in zip(faces, (np.cumsum(count) - count).tolist(), strict=True):
+        welded.append(_on_first(loops, first, begin))
+    return welded
+
+
+def _on_first(
+    faces: Sequence[Sequence[int]], first: Sequence[int], begin: int
+) -> tuple[tuple[Loop, ...], int]:
+    """Loops of one body over the first of each group of vertices, and how many go unused."""
+    used = {i for face in faces for i in face}
+    loops = []
+    for face in faces:
+        corners = [first[begin + i] - begin for i in face]
+        loop = [v for i, v in enumerate(corners) if v != corners[i - 1]]
+        if len(loop) >= 3:
+            loops.append(tuple(loop))
+    kept = {i for loop in loops for i in loop}
+    return tuple(loops), len(used) - len(kept)
+
+
+def duplicates(vertices: Sequence[Floats], tolerance: float) -> list[tuple[int, int]]:
+    """Pairs of bodies with the same vertices, in any order; each with the first of its kind.
+
+    Parameters
+    ----------
+    vertices
+        Per body (v, 3) [m].
+    tolerance
+        Distance between like vertices, relative to the median size of the bodies.
+    """
+    if len(vertices) < 2:
+        return []
+    low = np.array([v.min(axis=0) for v in vertices])
+    high = np.array([v.max(axis=0) for v in vertices])
+    distance = tolerance * float(np.median(np.linalg.norm(high - low, axis=1)))
+    middle = first_coincident(0.5 * (low + high), distance)
+    extent = first_coincident(high - low, distance)
+    kinds: dict[tuple[int, int, int], list[int]] = {}
+    found = []
+    for body, points in enumerate(vertices):
+        kind = (int(middle[body]), int(extent[body]), len(points))
+        like = kinds.setdefault(kind, [])
+        for other in like:
+            if _same_points(vertices[other], points, distance):
+                found.append((other, body))
+                break
+        else:
+            like.append(body)
+    return found
+
+
+def _same_points(one: Floats, other: Floats, distance: float) -> bool:
+    """Whether every point of one has a partner of its own in the other."""
+    count = len(one)
+    first = first_coincident(np.concatenate([one, other]), distance)
+    groups = np.zeros((2, 2 * count), dtype=np.intp)
+    np.add.at(groups[0], first[:count], 1)
+    np.add.at(groups[1], first[count:], 1)
+    return bool((groups[0] == groups[1]).all())

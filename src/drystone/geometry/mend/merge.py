@@ -1,0 +1,95 @@
+"""Triangles that lie in one plane put back together into polygons."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.geometry.body.halfedge import half_edges, joined_faces, outlines, turn_angles
+from drystone.geometry.body.polyhedron import Loop, stack_faces
+from drystone.geometry.plane.polygon import area_vectors
+
+TURN = 1e-3
+"""[rad] Neighbours that turn by less are looked at together, chosen; whether they are merged is
+decided by how far they are from one plane."""
+
+
+def merge_coplanar(
+    vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]], tolerance: float
+) -> list[list[Loop]]:
+    """The faces of closed bodies, coplanar neighbours merged into one polygon.
+
+    Parameters
+    ----------
+    vertices
+        Per body (v, 3) [m].
+    faces
+        Per body its loops, a closed 2-manifold, oriented alike.
+    tolerance
+        Largest distance of a corner from the plane of its merged face, relative to the body's size.
+
+    Returns
+    -------
+    Per body its loops. Faces whose union has a hole or touches itself at a vertex are left as they
+    are, since a face is a simple loop; no vertex is moved or dropped.
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]])
+    >>> loops = [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
+    >>> merge_coplanar([points], [loops], 1e-9)[0][0]
+    (3, 2, 1, 0)
+    """
+    if len(vertices) == 0:
+        return []
+    stacked = stack_faces(vertices, faces)
+    vectors = area_vectors(stacked.point[stacked.loop], stacked.start)
+    length = np.linalg.norm(vectors, axis=1)
+    normal = vectors / np.where(length > 0.0, length, 1.0)[:, None]
+    edges = half_edges(stacked)
+    flat = (edges.twin >= 0) & (np.abs(turn_angles(stacked, edges, normal)) < TURN)
+    flat &= (length > 0.0)[edges.face] & (length > 0.0)[edges.face[edges.twin]]
+    group = joined_faces(edges, flat, stacked.count)
+    count = np.array([len(v) for v in vertices])
+    first = np.cumsum(count) - count
+    size = np.array([np.linalg.norm(v.max(axis=0) - v.min(axis=0)) for v in vertices])
+    far = _deviation(stacked.point[stacked.loop], group[edges.face], group, vectors)
+    kept = (np.bincount(group)[group] > 1) & (far[group] <= tolerance * size[stacked.owner])
+    loop, start, owner = outlines(stacked, edges, np.where(kept, group, -1))
+    rings: dict[int, list[Ints]] = defaultdict(list)
+    for ring, of in zip(np.split(loop, start[1:-1]), owner.tolist(), strict=False):
+        rings[of].append(ring)
+    merged: list[list[Loop]] = [[] for _ in vertices]
+    done: set[int] = set()
+    first_face = np.searchsorted(stacked.owner, np.arange(len(vertices))).tolist()
+    for face, (body, of) in enumerate(zip(stacked.owner.tolist(), group.tolist(), strict=True)):
+        whole = rings.get(of, []) if kept[face] else []
+        if len(whole) == 1 and len(set(whole[0].tolist())) == len(whole[0]):
+            if of not in done:
+                merged[body].append(tuple((whole[0] - first[body]).tolist()))
+                done.add(of)
+        else:
+            merged[body].append(tuple(faces[body][face - first_face[body]]))
+    return merged
+
+
+def _deviation(corner: Floats, corner_group: Ints, group: Ints, vectors: Floats) -> Floats:
+    """Largest distance of a corner from the plane of each group of faces."""
+    total = int(group.max(initial=-1)) + 1
+
+    def summed(values: Floats, of: Ints) -> Floats:
+        columns = [np.bincount(of, values[:, i], minlength=total) for i in range(3)]
+        return np.stack(columns, axis=1).astype(np.float64)
+
+    share = np.maximum(np.bincount(corner_group, minlength=total), 1)
+    middle = summed(corner, corner_group) / share[:, None]
+    normal = summed(vectors, group)
+    length = np.linalg.norm(normal, axis=1)
+    normal = normal / np.where(length > 0.0, length, 1.0)[:, None]
+    height = np.abs(((corner - middle[corner_group]) * normal[corner_group]).sum(axis=1))
+    worst: Floats = np.zeros(total)
+    np.maximum.at(worst, corner_group, height)
+    return worst

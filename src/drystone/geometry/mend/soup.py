@@ -1,0 +1,257 @@
+"""A heap of faces sorted into solids, also where solids touch and share vertices and edges."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints
+from drystone.geometry.body.polyhedron import (
+    Faces,
+    Loop,
+    fan_triangles,
+    mass_properties,
+)
+from drystone.geometry.body.solid import winding_number
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.plane.polygon import area_vectors, following
+
+SAME_ANGLE = 1e-6
+"""[rad] Faces about an edge that lie this close are on each other, chosen: far above the rounding
+of coordinates, far below the angle of any wedge that one could cut."""
+
+
+def split_solids(
+    vertices: Floats, faces: Sequence[Loop], heap: Ints | None = None
+) -> list[list[int]]:
+    """Faces grouped into solids.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+        Coincident ones merged, see :func:`drystone.geometry.mend.coincidence.weld`.
+    faces
+        Loops, oriented alike in each heap.
+    heap : (f,), optional
+        Ascending. Faces of different heaps, which share no vertices, make different solids.
+
+    Returns
+    -------
+    list of face indices per solid, by first face
+        A cavity belongs to the solid around it.
+
+    Notes
+    -----
+    Two faces belong together when they meet at an edge that no others use. At an edge that more
+    faces use, where solids touch, the faces in angular order about the edge bound sectors of
+    material, and the two faces of a sector belong together. Touching solids whose common edges are
+    the same segment are told apart thereby; a vertex alone joins nothing.
+    """
+    if not faces:
+        return []
+    stacked = _of_shells(vertices, faces, [range(len(faces))])
+    if heap is not None:
+        _, number = np.unique(heap, return_inverse=True)
+        stacked = replace(stacked, owner=number.astype(np.intp))
+    volume = mass_properties(stacked, int(stacked.owner[-1]) + 1)[0]
+    outwards = np.where(volume < 0.0, -1.0, 1.0)[stacked.owner]
+    part = _components(stacked, outwards)
+    return _with_cavities(vertices, faces, part, stacked.owner, outwards)
+
+
+def without_slivers(
+    vertices: Floats, faces: Sequence[Loop], height: Floats
+) -> tuple[list[Loop], Ints]:
+    """Faces without triangles that have no height, and which faces those are that stay.
+
+    Meshing programs close a straight joint between three vertices with such a triangle. It is left
+    out and its middle vertex put into the long edge of every face there, so that what was closed
+    stays closed and no point moves.
+
+    Parameters
+    ----------
+    vertices : (v, 3) [m]
+    faces
+        Loops of different vertices.
+    height : (v,) [m]
+        At each vertex the height of a triangle that counts as none.
+
+    Returns
+    -------
+    faces
+    kept : (f,)
+        Their numbers in what was given.
+    """
+    every = np.arange(len(faces), dtype=np.intp)
+    triangle = np.array([f for f in faces if len(f) == 3], dtype=np.intp).reshape(-1, 3)
+    if len(triangle) == 0:
+        return list(faces), every
+    corner = vertices[triangle]
+    side = np.linalg.norm(corner[:, [1, 2, 0]] - corner, axis=2)
+    longest = side.argmax(axis=1)
+    double = np.linalg.norm(
+        np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
+    )
+    thin = double <= height[triangle[:, 0]] * side.max(axis=1)
+    between: dict[tuple[int, int], set[int]] = defaultdict(set)
+    for loop, long in zip(triangle[thin].tolist(), longest[thin].tolist(), strict=True):
+        a, c, b = loop[long], loop[(long + 1) % 3], loop[(long + 2) % 3]
+        between[min(a, c), max(a, c)].add(b)
+    slivers = {tuple(loop) for loop in triangle[thin].tolist()}
+    if not slivers:
+        return list(faces), every
+    kept = every[[f not in slivers for f in faces]]
+    return [_subdivided(faces[i], between, vertices) for i in kept.tolist()], kept
+
+
+def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: Floats) -> Loop:
+    """The loop with the vertices that lie on its edges."""
+    out: list[int] = []
+    edges = list(zip(loop, (*loop[1:], loop[0]), strict=True))[::-1]
+    while edges:
+        a, b = edges.pop()
+        middle = between.get((min(a, b), max(a, b)), set()) - {*loop, *out}
+        if not middle:
+            out.append(a)
+            continue
+        ordered = sorted(middle, key=lambda v: float(np.linalg.norm(vertices[v] - vertices[a])))
+        chain = [a, *ordered, b]
+        edges.extend(zip(chain[-2::-1], chain[:0:-1], strict=True))
+    return tuple(out)
+
+
+def _components(faces: Faces, outwards: Floats) -> Ints:
+    """Part (f,) of each face, joined across edges; ``outwards`` is -1 in heaps inside out."""
+    from scipy.sparse import coo_array  # slow to import, and few models need it
+    from scipy.sparse.csgraph import connected_components
+
+    one, other = _neighbours(faces, outwards)
+    graph = coo_array((np.ones(len(one)), (one, other)), shape=(faces.count, faces.count))
+    return connected_components(graph, directed=False)[1].astype(np.intp)
+
+
+def _neighbours(faces: Faces, outwards: Floats) -> tuple[Ints, Ints]:
+    """Pairs of faces that belong to one surface."""
+    face = np.repeat(np.arange(faces.count, dtype=np.intp), np.diff(faces.start))
+    tail, head = faces.loop, faces.loop[following(faces.start)]
+    key = np.minimum(tail, head) * np.int64(len(faces.point)) + np.maximum(tail, head)
+    order = np.argsort(key, kind="stable")
+    first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
+    used = np.diff(np.concatenate([first, [len(key)]]))
+    pair = first[used == 2]
+    one, other = [face[order[pair]]], [face[order[pair + 1]]]
+    crowded = np.flatnonzero(used > 2)
+    if len(crowded):
+        rows = np.concatenate([np.arange(first[i], first[i] + used[i]) for i in crowded])
+        half = order[rows]
+        edge = np.repeat(np.arange(len(crowded)), used[crowded])
+        forward = (tail < head) == (outwards[face] > 0.0)
+        a, b = _sector_pairs(faces, half, edge, tail, head, face, forward[half])
+        one.append(a)
+        other.append(b)
+    return np.concatenate(one), np.concatenate(other)
+
+
+def _sector_pairs(
+    faces: Faces, half: Ints, edge: Ints, tail: Ints, head: Ints, face: Ints, ends: Bools
+) -> tuple[Ints, Ints]:
+    """Pairs of faces that bound a sector of material about crowded edges.
+
+    A face that runs its edge forwards (from the lower vertex) has its material behind it, at
+    smaller angles: it ends a sector. One that runs it backwards begins one. (The other way round
+    where the whole heap is inside out.)
+    """
+    forward = tail[half] < head[half]
+    low, high = np.minimum(tail, head)[half], np.maximum(tail, head)[half]
+    along = faces.point[high] - faces.point[low]
+    length = np.linalg.norm(along, axis=1)
+    along = along / np.where(length > 0.0, length, 1.0)[:, None]
+    frame = frames_from_normals(along)
+    normal = area_vectors(faces.point[faces.loop], faces.start)[face[half]]
+    inwards = np.cross(normal, np.where(forward[:, None], along, -along))
+    angle = np.arctan2((inwards * frame[:, 2]).sum(axis=1), (inwards * frame[:, 1]).sum(axis=1))
+    one: list[int] = []
+    other: list[int] = []
+    begin = np.flatnonzero(np.concatenate([[True], np.diff(edge) > 0]))
+    for rows in np.split(np.arange(len(half)), begin[1:]):
+        ordered = _in_turn(angle[rows], ends[rows])
+        waiting: list[int] = []
+        for i in (rows[ordered]).tolist() * 2:
+            if not ends[i]:
+                waiting.append(i)
+            elif waiting:
+                one.append(int(face[half[waiting.pop()]]))
+                other.append(int(face[half[i]]))
+    return np.array(one, dtype=np.intp), np.array(other, dtype=np.intp)
+
+
+def _in_turn(angle: Floats, ends: Bools) -> Ints:
+    """Order about an edge that starts after the widest gap; at one angle, ends come first."""
+    order = np.argsort(angle, kind="stable")
+    turned = angle[order]
+    gap = np.diff(np.concatenate([turned, turned[:1] + 2.0 * np.pi]))
+    widest = int(gap.argmax()) + 1
+    order, gap = np.roll(order, -widest), np.roll(gap, -widest)
+    cluster = np.concatenate([[0], np.cumsum(gap[:-1] > SAME_ANGLE)])
+    rank: Ints = np.lexsort([~ends[order], cluster])
+    return order[rank]
+
+
+def _with_cavities(
+    vertices: Floats, faces: Sequence[Loop], part: Ints, heap: Ints, outwards: Floats
+) -> list[list[int]]:
+    """Faces per solid; a part that is turned inwards and lies in another is its cavity."""
+    members: dict[int, list[int]] = defaultdict(list)
+    for i, p in enumerate(part.tolist()):
+        members[p].append(i)
+    shells = list(members.values())
+    if len(shells) == 1:
+        return shells
+    stacked = _of_shells(vertices, faces, shells)
+    lead = np.array([shell[0] for shell in shells])
+    volume = mass_properties(stacked, len(shells))[0] * outwards[lead]
+    first = stacked.start[np.searchsorted(stacked.owner, np.arange(len(shells)))]
+    corner = stacked.point[stacked.loop]
+    low, high = np.minimum.reduceat(corner, first), np.maximum.reduceat(corner, first)
+    home = list(range(len(shells)))
+    closed = _closed(stacked, len(shells))
+    for cavity in np.flatnonzero((volume < 0.0) & closed).tolist():
+        around = ((low <= low[cavity]) & (high >= high[cavity])).all(axis=1)
+        around &= closed & (volume > -volume[cavity]) & (heap[lead] == heap[lead[cavity]])
+        for solid in np.flatnonzero(around)[np.argsort(volume[around])].tolist():
+            around_it = fan_triangles(_of_shells(vertices, faces, [shells[solid]]))[0]
+            middle = 0.5 * (low[cavity] + high[cavity])
+            if abs(winding_number(middle[None], around_it)[0]) > 0.5:
+                home[cavity] = solid
+                break
+    solids: dict[int, list[int]] = defaultdict(list)
+    for shell_faces, solid in zip(shells, home, strict=True):
+        solids[solid].extend(shell_faces)
+    return sorted((sorted(s) for s in solids.values()), key=lambda s: s[0])
+
+
+def _closed(stacked: Faces, count: int) -> Bools:
+    """Whether each body (count,) has faces in pairs at all its edges."""
+    length = np.diff(stacked.start)
+    after = stacked.loop[following(stacked.start)]
+    side = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)
+    key = np.column_stack([np.repeat(stacked.owner, length), side])
+    edge, uses = np.unique(key, axis=0, return_counts=True)
+    odd = np.bincount(edge[:, 0], uses % 2, minlength=count)
+    closed: Bools = odd == 0
+    return closed
+
+
+def _of_shells(vertices: Floats, faces: Sequence[Loop], shells: Sequence[Sequence[int]]) -> Faces:
+    """The faces of each shell, one shell after the other, over common vertices."""
+    loops = [faces[i] for shell in shells for i in shell]
+    lengths = np.array([len(loop) for loop in loops], dtype=np.intp)
+    return Faces(
+        vertices,
+        np.array([corner for loop in loops for corner in loop], dtype=np.intp),
+        np.concatenate([[0], np.cumsum(lengths)]).astype(np.intp),
+        np.repeat(np.arange(len(shells)), [len(shell) for shell in shells]),
+    )

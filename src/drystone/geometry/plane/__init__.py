@@ -1,0 +1,1 @@
+"""Plane polygons: areas, overlaps, triangles, sections."""

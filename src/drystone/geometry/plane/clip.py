@@ -1,0 +1,205 @@
+"""Many plane polygons at once: convex ones cut by convex ones, cleaned, measured.
+
+Polygons are counter-clockwise. *Padded* arrays (q, c, 2) hold one polygon per row, its number of
+corners in ``count``; what lies beyond is arbitrary. *Flat* arrays hold the corners (l, 2) one after
+another with ``start`` (q + 1,).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints
+from drystone.geometry.plane.polygon import following
+
+Padded = tuple[Floats, Ints]
+Flat = tuple[Floats, Ints]
+
+
+def pad(corner: Floats, first: Ints, count: Ints, *, reverse: bool = False) -> Padded:
+    """Rows of a padded array from ranges of flat corners (l, d), each range one polygon.
+
+    Parameters
+    ----------
+    first, count : (q,)
+    reverse
+        Whether to run through each range backwards.
+    """
+    width = int(count.max(initial=0))
+    step = np.minimum(np.arange(width), count[:, None] - 1)
+    place = (first + count - 1)[:, None] - step if reverse else first[:, None] + step
+    return corner[place], count
+
+
+def flatten(polygons: Padded) -> Flat:
+    """Flat corners of padded ones."""
+    corner, count = polygons
+    keep = np.arange(corner.shape[1]) < count[:, None]
+    return corner[keep], np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+
+
+def cut(polygons: Padded, offset: Floats, slope: Floats) -> Padded:
+    """What remains of each convex polygon where ``offset + slope . x >= 0``.
+
+    Parameters
+    ----------
+    offset : (q,)
+    slope : (q, 2)
+
+    Notes
+    -----
+    Source: Sutherland, Hodgman 1974, Reentrant polygon clipping.
+    """
+    corner, count = polygons
+    side = offset[:, None] + corner[:, :, 0] * slope[:, :1] + corner[:, :, 1] * slope[:, 1:]
+    valid = np.arange(corner.shape[1]) < count[:, None]
+    inside = (side >= 0.0) & valid
+    left = inside.sum(axis=1)
+    rows = np.flatnonzero((left < count) & (left > 0))
+    count = np.where(left == 0, 0, count)
+    if len(rows) == 0:
+        return corner, count
+    part, width = _cut_rows(corner[rows], count[rows], side[rows], inside[rows], valid[rows])
+    wide = max(corner.shape[1], part.shape[1])
+    result = np.zeros((len(corner), wide, 2))
+    result[:, : corner.shape[1]] = corner
+    result[rows, : part.shape[1]] = part
+    count[rows] = width
+    return result, count
+
+
+def _cut_rows(
+    corner: Floats, count: Ints, side: Floats, inside: Bools, valid: Bools
+) -> tuple[Floats, Ints]:
+    number = np.arange(len(corner))[:, None]
+    after = np.arange(1, corner.shape[1] + 1)[None, :] % np.maximum(count[:, None], 1)
+    after = np.minimum(after, corner.shape[1] - 1)
+    side_after = side[number, after]
+    crossing = (inside != inside[number, after]) & valid
+    drop = side - side_after
+    share = np.where(crossing, side, 0.0) / np.where(crossing, drop, 1.0)
+    meet = corner + share[:, :, None] * (corner[number, after] - corner)
+    emit = np.stack([inside, crossing], axis=2).reshape(len(corner), -1)
+    points = np.stack([corner, meet], axis=2).reshape(len(corner), -1, 2)
+    width = emit.sum(axis=1)
+    place = np.cumsum(emit, axis=1) - 1
+    out = np.zeros((len(corner), int(width.max()), 2))
+    row, column = np.nonzero(emit)
+    out[row, place[row, column]] = points[row, column]
+    return out, width
+
+
+def intersect_convex(subject: Padded, clip: Padded) -> Padded:
+    """Intersection of convex polygons with convex polygons, row by row.
+
+    Examples
+    --------
+    >>> square = np.array([[[0.0, 0], [2, 0], [2, 2], [0, 2]]])
+    >>> four = np.array([4])
+    >>> corner, count = intersect_convex((square, four), (square + 1.0, four))
+    >>> corner[0, : count[0]].tolist()
+    [[2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [1.0, 1.0]]
+    """
+    corner, count = clip
+    for edge in range(corner.shape[1]):
+        here = corner[:, edge]
+        after = corner[np.arange(len(corner)), (edge + 1) % np.maximum(count, 1)]
+        along = after - here
+        along[edge >= count] = 0.0
+        inward = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        subject = cut(subject, -(inward * here).sum(axis=1), inward)
+    return subject
+
+
+def areas(corner: Floats, start: Ints) -> Floats:
+    """Signed area (q,) of flat polygons, positive counter-clockwise."""
+    if len(start) < 2:
+        return np.zeros(0)
+    first = np.repeat(corner[start[:-1]], np.diff(start), axis=0)
+    local = corner - first
+    after = local[following(start)]
+    twice = local[:, 0] * after[:, 1] - local[:, 1] * after[:, 0]
+    area: Floats = 0.5 * np.add.reduceat(twice, start[:-1])
+    return area
+
+
+def centroids(corner: Floats, start: Ints) -> Floats:
+    """Centroid (q, 2) of flat polygons; the mean of the corners where the area is zero."""
+    if len(start) < 2:
+        return np.zeros((0, 2))
+    first = corner[start[:-1]]
+    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    local = corner - first[loop]
+    after = local[following(start)]
+    twice = local[:, 0] * after[:, 1] - local[:, 1] * after[:, 0]
+    total = np.add.reduceat(twice, start[:-1])
+    moment = np.add.reduceat(twice[:, None] * (local + after), start[:-1], axis=0)
+    mean = np.add.reduceat(local, start[:-1], axis=0) / np.diff(start)[:, None]
+    safe = np.where(total == 0.0, 1.0, total)[:, None]
+    centroid: Floats = first + np.where(total[:, None] == 0.0, mean, moment / (3.0 * safe))
+    return centroid
+
+
+def perimeters(corner: Floats, start: Ints) -> Floats:
+    """Length (q,) of the outline of flat polygons."""
+    if len(start) < 2:
+        return np.zeros(0)
+    edge = corner[following(start)] - corner
+    length: Floats = np.add.reduceat(np.hypot(edge[:, 0], edge[:, 1]), start[:-1])
+    return length
+
+
+def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
+    """Polygons without repeated corners and corners on a straight line.
+
+    Parameters
+    ----------
+    tolerance : (q,)
+        Distance to the next corner, or to the line between the neighbours, that is none.
+
+    Returns
+    -------
+    corner, start
+        Polygons that vanish keep zero corners.
+    """
+    while len(corner):
+        loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
+        after = following(start)
+        before = np.empty_like(after)
+        before[after] = np.arange(len(after))
+        forth, back = corner[after] - corner, corner - corner[before]
+        near = np.hypot(forth[:, 0], forth[:, 1]) <= tolerance[loop]
+        chord = corner[after] - corner[before]
+        twice = np.abs(forth[:, 0] * back[:, 1] - forth[:, 1] * back[:, 0])
+        spare = near | (twice <= tolerance[loop] * np.hypot(chord[:, 0], chord[:, 1]))
+        if not spare.any():
+            break
+        spare &= ~spare[before] | _alternate(spare, before, start)
+        small = np.diff(start) - np.bincount(loop, spare, minlength=len(start) - 1) < 3
+        spare |= small[loop]
+        left = np.bincount(loop[~spare], minlength=len(start) - 1)
+        corner, start = corner[~spare], np.concatenate([[0], np.cumsum(left)]).astype(np.intp)
+    return corner, start
+
+
+def _alternate(spare: Bools, before: Ints, start: Ints) -> Bools:
+    """The first corner of polygons of which every corner could be spared, so that some goes."""
+    everything = np.logical_and.reduceat(spare, np.minimum(start[:-1], len(spare) - 1))
+    everything &= np.diff(start) > 0
+    first = np.zeros(len(spare), dtype=bool)
+    first[start[:-1][everything]] = True
+    return first & spare[before]
+
+
+__all__ = [
+    "Flat",
+    "Padded",
+    "areas",
+    "centroids",
+    "cleaned",
+    "cut",
+    "flatten",
+    "intersect_convex",
+    "pad",
+    "perimeters",
+]

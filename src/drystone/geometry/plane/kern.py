@@ -1,0 +1,294 @@
+"""Plane sections: moments of polygons, the kern, and pressure that cannot pull.
+
+A normal force within the kern presses the whole section; outside it, a section that cannot pull
+opens. Sections are polygons (three or more corners, any sense of rotation), lines (two) or points
+(one); a line is understood as the limit of a thin rectangle.
+
+Sources: Hally 1987, Calculation of the moments of polygons (moments); Young and Budynas 2002,
+Roark's formulas for stress and strain, section 8.10 (kern).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.geometry.plane.polygon import following, loop_means
+
+EDGE = 1e-9
+"""A force closer to the rim than this share of the way from the centroid stands on the rim."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sections:
+    """Moments of m plane sections.
+
+    Attributes
+    ----------
+    area : (m,) [m2]; zero for lines and points
+    centroid : (m, 2) [m]
+    inertia : (m, 2, 2) [m2]
+        Second moments about the centroid by the area: the mean of ``x x'``.
+    inverse : (m, 2, 2) [1/m2]
+        Of the inertia; its pseudo-inverse for a line, zero for a point.
+    """
+
+    area: Floats
+    centroid: Floats
+    inertia: Floats
+    inverse: Floats
+
+
+def sections(corners: Floats, start: Ints) -> Sections:
+    """Moments of sections.
+
+    Parameters
+    ----------
+    corners : (k, 2) [m]
+        Corners, section after section.
+    start : (m + 1,)
+        Section i has the corners ``start[i]`` to ``start[i + 1]``, one or more.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> made = sections(square, np.array([0, 4]))
+    >>> float(made.area[0]), made.centroid[0].tolist()
+    (4.0, [1.0, 1.0])
+    """
+    m = len(start) - 1
+    if m == 0:
+        return Sections(np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros((0, 2, 2)))
+    mean = loop_means(corners, start)
+    a = corners - np.repeat(mean, np.diff(start), axis=0)
+    b = a[following(start)]
+    cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    both = a + b
+
+    def total(values: Floats) -> Floats:
+        return np.add.reduceat(values, start[:-1], axis=0)
+
+    signed = total(0.5 * cross)
+    flat = np.abs(signed) <= 1e-14 * total((a**2).sum(axis=1))
+    safe = np.where(flat, 1.0, signed)
+    shift = total(both * cross[:, None]) / (6.0 * safe[:, None])
+    shift[flat] = 0.0
+    # integral of x x' over the triangle (0, a, b): cross / 24 (s s' + a a' + b b'), s = a + b
+    outer = sum(v[:, :, None] * v[:, None, :] for v in (both, a, b))
+    second = total(outer * cross[:, None, None]) / (24.0 * safe[:, None, None])
+    second -= shift[:, :, None] * shift[:, None, :]
+    # a line: a uniform thread between its two ends
+    spread = total(a[:, :, None] * a[:, None, :]) / np.diff(start)[:, None, None] / 3.0
+    inertia = np.where(flat[:, None, None], spread, second)
+    return Sections(
+        np.where(flat, 0.0, np.abs(signed)), mean + shift, inertia, _inverse(inertia, flat)
+    )
+
+
+def _inverse(inertia: Floats, flat: np.ndarray) -> Floats:
+    trace = inertia[:, 0, 0] + inertia[:, 1, 1]
+    determinant = inertia[:, 0, 0] * inertia[:, 1, 1] - inertia[:, 0, 1] * inertia[:, 1, 0]
+    adjugate = trace[:, None, None] * np.eye(2) - inertia
+    # of rank one, the pseudo-inverse is the matrix by the square of its trace
+    rank_one = inertia / np.where(trace > 0.0, trace, 1.0)[:, None, None] ** 2
+    safe = np.where(flat, 1.0, determinant)[:, None, None]
+    return np.where(flat[:, None, None], rank_one, adjugate / safe)
+
+
+def convex_hull(points: Floats) -> Floats:
+    """Corners (h, 2) of the convex hull, counter-clockwise, without straight ones.
+
+    Source: Andrew 1979, the monotone chain.
+    """
+    ordered = sorted({(float(x), float(y)) for x, y in points})
+    if len(ordered) < 3:
+        return np.array(ordered).reshape(-1, 2)
+    size = max(ordered[-1][0] - ordered[0][0], float(np.ptp(points[:, 1])))
+    least = 1e-12 * size**2
+
+    def chain(row: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        kept: list[tuple[float, float]] = []
+        for x, y in row:
+            while len(kept) > 1:
+                (ax, ay), (bx, by) = kept[-2], kept[-1]
+                if (bx - ax) * (y - by) - (by - ay) * (x - bx) > least:
+                    break
+                kept.pop()
+            kept.append((x, y))
+        return kept[:-1]
+
+    return np.array(chain(ordered) + chain(ordered[::-1]))
+
+
+def kern(corners: Floats) -> Floats:
+    """The kern (h, 2) [m] of one section, counter-clockwise.
+
+    A concave section takes the moments of its own shape and the neutral axes that touch its convex
+    hull. Corner i of the kern is the pole of edge i of the hull: a force there leaves that edge
+    without pressure, ``c - J n / d`` for an edge with unit normal n at the distance d from the
+    centroid c and J the second moments by the area.
+
+    Parameters
+    ----------
+    corners : (c, 2) [m]
+
+    Examples
+    --------
+    >>> kern(np.array([[0.0, 0.0], [6.0, 0.0], [6.0, 3.0], [0.0, 3.0]])).round(9).tolist()
+    [[3.0, 2.0], [2.0, 1.5], [3.0, 1.0], [4.0, 1.5]]
+    """
+    made = sections(corners, np.array([0, len(corners)]))
+    centroid, inertia = made.centroid[0], made.inertia[0]
+    hull = convex_hull(corners)
+    if made.area[0] == 0.0:
+        return centroid + (hull - hull.mean(axis=0)) / 3.0
+    edge = np.roll(hull, -1, axis=0) - hull
+    normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+    reach = ((hull - centroid) * normal).sum(axis=1)
+    result: Floats = centroid - (normal / reach[:, None]) @ inertia
+    return result
+
+
+def kern_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
+    """Eccentricity (m,) as a share of the way to the rim of the kern: above 1 the section opens.
+
+    Parameters
+    ----------
+    made, corners, start
+        As for :func:`sections`.
+    position : (m, 2) [m]
+        Where the normal force of each section acts.
+    """
+    if len(start) < 2:
+        return np.zeros(0)
+    slope = np.einsum("mij,mj->mi", made.inverse, position - made.centroid)
+    each = np.diff(start)
+    arm = corners - np.repeat(made.centroid, each, axis=0)
+    relief = -(arm * np.repeat(slope, each, axis=0)).sum(axis=1)
+    return np.maximum(0.0, np.maximum.reduceat(relief, start[:-1]))
+
+
+def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
+    """Eccentricity (m,) as a share of the way to the rim of the convex hull: 1 is a hinge.
+
+    Parameters as for :func:`kern_ratio`.
+    """
+    out = np.zeros(len(start) - 1)
+    for i in range(len(out)):
+        hull = convex_hull(corners[start[i] : start[i + 1]])
+        away = position[i] - made.centroid[i]
+        if len(hull) < 3:
+            half = 0.5 * float(np.linalg.norm(np.ptp(hull, axis=0)))
+            out[i] = float(np.linalg.norm(away)) / half if half > 0.0 else 0.0
+            continue
+        edge = np.roll(hull, -1, axis=0) - hull
+        normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+        reach = ((hull - made.centroid[i]) * normal).sum(axis=1)
+        out[i] = max(0.0, float((normal @ away / reach).max()))
+    return out
+
+
+def peak_pressure(corners: Floats, normal_force: float, position: Floats) -> float:
+    """Largest pressure [Pa] on a section whose pressure is linear where it presses and never pulls.
+
+    Parameters
+    ----------
+    corners : (c, 2) [m]
+    normal_force : [N]
+    position : (2,) [m]
+        Of the force. On or outside the rim of the hull the pressure is infinite.
+
+    Notes
+    -----
+    Pressure is ``max(0, g . (1, x, y))``; g minimises the convex function
+    ``1/2 integral(pressure^2) - force . g``, by Newton's method on the pressed part.
+
+    Examples
+    --------
+    A third of the height is pressed when the force stands at a ninth of it from the edge:
+
+    >>> wall = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.0, 3.0]])
+    >>> round(peak_pressure(wall, 6.0, np.array([0.5, 1.0 / 3.0])), 6)
+    12.0
+    """
+    start = np.array([0, len(corners)])
+    made = sections(corners, start)
+    at = np.asarray(position, dtype=np.float64)[None]
+    if normal_force <= 0.0:
+        return 0.0
+    area = float(made.area[0])
+    if area == 0.0 or edge_ratio(made, corners, start, at)[0] >= 1.0 - EDGE:
+        return float("inf")
+    ratio = made.inverse[0] @ (at[0] - made.centroid[0])
+    size = float(np.sqrt(area))
+    local = (corners - made.centroid[0]) / size
+    plane = np.array([1.0, *(size * ratio)])  # of the whole section, in units of mean pressure
+    if (local @ plane[1:] + 1.0).min() >= 0.0:
+        return float((local @ plane[1:] + 1.0).max()) * normal_force / area
+    target = np.array([1.0, *((at[0] - made.centroid[0]) / size)])
+    plane = _pressed(local, target, plane)
+    return float((plane[0] + local @ plane[1:]).max()) * normal_force / area
+
+
+def _pressed(corners: Floats, target: Floats, plane: Floats) -> Floats:
+    """The plane g (3,) with ``integral(max(0, g . y) y) = target``, y = (1, x, y)."""
+
+    def state(g: Floats) -> tuple[float, Floats]:
+        moments = _moments(_clip(corners, g))
+        return 0.5 * float(g @ moments @ g) - float(g @ target), moments
+
+    value, moments = state(plane)
+    for _ in range(200):
+        slope = moments @ plane - target
+        if np.abs(slope).max() < 1e-12:
+            break
+        step = -np.linalg.lstsq(moments + 1e-14 * np.trace(moments) * np.eye(3), slope, None)[0]
+        share = 1.0
+        while share > 1e-9:
+            trial, beyond = state(plane + share * step)
+            if trial <= value + 1e-4 * share * float(slope @ step):
+                break
+            share *= 0.5
+        else:
+            break
+        plane, value, moments = plane + share * step, trial, beyond
+    return plane
+
+
+def _clip(corners: Floats, plane: Floats) -> Floats:
+    """The part of a polygon where the plane is positive. Source: Sutherland, Hodgman 1974."""
+    height = plane[0] + corners @ plane[1:]
+    kept: list[Floats] = []
+    for i in range(len(corners)):
+        a, b = height[i - 1], height[i]
+        if (a > 0.0) != (b > 0.0):
+            kept.append(corners[i - 1] + (a / (a - b)) * (corners[i] - corners[i - 1]))
+        if b > 0.0:
+            kept.append(corners[i])
+    return np.array(kept).reshape(-1, 2)
+
+
+def _moments(corners: Floats) -> Floats:
+    """Integral (3, 3) of ``y y'``, y = (1, x, y), over a polygon."""
+    out = np.zeros((3, 3))
+    if len(corners) < 3:
+        return out
+    made = sections(corners, np.array([0, len(corners)]))
+    area, c = float(made.area[0]), made.centroid[0]
+    out[0, 0] = area
+    out[0, 1:] = out[1:, 0] = area * c
+    out[1:, 1:] = area * (made.inertia[0] + np.outer(c, c))
+    return out
+
+
+__all__ = [
+    "Sections",
+    "convex_hull",
+    "edge_ratio",
+    "kern",
+    "kern_ratio",
+    "peak_pressure",
+    "sections",
+]

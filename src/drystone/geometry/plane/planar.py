@@ -1,0 +1,136 @@
+"""Plane regions of any shape, by way of shapely: rings in, simple polygons without holes out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from drystone.arrays import Floats, Ints
+
+Regions: TypeAlias = NDArray[Any]
+"""(q,) shapely polygons."""
+Overlay: TypeAlias = Callable[..., Any]
+
+
+def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
+    """Shapely polygons from rings.
+
+    Parameters
+    ----------
+    corner : (l, 2)
+    ring_start : (r + 1,)
+    ring_region : (r,) ascending
+        Region of each ring; the first ring of a region is its outline, the others are holes.
+
+    Returns
+    -------
+    (q,) polygons; made valid where an outline crosses itself
+    """
+    if len(ring_region) == 0:
+        return np.zeros(0, dtype=object)
+    ring_of = np.repeat(np.arange(len(ring_region)), np.diff(ring_start))
+    rings = shapely.linearrings(corner, indices=ring_of)
+    outline = np.concatenate([[True], np.diff(ring_region) > 0])
+    polygons = shapely.polygons(rings[outline])
+    if not outline.all():
+        order = np.cumsum(outline) - 1
+        holed = np.unique(order[~outline])
+        for i in holed:
+            mine = rings[order == i]
+            polygons[i] = shapely.polygons(mine[0], holes=mine[1:])
+    return valid(polygons)
+
+
+def valid(shapes: Regions) -> Regions:
+    """The same shapes, with those that cross themselves replaced by the area that they cover."""
+    bad = np.flatnonzero(~shapely.is_valid(shapes))
+    if len(bad) == 0:
+        return shapes
+    mended: Regions = np.array(shapes, dtype=object)
+    for i in bad:
+        parts = shapely.get_parts(shapely.get_parts(shapely.make_valid(shapes[i])))
+        mended[i] = shapely.multipolygons(parts[shapely.area(parts) > 0.0])
+    return mended
+
+
+def overlay(operation: Overlay, one: Any, other: Any) -> Any:
+    """``shapely.intersection`` or ``shapely.difference``, repeated on a fine grid where it fails.
+
+    Shapes whose outlines nearly coincide can break the exact overlay; on a grid of the 1e-10 part
+    of their extent it is safe, and no area is lost that matters.
+    """
+    try:
+        return operation(one, other)
+    except shapely.errors.GEOSException:
+        extent = np.ravel([shapely.bounds(one), shapely.bounds(other)])
+        grid = 1e-10 * float(np.nanmax(np.abs(extent)))
+        return operation(one, other, grid_size=grid)
+
+
+def pieces_of(shapes: Regions) -> tuple[Floats, Ints, Ints]:
+    """Simple counter-clockwise polygons that make up shapes; what has no area is left out.
+
+    Parameters
+    ----------
+    shapes : (q,) shapely geometries
+        A polygon with holes is cut through each of them, along the direction of its longest edge.
+
+    Returns
+    -------
+    corner : (l, 2)
+    start : (s + 1,)
+    row : (s,) ascending, the shape that each piece belongs to
+    """
+    parts, row = _polygons(shapes, np.arange(len(shapes), dtype=np.intp))
+    while (holed := shapely.get_num_interior_rings(parts) > 0).any():
+        halves, source = _polygons(
+            np.array([h for p in parts[holed] for h in _halved(p)], dtype=object),
+            np.repeat(row[holed], 2),
+        )
+        parts = np.concatenate([parts[~holed], halves])
+        row = np.concatenate([row[~holed], source])
+        order = np.argsort(row, kind="stable")
+        parts, row = parts[order], row[order]
+    if len(parts) == 0:
+        return np.zeros((0, 2)), np.zeros(1, dtype=np.intp), row
+    rings = shapely.get_exterior_ring(parts)
+    turned = np.where(shapely.is_ccw(rings), rings, shapely.reverse(rings))
+    corner, ring = shapely.get_coordinates(turned, return_index=True)
+    last = np.concatenate([np.diff(ring) > 0, [True]])
+    corner, ring = corner[~last], ring[~last]
+    start = np.searchsorted(ring, np.arange(len(parts) + 1)).astype(np.intp)
+    return corner, start, row
+
+
+def _polygons(shapes: Regions, row: Ints) -> tuple[Regions, Ints]:
+    """The polygons with an area in shapes of any kind, and their rows."""
+    for _ in range(2):  # a collection may hold a multipolygon
+        shapes, source = shapely.get_parts(shapes, return_index=True)
+        row = row[source]
+    keep = (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON) & (
+        shapely.area(shapes) > 0.0
+    )
+    return shapes[keep], row[keep]
+
+
+def _halved(polygon: Any) -> list[Any]:
+    """A polygon with holes, cut along a line through its first hole."""
+    outline = shapely.get_coordinates(shapely.get_exterior_ring(polygon))
+    edge = np.diff(outline, axis=0)
+    length = np.hypot(edge[:, 0], edge[:, 1])
+    along = edge[int(np.argmax(length))] / length.max()
+    across = np.array([-along[1], along[0]])
+    hole = shapely.get_coordinates(shapely.get_interior_ring(polygon, 0))
+    middle = 0.5 * (hole.min(axis=0) + hole.max(axis=0))
+    far = 2.0 * float(np.abs(outline - middle).max()) + 1.0 * length.max()
+    ends = middle + np.outer([-far, far], across)
+    side = far * along
+    halves = [shapely.polygons(np.concatenate([ends, ends[::-1] + s * side])) for s in (1.0, -1.0)]
+    return [overlay(shapely.intersection, polygon, half) for half in halves]
+
+
+__all__ = ["Overlay", "Regions", "overlay", "pieces_of", "regions", "valid"]

@@ -1,0 +1,257 @@
+"""Rhino 3dm: meshes, extrusions and planar Breps; names, layers, user text and units.
+
+User text of an object: ``support`` (true or false), ``density`` [kg/m3], ``friction``. Objects on a
+layer called ``supports`` are fixed. A curved Brep is read through the mesh that Rhino drew it with,
+where the file has one, and that is told. Needs rhino3dm (extra ``cad``).
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import json
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.assembly import DEFAULT_DENSITY, Block
+from drystone.errors import FormatError, MissingDependency
+from drystone.files import write_through
+from drystone.geometry.body.polyhedron import Loop
+from drystone.geometry.mend.holes import faces_with_holes
+from drystone.geometry.plane.triangulate import triangulate
+from drystone.io.draft import Contents, Draft, Shape
+from drystone.io.jsontext import Field, parse
+from drystone.io.mesh.heap import Heap, moved, named_apart, shapes_of
+
+UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Inches": "in", "Feet": "ft"}
+SUPPORT_LAYERS = ("support", "supports")
+YES, NO = ("true", "yes", "1"), ("false", "no", "0")
+TEXT = "drystone"
+"""User text under which we keep what a mesh of Rhino cannot."""
+PROGRAM = Path(__file__).with_name("rhino_extract.py")
+CPU_S, CPU_S_PER_MIB = 3, 2
+"""[s] of processor time, chosen: a file of some hundred KiB takes 0.2 s."""
+WALL_S, WALL_S_PER_MIB = 4.0, 60.0
+"""[s] on the clock: a small file is answered within 5 s whatever is in it; a large one has time on
+machines with other work too."""
+EXACT, SINGLE = 1e-9, 1e-6
+
+
+def read(data: bytes, path: Path) -> Draft:
+    """Blocks of a 3dm file."""
+    _require("reading 3dm")
+    top = _extracted(data, path)
+    units = UNITS.get(top["units"].text())
+    notes = [f"{count.integer()} x {kind} left out" for kind, count in top["skipped"].items()]
+    if units is None:
+        notes.append(f"its unit, {top['units'].text()}, is not known; metres assumed")
+    shapes: list[Shape] = []
+    for number, item in enumerate(top["objects"].elements()):
+        made, remarks = _shapes(item, number, path)
+        shapes += made
+        notes += remarks
+    shapes, renamed = named_apart(shapes)
+    return Draft(tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed))
+
+
+def _require(purpose: str) -> None:
+    if importlib.util.find_spec("rhino3dm") is None:
+        raise MissingDependency("rhino3dm", extra="cad", purpose=purpose)
+
+
+def _extracted(data: bytes, path: Path) -> Field:
+    """What the file holds, read by a process of its own that may hang or die."""
+    size = len(data) // 2**20
+    patience = WALL_S + WALL_S_PER_MIB * size
+    try:
+        done = subprocess.run(
+            [sys.executable, "-P", str(PROGRAM), str(CPU_S + CPU_S_PER_MIB * size)],
+            input=data,
+            capture_output=True,
+            timeout=patience,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise FormatError(
+            f"was not read within {patience:g} s: it is damaged, or the machine is very busy",
+            where=str(path),
+            remedy="try again; if that does not help, save it again in Rhino",
+        ) from error
+    if done.returncode != 0:
+        raise FormatError(
+            "is damaged: reading it does not come to an end",
+            where=str(path),
+            remedy="save it again",
+        )
+    top = parse(done.stdout, path)
+    if top.has("error"):
+        raise FormatError(top["error"].text(), where=str(path), remedy="save it again in Rhino")
+    return top
+
+
+def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str]]:
+    """The blocks of one object: a mesh of several solids is several."""
+    layer = item["layer"].text().rpartition("::")[2]
+    name = item["name"].text() or f"{layer or 'object'}-{number}"
+    where = f"object {number}"
+    place = f"{path}, {where} '{name}'"
+    kind = item["kind"].text()
+    if kind == "curved":
+        raise FormatError(
+            f"its {item['problem'].text()}, it cannot be read exactly",
+            where=place,
+            remedy="mesh it in Rhino, or save it while it is shaded",
+        )
+    told = _told(item["text"], place)
+    vertices = item["vertices"].floats(None, 3)
+    notes: list[str] = []
+    if kind == "brep":
+        loops = [[_loop(one, vertices) for one in f.elements()] for f in item["loops"].elements()]
+        if not all(loops):
+            raise FormatError("a face has no outline", where=place, remedy="repair it in Rhino")
+        made = [Shape(name, vertices, faces_with_holes(vertices, loops))]
+    elif told.polygons is not None and told.vertices == len(vertices):
+        made = [Shape(name, vertices, told.polygons)]
+    else:
+        faces = [_loop(face, vertices) for face in item["faces"].elements()]
+        tolerance = EXACT if item["exact"].boolean() else SINGLE
+        made, notes = shapes_of([Heap(vertices, faces, name, f"{where} '{name}'")], tolerance, path)
+        if kind == "drawn":
+            notes.append(f"'{name}' is curved: read through the mesh that it was drawn with")
+    fixed = layer.lower() in SUPPORT_LAYERS if told.fixed is None else told.fixed
+    placed = item["placed"].floats(4, 4) if item.has("placed") else np.eye(4)
+    metadata = told.metadata | ({"layer": item["layer"].text()} if layer else {})
+    shapes = []
+    for one in made:
+        points, mirrored = moved(np.asarray(one.vertices), placed)
+        turned = [loop[::-1] for loop in one.faces] if mirrored else one.faces
+        shapes.append(Shape(one.name, points, turned, where, told.density, fixed, metadata))
+    return shapes, notes
+
+
+def _loop(loop: Field, vertices: Floats) -> Loop:
+    corners = tuple(corner.integer() for corner in loop.elements())
+    if corners and not (min(corners) >= 0 and max(corners) < len(vertices)):
+        raise loop.error("names a vertex that does not exist")
+    return corners
+
+
+@dataclass
+class _Told:
+    """What the user text of an object says."""
+
+    fixed: bool | None = None
+    density: float = DEFAULT_DENSITY
+    metadata: dict[str, Any] = field(default_factory=dict)
+    polygons: list[Loop] | None = None
+    vertices: int = 0
+
+
+def _told(text: Field, place: str) -> _Told:
+    told = _Told()
+    for key, value in text.items():
+        word = value.text().strip()
+        if key == TEXT:
+            _our_own(told, parse(word.encode(), Path(place)))
+        elif key.lower() in ("support", "fixed"):
+            if word.lower() not in YES + NO:
+                raise FormatError(
+                    f"user text '{key}' is '{word[:40]}'", where=place, remedy="write true or false"
+                )
+            told.fixed = word.lower() in YES
+        elif key.lower() == "density":
+            told.density = _number(word, key, place)
+        elif key.lower() == "friction":
+            told.metadata["friction"] = _number(word, key, place)
+        else:
+            told.metadata[key] = value.text()
+    return told
+
+
+def _number(word: str, key: str, place: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = float("nan")
+    if not 0.0 <= value < float("inf"):
+        raise FormatError(
+            f"user text '{key}' is '{word[:40]}'", where=place, remedy="write a number"
+        )
+    return value
+
+
+def _our_own(told: _Told, kept: Field) -> None:
+    """Polygons and metadata of a block that we wrote."""
+    told.vertices = kept["vertices"].integer()
+    told.polygons = []
+    for face in kept["faces"].elements():
+        corners = tuple(corner.integer() for corner in face.elements())
+        if not all(0 <= corner < told.vertices for corner in corners):
+            raise face.error("names a vertex that does not exist")
+        told.polygons.append(corners)
+    told.metadata.update(kept.get("metadata", {}).object().value)
+
+
+def write(model: Contents, path: Path) -> None:
+    """Meshes in metres, in double precision, with names, layers, supports and densities.
+
+    Polygons with more than four corners are cut into triangles for Rhino; they are kept in the user
+    text, so that reading the file gives the same block.
+    """
+    _require("writing 3dm")
+    rhino3dm: Any = importlib.import_module("rhino3dm")
+    file = rhino3dm.File3dm()
+    file.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
+    layers: dict[str, int] = {}
+    for block, fixed in zip(model.assembly.blocks, model.assembly.fixed.tolist(), strict=True):
+        kept = dict(block.metadata)
+        layer = str(kept.pop("layer", "supports" if fixed else "blocks"))
+        if layer not in layers:
+            made = rhino3dm.Layer()
+            made.Name = layer.rpartition("::")[2]
+            layers[layer] = file.Layers.Add(made)
+        attributes = rhino3dm.ObjectAttributes()
+        if any(character < " " for character in block.name):
+            raise FormatError(
+                f"block '{block.name}' has a control character in its name, for which 3dm has no"
+                " place",
+                where=str(path),
+                remedy="rename it without tabs and line ends",
+            )
+        attributes.Name = block.name
+        attributes.LayerIndex = layers[layer]
+        attributes.SetUserString("support", "true" if fixed else "false")
+        attributes.SetUserString("density", repr(block.density))
+        own = {"vertices": len(block.vertices), "faces": block.faces, "metadata": kept}
+        try:
+            attributes.SetUserString(TEXT, json.dumps(own, allow_nan=False))
+        except (TypeError, ValueError) as error:
+            raise FormatError(
+                f"metadata of block '{block.name}' is no JSON value", where=str(path)
+            ) from error
+        file.Objects.AddMesh(_mesh(block), attributes)
+    write_through(path, lambda name: bool(file.Write(name, 0)))
+
+
+def _mesh(block: Block) -> Any:
+    rhino3dm: Any = importlib.import_module("rhino3dm")
+    mesh = rhino3dm.Mesh()
+    mesh.Vertices.UseDoublePrecisionVertices = True
+    for point in block.vertices.tolist():
+        mesh.Vertices.AddPoint3d(*point)
+    large = [face for face in block.faces if len(face) > 4]
+    for face in block.faces:
+        if len(face) <= 4:
+            mesh.Faces.AddFace(*face)
+    if large:
+        corners = np.array([corner for face in large for corner in face], dtype=np.intp)
+        start = np.concatenate([[0], np.cumsum([len(face) for face in large])])
+        for triangle in corners[triangulate(block.vertices[corners], start)[0]].tolist():
+            mesh.Faces.AddFace(*triangle)
+    return mesh

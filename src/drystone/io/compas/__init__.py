@@ -1,0 +1,1 @@
+"""COMPAS JSON without COMPAS."""

@@ -1,0 +1,151 @@
+"""Interfaces in a COMPAS file: polygons with a frame whose z axis goes from block to block."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from drystone.arrays import FARTHEST, Bools, Floats, Ints
+from drystone.assembly import Assembly
+from drystone.contacts import DEFAULT_FRICTION, Contacts
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.plane import polygon
+from drystone.io.draft import Extras
+from drystone.io.jsontext import Field
+
+
+def reader(
+    graph: Field, key: str, nodes: Sequence[str]
+) -> Callable[[Assembly, float], Extras] | None:
+    """What makes the contacts of a graph's edges; ``None`` when it stores none.
+
+    Parameters
+    ----------
+    graph
+    key
+        Attribute of the edges: ``interfaces`` in compas_assembly, ``contacts`` in compas_model.
+    nodes
+        Node of each block, by position.
+    """
+    position = {node: i for i, node in enumerate(nodes)}
+    stored: list[tuple[int, int, Field]] = []
+    for start, neighbours in graph.get("edge", {}).items():
+        for end, edge in neighbours.items():
+            if isinstance(edge.value, dict) and edge.has(key):
+                for interface in edge[key].elements():
+                    if start not in position or end not in position:
+                        raise edge.error("joins nodes that are no blocks")
+                    stored.append((position[start], position[end], interface))
+    if not stored:
+        return None
+
+    def finish(assembly: Assembly, scale: float) -> Extras:
+        return _contacts(stored, assembly, scale), (), ()
+
+    return finish
+
+
+def _contacts(
+    stored: Sequence[tuple[int, int, Field]], assembly: Assembly, scale: float
+) -> Contacts:
+    block_a = np.array([a for a, _, _ in stored], dtype=np.intp)
+    block_b = np.array([b for _, b, _ in stored], dtype=np.intp)
+    corners = [scale * _points(field) for _, _, field in stored]
+    frame = np.stack(
+        [_frame(field, points) for (_, _, field), points in zip(stored, corners, strict=True)]
+    )
+    middle = np.array([points.mean(axis=0) for points in corners])
+    side_a = ((assembly.centroid[block_a] - middle) * frame[:, 0]).sum(axis=1)
+    side_b = ((assembly.centroid[block_b] - middle) * frame[:, 0]).sum(axis=1)
+    turned = (side_a > 0.0) & (side_b < 0.0)  # some writers let the normal point from b to a
+    frame[turned] *= np.array([-1.0, 1.0, -1.0])[:, None]
+    return joined(block_a, block_b, corners, frame)[0]
+
+
+def joined(
+    block_a: Ints,
+    block_b: Ints,
+    corners: Sequence[Floats],
+    frame: Floats,
+    friction: float = DEFAULT_FRICTION,
+) -> tuple[Contacts, Bools]:
+    """Contacts of polygons whose corners may run either way about the normal.
+
+    Parameters
+    ----------
+    block_a, block_b : (m,)
+    corners
+        Per interface (c, 3) [m].
+    frame : (m, 3, 3)
+    friction
+
+    Returns
+    -------
+    contacts
+    reversed : (m,) bool
+        Interfaces whose corners are stored the other way round.
+    """
+    start = np.concatenate([[0], np.cumsum([len(points) for points in corners])]).astype(np.intp)
+    area = polygon.area_vectors(np.concatenate(list(corners)), start)
+    signed = (area * frame[:, 0]).sum(axis=1)
+    backwards = signed < 0.0
+    ordered = [
+        points[::-1] if back else points
+        for points, back in zip(corners, backwards.tolist(), strict=True)
+    ]
+    contacts = Contacts(
+        block_a,
+        block_b,
+        frame,
+        np.abs(signed),
+        np.full(len(corners), friction),
+        np.concatenate(ordered),
+        np.repeat(np.arange(len(corners)), np.diff(start)),
+    )
+    return contacts, backwards
+
+
+def frame_of(xaxis: Floats, yaxis: Floats) -> Floats | None:
+    """Rows n, u, v of a COMPAS frame made orthonormal; ``None`` where its axes span no plane."""
+    if not max(np.abs(xaxis).max(), np.abs(yaxis).max()) < FARTHEST:
+        return None
+    normal = np.cross(xaxis, yaxis)
+    size = float(np.linalg.norm(normal))
+    if not 1e-12 < size < np.inf:
+        return None
+    normal = normal / size
+    u = xaxis / np.linalg.norm(xaxis)
+    return np.stack([normal, u, np.cross(normal, u)])
+
+
+def _plain(field: Field) -> Field:
+    value = field.value
+    if isinstance(value, dict) and "dtype" in value:
+        return field["data"] if "data" in value else field["value"]
+    return field
+
+
+def _points(interface: Field) -> Floats:
+    points = [_plain(point).floats(3) for point in _plain(interface)["points"].elements()]
+    if not points:
+        raise interface.error("has no points")
+    corners = np.array(points)
+    if not np.abs(corners).max() <= FARTHEST:
+        raise interface.error("has a coordinate that is far too large")
+    return corners
+
+
+def _frame(interface: Field, points: Floats) -> Floats:
+    """Rows n, u, v: the stored frame made orthonormal, or one about the polygon's own normal."""
+    inside = _plain(interface)
+    if not inside.has("frame"):
+        area = polygon.area_vectors(points, np.array([0, len(points)]))[0]
+        if not area.any():
+            raise interface.error("has neither a frame nor an area")
+        return frames_from_normals((area / np.linalg.norm(area))[None])[0]
+    stored = _plain(inside["frame"])
+    frame = frame_of(stored["xaxis"].floats(3), stored["yaxis"].floats(3))
+    if frame is None:
+        raise inside["frame"].error("has axes that span no plane")
+    return frame

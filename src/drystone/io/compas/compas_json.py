@@ -1,0 +1,179 @@
+"""COMPAS JSON without COMPAS: assemblies of compas_assembly, block models of compas_dem.
+
+What the files hold was learned from files written with compas_assembly (COMPAS 2.0), compas_model
+0.9.3 and compas_dem 0.6.0. Objects are ``{"dtype": "package.module/Class", "data": {...}}``;
+COMPAS 1 wrote ``value`` for ``data``.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.assembly import DEFAULT_DENSITY
+from drystone.io.compas import compas_contacts
+from drystone.io.draft import Draft, Shape
+from drystone.io.jsontext import Field
+from drystone.io.mesh.heap import moved
+
+MESHES = ("Mesh", "Block", "Polyhedron")
+
+
+def read(top: Field) -> Draft:
+    """The draft of a COMPAS file."""
+    kind = _class(top)
+    if kind.endswith("Assembly"):
+        return _assembly(_data(top))
+    if kind.endswith("Model"):
+        return _model(_data(top))
+    if kind in MESHES:
+        return Draft((_mesh(top, top.get("name", "block").text()),))
+    raise top.error(
+        f"is a COMPAS '{kind[:40]}'",
+        "save an Assembly of compas_assembly or a BlockModel of compas_dem",
+    )
+
+
+def _class(field: Field) -> str:
+    """Name of the class that an object was."""
+    return field["dtype"].text().rpartition("/")[2]
+
+
+def _data(field: Field) -> Field:
+    """What an object holds."""
+    return field["data"] if "data" in field.object().value else field["value"]
+
+
+def _name(key: str) -> str:
+    """Name of a graph's node: its key, which COMPAS writes as Python's ``repr`` does."""
+    if len(key) > 2 and key[0] == key[-1] and key[0] in "'\"":
+        try:
+            return key[1:-1].encode("latin-1", "backslashreplace").decode("unicode_escape")
+        except UnicodeDecodeError:
+            return key
+    return key
+
+
+def _plain(field: Field) -> Field:
+    """What an object holds, whether it is wrapped with its type or not."""
+    return _data(field) if "dtype" in field.object().value else field
+
+
+def _assembly(data: Field) -> Draft:
+    """A compas_assembly: a graph whose nodes are blocks. A node's key is its block's name."""
+    graph = _plain(data["graph"])
+    default = graph.get("default_node_attributes", {}).get("is_support", False).boolean()
+    shapes = []
+    for key, node in graph["node"].items():
+        if not node.has("block"):
+            raise node.error("has no block", "remove the node")
+        shape = _mesh(node["block"], _name(key))
+        fixed = shape.fixed or node.get("is_support", default).boolean()
+        shapes.append(replace(shape, fixed=fixed))
+    finish = compas_contacts.reader(graph, "interfaces", list(graph["node"].value))
+    return Draft(tuple(shapes), finish=finish)
+
+
+def _model(data: Field) -> Draft:
+    """A block model: elements, placed by a tree of transformations, in the order of the graph."""
+    graph = _plain(data["graph"])
+    elements = data["elements"].object()
+    densities = _densities(data)
+    place = _placements(data, elements)
+    shapes: list[Shape] = []
+    nodes: list[str] = []
+    given = Counter(_data(element).get("name", "").text() for _, element in elements.items())
+    for key, node in sorted(graph["node"].items(), key=lambda item: (len(item[0]), item[0])):
+        guid = node["element"].text()
+        inside = _data(elements[guid])
+        if not inside.has("geometry"):
+            if _class(elements[guid]) != "Group":
+                raise elements[guid].error("has no mesh", "only elements with a mesh can be read")
+            continue
+        name = inside.get("name", "").text()
+        if not name or given[name] > 1:
+            name = f"{name or 'block'}-{key}"
+        shape = _mesh(inside["geometry"], name)
+        vertices, mirrored = moved(np.asarray(shape.vertices), place.get(guid, np.eye(4)))
+        shapes.append(
+            replace(
+                shape,
+                vertices=vertices,
+                faces=[loop[::-1] for loop in shape.faces] if mirrored else shape.faces,
+                fixed=inside.get("is_support", False).boolean(),
+                density=densities.get(inside.get("material", "").text(), DEFAULT_DENSITY),
+            )
+        )
+        nodes.append(key)
+    finish = compas_contacts.reader(graph, "contacts", nodes)
+    return Draft(tuple(shapes), finish=finish)
+
+
+def _densities(data: Field) -> dict[str, float]:
+    found = {}
+    for guid, material in data.get("materials", {}).items():
+        inside = _data(material)
+        if inside.has("density"):
+            found[guid] = inside["density"].number()
+    return found
+
+
+def _placements(data: Field, elements: Field) -> dict[str, Floats]:
+    """Matrix (4, 4) of each element: the model's, then its ancestors', then its own."""
+    own = {guid: _matrix(_data(element)) for guid, element in elements.items()}
+    placed: dict[str, Floats] = {}
+    stack = [(_plain(data["tree"])["root"], _matrix(data))]
+    while stack:
+        node, above = stack.pop()
+        for child in node.get("children", []).elements():
+            guid = child["element"].text()
+            if guid not in own:
+                raise child["element"].error("names no element")
+            with np.errstate(all="ignore"):  # what overflows is found where the vertices are
+                placed[guid] = above @ own[guid]
+            stack.append((child, placed[guid]))
+    return placed
+
+
+def _matrix(field: Field) -> Floats:
+    if not field.has("transformation"):
+        return np.eye(4)
+    return _data(field["transformation"])["matrix"].floats(4, 4)
+
+
+def _mesh(field: Field, name: str) -> Shape:
+    """A mesh with vertices by key, as COMPAS 1 and 2 write them, or by position (polyhedron)."""
+    data = _data(field)
+    attributes: Mapping[str, object] = data.get("attributes", {}).object().value
+    if "vertices" in data.value:
+        points = data["vertices"].floats(None, 3)
+        loops = [[corner.integer() for corner in f.elements()] for f in data["faces"].elements()]
+        for loop in loops:
+            if loop and not (min(loop) >= 0 and max(loop) < len(points)):
+                raise data["faces"].error("names a vertex that does not exist")
+        return Shape(name, points, loops, where=field.path)
+    position = {key: i for i, key in enumerate(data["vertex"].object().value)}
+    points = np.array(
+        [[vertex.get(axis, 0.0).number() for axis in "xyz"] for _, vertex in data["vertex"].items()]
+    ).reshape(-1, 3)
+    loops = []
+    for _, face in data["face"].items():
+        corners = [str(corner.value) for corner in face.elements()]
+        if not all(corner in position for corner in corners):
+            raise face.error("names a vertex that does not exist")
+        loops.append([position[corner] for corner in corners])
+    label = attributes.get("name")
+    density = data.get("attributes", {}).get("density", DEFAULT_DENSITY)
+    return Shape(
+        name,
+        points,
+        loops,
+        where=field.path,
+        density=density.number(),
+        fixed=attributes.get("is_support") is True,
+        metadata={"label": label} if isinstance(label, str) else {},
+    )

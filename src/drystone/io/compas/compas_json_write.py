@@ -1,0 +1,231 @@
+"""Writing COMPAS JSON: assemblies of compas_assembly and block models of compas_dem.
+
+The files open with ``compas.json_load`` where those packages are installed; see
+:mod:`drystone.io.compas.compas_json` for the versions.
+"""
+
+from __future__ import annotations
+
+import json
+import uuid
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import Block
+from drystone.contacts import Contacts
+from drystone.errors import FormatError
+from drystone.files import write_bytes
+from drystone.io.draft import Contents
+from drystone.results import Result
+
+NAMESPACE = uuid.UUID("5f0d1c80-9f0c-5d7e-8a51-3c1b6a1b7c55")
+"""Of the identifiers that COMPAS wants; made from names, so that the same model gives the same
+file."""
+IDENTITY = np.eye(4).tolist()
+
+
+def write_assembly(model: Contents, path: Path) -> None:
+    """A compas_assembly ``Assembly``; a block's name becomes the key of its node."""
+    write_bytes(path, _dumps(assembly_content(model), path))
+
+
+def write_block_model(model: Contents, path: Path) -> None:
+    """A compas_dem ``BlockModel``; a block's name becomes the name of its element."""
+    write_bytes(path, _dumps(block_model_content(model), path))
+
+
+def assembly_content(model: Contents) -> dict[str, Any]:
+    """A model as compas_assembly keeps it."""
+    assembly = model.assembly
+    keys = [_key(name) for name in assembly.names]
+    nodes = {}
+    for key, block, fixed in zip(keys, assembly.blocks, assembly.fixed.tolist(), strict=True):
+        mesh = _mesh(block)
+        mesh["attributes"] |= {"density": block.density, "node": None}
+        nodes[repr(key)] = {
+            "block": _object("compas_assembly.datastructures/Block", mesh, block.name),
+            "is_support": fixed,
+        }
+    graph = {
+        "attributes": {"name": "Graph"},
+        "default_node_attributes": {"block": None, "is_support": False},
+        "default_edge_attributes": {"interfaces": None},
+        "node": nodes,
+        "edge": _edges(model, [repr(key) for key in keys], "interfaces", _interface),
+        "max_node": max([key for key in keys if isinstance(key, int)], default=-1),
+    }
+    data = {
+        "attributes": {"name": "Assembly"},
+        "graph": {"dtype": "compas.datastructures/Graph", "data": graph},
+    }
+    return _object("compas_assembly.datastructures/Assembly", data, "assembly")
+
+
+def block_model_content(model: Contents) -> dict[str, Any]:
+    """A model as compas_dem keeps it; each density is a material."""
+    assembly = model.assembly
+    guids = [_guid("element", str(i), name) for i, name in enumerate(assembly.names)]
+    materials = {
+        density: _object(
+            "compas_dem.material/Stone",
+            {
+                "name": f"{density:g} kg/m3",
+                "density": density,
+                "poisson": 0.2,
+                "fck": None,
+                "ft": None,
+                "Ecm": None,
+            },
+            repr(density),
+        )
+        for density in sorted({block.density for block in assembly.blocks})
+    }
+    elements = {}
+    for guid, block, fixed in zip(guids, assembly.blocks, assembly.fixed.tolist(), strict=True):
+        data = {
+            "name": block.name,
+            "transformation": None,
+            "features": [],
+            "material": materials[block.density]["guid"],
+            "geometry": _object("compas.datastructures/Mesh", _mesh(block), block.name),
+            "is_support": fixed,
+        }
+        elements[guid] = {
+            "dtype": "compas_dem.elements/Block",
+            "guid": guid,
+            "name": block.name,
+            "data": data,
+        }
+    nodes = [str(i) for i in range(len(assembly))]
+    graph = {
+        "attributes": {},
+        "default_node_attributes": {"element": None},
+        "default_edge_attributes": {"modifiers": None, "contacts": None},
+        "node": {node: {"element": guid} for node, guid in zip(nodes, guids, strict=True)},
+        "edge": _edges(model, nodes, "contacts", _friction_contact),
+        "max_node": len(nodes) - 1,
+    }
+    children = [{"name": "ElementNode", "element": guid} for guid in guids]
+    data = {
+        "transformation": None,
+        "elements": elements,
+        "materials": {material["guid"]: material for material in materials.values()},
+        "tree": {"attributes": {}, "root": {"name": "root", "children": children}},
+        "graph": graph,
+    }
+    return _object("compas_dem.models/BlockModel", data, "model")
+
+
+def _guid(*parts: str) -> str:
+    return str(uuid.uuid5(NAMESPACE, "/".join(parts)))
+
+
+def _object(dtype: str, data: dict[str, Any], name: str) -> dict[str, Any]:
+    return {"dtype": dtype, "data": data, "guid": _guid(dtype, name)}
+
+
+def _key(name: str) -> int | str:
+    """A number where the name is one, as compas_assembly counts its nodes."""
+    return int(name) if name.isascii() and name.isdigit() and str(int(name)) == name else name
+
+
+def _mesh(block: Block) -> dict[str, Any]:
+    return {
+        "attributes": {"name": block.name},
+        "default_vertex_attributes": {"x": 0.0, "y": 0.0, "z": 0.0},
+        "default_edge_attributes": {},
+        "default_face_attributes": {},
+        "vertex": {
+            str(i): {"x": x, "y": y, "z": z} for i, (x, y, z) in enumerate(block.vertices.tolist())
+        },
+        "face": {str(i): list(face) for i, face in enumerate(block.faces)},
+        "facedata": {},
+        "edgedata": {},
+        "max_vertex": len(block.vertices) - 1,
+        "max_face": len(block.faces) - 1,
+    }
+
+
+def _edges(model: Contents, nodes: Sequence[str], key: str, make: Any) -> dict[str, Any]:
+    """Edges of the graph with what the interfaces between two blocks are made into."""
+    edges: dict[str, dict[str, Any]] = {node: {} for node in nodes}
+    contacts = model.contacts
+    if contacts is None:
+        return edges
+    result = model.results[0] if model.results else None
+    seen: dict[tuple[int, int], list[Any]] = {}
+    for i, (a, b) in enumerate(
+        zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
+    ):
+        turned = (b, a) in seen  # COMPAS keeps one edge per pair, in one direction
+        pair = (b, a) if turned else (a, b)
+        seen.setdefault(pair, []).append(make(contacts, i, turned, _forces(result, i, turned)))
+    for (a, b), made in seen.items():
+        edges[nodes[a]][nodes[b]] = {key: made}
+    return edges
+
+
+def _forces(result: Result | None, interface: int, turned: bool) -> list[dict[str, float]]:
+    """Corner forces [N] as COMPAS names them: pressing, pulling, along the x and the y axis."""
+    if result is None or result.force is None:
+        return []
+    start = result.contacts.start
+    force = result.force[start[interface] : start[interface + 1]]
+    if turned:  # seen from the other block: n and v turn with the frame, the force itself too
+        force = (force * np.array([1.0, -1.0, 1.0]))[::-1]
+    return [
+        {"c_np": max(n, 0.0), "c_nn": max(-n, 0.0), "c_u": u, "c_v": v}
+        for n, u, v in force.tolist()
+    ]
+
+
+def _placed(contacts: Contacts, interface: int, turned: bool) -> tuple[Any, dict[str, Any]]:
+    """Corners and frame of an interface; seen from the other block when turned."""
+    points = contacts.polygon(interface)
+    _, u, v = contacts.frame[interface]
+    if turned:
+        points, v = points[::-1], -v
+    frame = {
+        "point": contacts.centroid[interface].tolist(),
+        "xaxis": u.tolist(),
+        "yaxis": v.tolist(),
+    }
+    return points.tolist(), {"dtype": "compas.geometry/Frame", "data": frame}
+
+
+def _interface(contacts: Contacts, i: int, turned: bool, forces: list[Any]) -> dict[str, Any]:
+    points, frame = _placed(contacts, i, turned)
+    data = {
+        "points": points,
+        "frame": frame,
+        "size": float(contacts.area[i]),
+        "forces": forces or None,
+        "mesh": None,
+    }
+    return _object("compas_assembly.datastructures/Interface", data, str(i))
+
+
+def _friction_contact(
+    contacts: Contacts, i: int, turned: bool, forces: list[Any]
+) -> dict[str, Any]:
+    points, frame = _placed(contacts, i, turned)
+    data = {
+        "points": [{"dtype": "compas.geometry/Point", "data": point} for point in points],
+        "name": "FrictionContact",
+        "frame": frame,
+        "size": float(contacts.area[i]),
+        "mesh": None,
+        "holes": None,
+        "forces": forces,
+    }
+    return _object("compas_dem.interactions/FrictionContact", data, str(i))
+
+
+def _dumps(content: dict[str, Any], path: Path) -> bytes:
+    try:
+        return json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+    except ValueError as error:
+        raise FormatError(f"cannot be written: {error}", where=str(path)) from error

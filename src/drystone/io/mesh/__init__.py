@@ -1,0 +1,1 @@
+"""Mesh formats: OBJ, STL, PLY, GLB."""

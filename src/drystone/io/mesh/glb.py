@@ -1,0 +1,227 @@
+"""GLB, the binary form of glTF 2.0: a scene of named nodes with triangle meshes.
+
+Source: Khronos Group, glTF 2.0 Specification, 2021 (ISO/IEC 12113:2022). Its unit is the metre and
+its y axis points up; here z does, so models are turned on their way in and out. A node with a mesh
+is a block. Extensions that a file requires, sparse accessors and files outside the GLB are refused.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.assembly import DEFAULT_DENSITY
+from drystone.errors import FormatError
+from drystone.io.draft import Draft, Shape
+from drystone.io.jsontext import Field, parse
+from drystone.io.mesh.heap import Heap, in_double, moved, named_apart, shapes_of
+
+MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
+TRIANGLES, STRIP, FAN = 4, 5, 6
+INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
+FLOAT = 5126
+Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""Turns y up into z up."""
+MOST_NODES = 1_000_000
+MOST_TRIANGLES = 5_000_000
+"""Of all nodes together, chosen; nodes may share a mesh, so that a small file can name many."""
+SINGLE = 1e-6
+"""What counts as the same place, relative to the extent, in single precision."""
+
+
+def read(data: bytes, path: Path) -> Draft:
+    """Blocks of a GLB file: the nodes of its scene that have a mesh."""
+    top, binary = _chunks(data, path)
+    required = [one.text() for one in top.get("extensionsRequired", []).elements()]
+    if required:
+        raise FormatError(
+            f"needs the extension {', '.join(required)[:80]}",
+            where=str(path),
+            remedy="export without compression and extensions",
+        )
+    heaps: list[Heap] = []
+    told: dict[str, Field | None] = {}
+    triangles = 0
+    for number, (node, matrix) in enumerate(_placed_nodes(top)):
+        if not node.has("mesh"):
+            continue
+        mesh = _item(top, "meshes", node["mesh"])
+        name = node.get("name", mesh.get("name", f"node-{number}").text()).text()
+        vertices, faces = _geometry(top, binary, mesh)
+        triangles += len(faces)
+        if triangles > MOST_TRIANGLES:
+            raise node.error(f"brings the scene over {MOST_TRIANGLES:,} triangles")
+        vertices, mirrored = moved(vertices, matrix)
+        if mirrored:
+            faces = faces[:, ::-1]
+        ours = _ours(node)
+        where = f"node {number}"
+        told[where] = ours
+        heaps.append(Heap(vertices @ Z_UP.T, faces.tolist(), name, where, split=ours is None))
+    shapes, notes = shapes_of(heaps, SINGLE, path)
+    shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
+    if None not in told.values():
+        notes = []
+    shapes, renamed = named_apart(shapes)
+    return Draft(tuple(shapes), units="m", notes=(*notes, *renamed))
+
+
+def _ours(node: Field) -> Field | None:
+    """What we wrote beside a mesh."""
+    extras = node.get("extras", {})
+    if isinstance(extras.value, dict) and extras.has("drystone"):
+        return extras["drystone"]
+    return None
+
+
+def _with_material(shape: Shape, told: Field | None) -> Shape:
+    if told is None:
+        return shape
+    told.only(("fixed", "density", "metadata"))
+    return Shape(
+        shape.name,
+        shape.vertices,
+        shape.faces,
+        where=shape.where,
+        density=told.get("density", DEFAULT_DENSITY).number(),
+        fixed=told.get("fixed", False).boolean(),
+        metadata=told.get("metadata", {}).object().value,
+    )
+
+
+def _chunks(data: bytes, path: Path) -> tuple[Field, bytes]:
+    """The JSON and the binary part."""
+    bad = FormatError("is not a GLB file", where=str(path), remedy="export it as binary glTF 2.0")
+    if len(data) < 20 or struct.unpack_from("<2I", data) != (MAGIC, VERSION):
+        raise bad
+    length, kind = struct.unpack_from("<2I", data, 12)
+    if kind != JSON or 20 + length > len(data):
+        raise bad
+    top = parse(data[20 : 20 + length], path)
+    at = 20 + length
+    if at + 8 > len(data):
+        return top, b""
+    size, kind = struct.unpack_from("<2I", data, at)
+    if kind != BIN or at + 8 + size > len(data):
+        raise FormatError("ends before its data do", where=str(path), remedy="export it again")
+    return top, data[at + 8 : at + 8 + size]
+
+
+def _item(top: Field, table: str, index: Field) -> Field:
+    """Entry of one of the top-level lists."""
+    number = index.integer()
+    entries = top[table]
+    if not isinstance(entries.value, list) or not 0 <= number < len(entries.value):
+        raise index.error(f"names none of the {table}")
+    return Field(entries.value[number], f"{table}[{number}]", top.file)
+
+
+def _placed_nodes(top: Field) -> Iterator[tuple[Field, Floats]]:
+    """Nodes of the scene with their matrix (4, 4), parents first, each once."""
+    if top.has("scenes"):
+        roots = _item(top, "scenes", top.get("scene", 0)).get("nodes", [])
+    else:
+        count = len(top.get("nodes", []).value or [])
+        roots = Field(list(range(count)), "nodes", top.file)
+    waiting = [(root, np.eye(4)) for root in roots.elements()][::-1]
+    seen = 0
+    visited: set[int] = set()
+    while waiting:
+        index, above = waiting.pop()
+        node = _item(top, "nodes", index)
+        seen += 1
+        if index.integer() in visited or seen > MOST_NODES:
+            raise index.error("is used twice, or is its own parent")
+        visited.add(index.integer())
+        with np.errstate(all="ignore"):  # what overflows is found where the vertices are
+            matrix = above @ _matrix(node)
+        yield node, matrix
+        waiting += [(child, matrix) for child in node.get("children", []).elements()][::-1]
+
+
+def _matrix(node: Field) -> Floats:
+    if node.has("matrix"):
+        return node["matrix"].floats(16).reshape(4, 4).T
+    x, y, z, w = node.get("rotation", [0.0, 0.0, 0.0, 1.0]).floats(4)
+    matrix = np.eye(4)
+    matrix[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    matrix[:3, :3] *= node.get("scale", [1.0, 1.0, 1.0]).floats(3)
+    matrix[:3, 3] = node.get("translation", [0.0, 0.0, 0.0]).floats(3)
+    return matrix
+
+
+def _geometry(top: Field, binary: bytes, mesh: Field) -> tuple[Floats, Ints]:
+    """Vertices (v, 3) and triangles (t, 3) of all parts of a mesh."""
+    vertices: list[Floats] = []
+    triangles: list[Ints] = []
+    offset = 0
+    for part in mesh["primitives"].elements():
+        mode = part.get("mode", TRIANGLES).integer()
+        if mode not in (TRIANGLES, STRIP, FAN):
+            continue  # points and lines bound no solid
+        accessor = _item(top, "accessors", part["attributes"]["POSITION"])
+        points = in_double(_accessor(top, binary, accessor, 3, {FLOAT: "<f4"}))
+        if part.has("indices"):
+            accessor = _item(top, "accessors", part["indices"])
+            index = _accessor(top, binary, accessor, 1, INDEX_TYPES).ravel().astype(np.intp)
+            if len(index) and index.max() >= len(points):
+                raise accessor.error(f"names vertex {index.max()} of {len(points)}")
+        else:
+            index = np.arange(len(points))
+        triangles.append(_corners(index, mode, part) + offset)
+        vertices.append(points)
+        offset += len(points)
+    if not triangles:
+        raise mesh.error("has no triangles", "export the blocks as meshes")
+    return np.concatenate(vertices), np.concatenate(triangles)
+
+
+def _corners(index: Ints, mode: int, part: Field) -> Ints:
+    if mode == TRIANGLES:
+        if len(index) % 3:
+            raise part.error(f"has {len(index)} corners, no multiple of three")
+        return index.reshape(-1, 3)
+    if len(index) < 3:
+        return np.zeros((0, 3), dtype=np.intp)
+    if mode == FAN:
+        first = np.full(len(index) - 2, index[0])
+        return np.stack([first, index[1:-1], index[2:]], axis=1)
+    strip = np.stack([index[:-2], index[1:-1], index[2:]], axis=1)
+    strip[1::2] = strip[1::2, [1, 0, 2]]
+    return strip
+
+
+def _accessor(
+    top: Field, binary: bytes, accessor: Field, columns: int, types: dict[int, str]
+) -> np.ndarray[Any, Any]:
+    """Numbers (count, columns); what a header says is held against the bytes that are there."""
+    kind = accessor["componentType"].integer()
+    count = accessor["count"].integer()
+    if accessor["type"].text() != {1: "SCALAR", 3: "VEC3"}[columns] or kind not in types:
+        raise accessor.error("is not of the type that its use asks for")
+    if accessor.has("sparse") or not accessor.has("bufferView"):
+        raise accessor.error("is sparse", "export without sparse accessors")
+    view = _item(top, "bufferViews", accessor["bufferView"])
+    buffer = _item(top, "buffers", view["buffer"])
+    if buffer.has("uri") or view["buffer"].integer() != 0:
+        raise buffer.error("lies outside the file", "export everything into one GLB")
+    dtype = np.dtype(types[kind])
+    row = dtype.itemsize * columns
+    stride = view.get("byteStride", row).integer()
+    start = view.get("byteOffset", 0).integer() + accessor.get("byteOffset", 0).integer()
+    end = view.get("byteOffset", 0).integer() + view["byteLength"].integer()
+    last = start + stride * (count - 1) + row
+    if count < 0 or stride < row or start < 0 or (count and last > min(end, len(binary))):
+        raise accessor.error("reaches beyond the data", "export it again")
+    if count == 0:
+        return np.zeros((0, columns), dtype)
+    return np.ndarray((count, columns), dtype, binary, start, (stride, dtype.itemsize))

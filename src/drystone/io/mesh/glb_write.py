@@ -1,0 +1,107 @@
+"""Writing GLB; see :mod:`drystone.io.mesh.glb`."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.errors import FormatError
+from drystone.files import write_bytes
+from drystone.geometry.body.fans import fan_warped, point_owners
+from drystone.geometry.plane.triangulate import triangulate
+from drystone.io.draft import Contents
+from drystone.io.mesh.glb import BIN, FLOAT, JSON, MAGIC, SINGLE, VERSION, Z_UP
+
+
+def write(model: Contents, path: Path) -> None:
+    """A node per block, with its name; supports, densities and metadata as extras.
+
+    Coordinates are single precision, polygons are cut into triangles: those that are warped by more
+    than that precision about the mean of their corners, as their volume is computed.
+    """
+    assembly = model.assembly
+    faces = fan_warped(assembly.faces, SINGLE)
+    triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
+    corners = faces.loop[triangle]
+    owner = faces.owner[polygon]
+    sizes = np.bincount(point_owners(faces), minlength=len(assembly))
+    first = np.concatenate([[0], np.cumsum(sizes)])
+    begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
+    points = (faces.point @ Z_UP).astype("<f4")
+    index = (corners - first[owner][:, None]).astype("<u4")
+    views: list[dict[str, int]] = []
+    accessors: list[dict[str, Any]] = []
+    for i in range(len(assembly)):
+        mine, loops = points[first[i] : first[i + 1]], index[begin[i] : begin[i + 1]]
+        views.append({"buffer": 0, "byteOffset": 12 * int(first[i]), "byteLength": mine.nbytes})
+        views.append(
+            {
+                "buffer": 0,
+                "byteOffset": points.nbytes + 12 * int(begin[i]),
+                "byteLength": loops.nbytes,
+            }
+        )
+        accessors.append(
+            {
+                "bufferView": 2 * i,
+                "componentType": FLOAT,
+                "count": len(mine),
+                "type": "VEC3",
+                "min": mine.min(axis=0).tolist(),
+                "max": mine.max(axis=0).tolist(),
+            }
+        )
+        accessors.append(
+            {
+                "bufferView": 2 * i + 1,
+                "componentType": 5125,
+                "count": loops.size,
+                "type": "SCALAR",
+            }
+        )
+    content = {
+        "asset": {"version": "2.0", "generator": "drystone"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(assembly)))}],
+        "nodes": [
+            {"name": name, "mesh": i, "extras": {"drystone": _told(model, i)}}
+            for i, name in enumerate(assembly.names)
+        ],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 2 * i}, "indices": 2 * i + 1}]}
+            for i in range(len(assembly))
+        ],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": points.nbytes + index.nbytes}],
+    }
+    try:
+        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+    except (TypeError, ValueError) as error:
+        raise FormatError("metadata of a block is no JSON value", where=str(path)) from error
+    write_bytes(path, _glb(text, points.tobytes() + index.tobytes()))
+
+
+def _told(model: Contents, i: int) -> dict[str, Any]:
+    block = model.assembly.blocks[i]
+    told = {"fixed": bool(model.assembly.fixed[i]), "density": block.density}
+    return told | ({"metadata": dict(block.metadata)} if block.metadata else {})
+
+
+def _glb(text: bytes, binary: bytes) -> bytes:
+    text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
+    total = 12 + 8 + len(text) + 8 + len(binary)
+    return b"".join(
+        [
+            struct.pack("<3I", MAGIC, VERSION, total),
+            struct.pack("<2I", len(text), JSON),
+            text,
+            struct.pack("<2I", len(binary), BIN),
+            binary,
+        ]
+    )

@@ -1,0 +1,194 @@
+"""Wavefront OBJ: one object or group per block, polygons and names kept.
+
+Source: Wavefront Technologies, Advanced Visualizer Manual, Appendix B1 (object files).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from drystone.errors import FormatError
+from drystone.files import decode, write_bytes
+from drystone.io.draft import Contents, Draft, Shape
+
+IGNORED = frozenset(
+    (
+        *("vt", "vn", "vp", "p", "l", "s", "mg", "usemtl", "mtllib", "usemap", "maplib", "bevel"),
+        *("lod", "c_interp", "d_interp", "shadow_obj", "trace_obj", "cstype", "deg", "bmat"),
+        *("step", "parm", "end", "con"),
+    )
+)
+"""Statements that say nothing about a polygon mesh."""
+FREE_FORM = frozenset(
+    ("curv", "curv2", "surf", "trim", "hole", "scrv", "sp", "bsp", "bzp", "cdc", "cdp", "res")
+)
+"""Statements of curves and surfaces."""
+NEWLINE = re.compile(r"\r\n|\r|\n")
+NUMBER = re.compile(
+    r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE
+)
+
+
+@dataclass
+class _Part:
+    """Faces between two object or group statements."""
+
+    number: int  # of its object statement
+    object: str | None
+    group: str | None
+    line: int
+    faces: list[list[int]] = field(default_factory=list)
+
+
+def read(data: bytes, path: Path) -> Draft:
+    """Blocks of an OBJ file.
+
+    Blocks are the objects (``o``) where two or more have faces, else the groups (``g``), else the
+    whole file is one block. A block gets its own copy of the vertices that its faces use.
+    """
+    vertices, parts = _parse(decode(data, path), path)
+    shapes, notes = _shapes(vertices, _blocks(parts), path)
+    return Draft(tuple(shapes), notes=tuple(notes))
+
+
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    """Lines with their numbers, continued ones joined, comments and blank ones left out.
+
+    Names are taken as they stand: they may hold ``#`` and end in a backslash.
+    """
+    held, start = "", 0
+    for number, line in enumerate(NEWLINE.split(text), start=1):
+        if not held and line[:2] in ("o ", "g "):
+            yield number, line.strip()
+            continue
+        start = start if held else number
+        held += line
+        if held.endswith("\\"):
+            held = held[:-1] + " "
+            continue
+        stripped = held.split("#", 1)[0].strip()
+        held = ""
+        if stripped:
+            yield start, stripped
+    if held.strip():
+        yield start, held.strip()
+
+
+def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part]]:
+    vertices: list[list[float]] = []
+    parts = [_Part(0, None, None, 1)]
+    for number, line in _lines(text):
+        keyword, *rest = line.split(None, 1)
+        argument = rest[0] if rest else ""
+        if keyword == "v":
+            vertices.append(_vertex(argument, f"{path}, line {number}"))
+        elif keyword == "f":
+            parts[-1].faces.append(_face(argument, len(vertices), f"{path}, line {number}"))
+        elif keyword == "o":
+            parts.append(_Part(parts[-1].number + 1, argument or None, None, number))
+        elif keyword == "g":
+            name = argument if argument and argument != "default" else None
+            parts.append(_Part(parts[-1].number, parts[-1].object, name, number))
+        elif keyword in FREE_FORM:
+            raise FormatError(
+                f"'{keyword}' is a free-form surface",
+                where=f"{path}, line {number}",
+                remedy="export meshes instead of surfaces",
+            )
+        elif keyword not in IGNORED:
+            raise FormatError(
+                f"'{line[:40]}' is not OBJ", where=f"{path}, line {number}", remedy="export it anew"
+            )
+    return vertices, [part for part in parts if part.faces]
+
+
+def _vertex(argument: str, where: str) -> list[float]:
+    words = argument.split()
+    if not 3 <= len(words) <= 7 or not all(NUMBER.fullmatch(word) for word in words):
+        raise FormatError(f"vertex '{argument[:60]}' is not three numbers", where=where)
+    point = [float(word) for word in words[:3]]
+    if not all(abs(x) < float("inf") for x in point):
+        raise FormatError(
+            f"vertex '{argument[:60]}' is not finite", where=where, remedy="give finite numbers"
+        )
+    return point
+
+
+def _face(argument: str, count: int, where: str) -> list[int]:
+    """Zero-based vertex indices of ``v``, ``v/vt``, ``v//vn`` or ``v/vt/vn`` corners."""
+    loop = []
+    for word in argument.split():
+        digits = word.split("/", 1)[0]
+        try:
+            index = int(digits) if digits.lstrip("-").isdecimal() and len(digits) < 12 else 0
+        except ValueError:
+            index = 0
+        if index == 0 or index > count or -index > count:
+            raise FormatError(
+                f"face corner '{word[:40]}' names no vertex",
+                where=where,
+                remedy=f"{count} vertices are known here, the first is 1",
+            )
+        loop.append(index - 1 if index > 0 else count + index)
+    if len(loop) < 3:
+        raise FormatError("a face needs three corners", where=where)
+    return loop
+
+
+def _blocks(parts: list[_Part]) -> list[_Part]:
+    """Parts put together into blocks: by object or by group, whichever tells them apart."""
+    by_object = len({part.number for part in parts}) > 1 or all(p.group is None for p in parts)
+    blocks: list[_Part] = []
+    open_blocks: dict[int | str | None, tuple[_Part, set[int]]] = {}
+    for part in parts:
+        key = part.number if by_object else part.group
+        corners = {i for face in part.faces for i in face}
+        block, used = open_blocks.get(key, (None, set()))
+        # a group taken up again goes on with its block; one that shares no vertex is another block
+        if block is None or not (by_object or corners & used):
+            name = part.object if by_object else part.group
+            block, used = _Part(part.number, name, None, part.line), set()
+            blocks.append(block)
+            open_blocks[key] = (block, used)
+        block.faces.extend(part.faces)
+        used |= corners
+    return blocks
+
+
+def _shapes(
+    vertices: list[list[float]], blocks: list[_Part], path: Path
+) -> tuple[list[Shape], list[str]]:
+    shapes, notes = [], []
+    for number, block in enumerate(blocks):
+        order = list(dict.fromkeys(i for face in block.faces for i in face))
+        position = {vertex: i for i, vertex in enumerate(sorted(order))}
+        name = block.object
+        if name is None:
+            name = path.stem if len(blocks) == 1 else f"block-{number}"
+            if len(blocks) > 1:
+                notes.append(f"the block at line {block.line} has no name: '{name}'")
+        shapes.append(
+            Shape(
+                name,
+                [vertices[i] for i in position],
+                [[position[i] for i in face] for face in block.faces],
+                where=f"line {block.line}",
+            )
+        )
+    return shapes, notes
+
+
+def write(model: Contents, path: Path) -> None:
+    """One ``o`` per block, coordinates in shortest exact decimals; supports are not kept."""
+    lines = ["# drystone, metres"]
+    offset = 1
+    for block in model.assembly.blocks:
+        name = NEWLINE.sub(" ", block.name)
+        lines.append(f"o {name}")
+        lines += ["v " + " ".join(map(repr, point)) for point in block.vertices.tolist()]
+        lines += ["f " + " ".join(str(i + offset) for i in face) for face in block.faces]
+        offset += len(block.vertices)
+    write_bytes(path, ("\n".join(lines) + "\n").encode())

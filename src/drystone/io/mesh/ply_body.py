@@ -1,0 +1,115 @@
+"""The tables of a PLY file; sizes in its header are believed only as far as the bytes go."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drystone.errors import FormatError
+
+if TYPE_CHECKING:
+    from drystone.io.mesh.ply import Element, Header
+
+Table = dict[str, Any]
+"""Columns by name: arrays of numbers, and for list properties a list of lists."""
+
+
+def read(body: bytes, header: Header, path: Path) -> dict[str, Table]:
+    """All tables, by name.
+
+    Raises
+    ------
+    FormatError
+        The file ends too early, or holds something else than numbers.
+    """
+    early = FormatError("ends before its data do", where=str(path), remedy="export it again")
+    try:
+        if not header.order:
+            return _ascii(body, header)
+        return _binary(body, header)
+    except (IndexError, struct.error) as error:
+        raise early from error
+    except (ValueError, OverflowError) as error:
+        raise FormatError(f"holds something else than numbers: {error}", where=str(path)) from error
+
+
+def _ascii(body: bytes, header: Header) -> dict[str, Table]:
+    words = body.split()
+    at = 0
+    tables: dict[str, Table] = {}
+    for element in header.elements:
+        rows: list[list[Any]] = []
+        if element.properties and element.count > len(words) - at:
+            raise IndexError
+        for _ in range(element.count if element.properties else 0):
+            row: list[Any] = []
+            for column in element.properties:
+                if column.length is None:
+                    row.append(float(words[at]) if column.type[0] == "f" else int(words[at]))
+                    at += 1
+                    continue
+                length = int(words[at])
+                if not 0 <= length <= len(words) - at - 1:
+                    raise IndexError
+                row.append([int(word) for word in words[at + 1 : at + 1 + length]])
+                at += 1 + length
+            rows.append(row)
+        tables[element.name] = _columns(element, rows)
+    return tables
+
+
+def _columns(element: Element, rows: list[list[Any]]) -> Table:
+    table: Table = {}
+    for i, column in enumerate(element.properties):
+        values = [row[i] for row in rows]
+        if column.length is not None:
+            table[column.name] = values
+        else:
+            kind = np.float64 if column.type[0] == "f" else np.int64
+            table[column.name] = np.array(values, dtype=kind)
+    return table
+
+
+def _binary(body: bytes, header: Header) -> dict[str, Table]:
+    at = 0
+    tables: dict[str, Table] = {}
+    for element in header.elements:
+        if not any(column.length for column in element.properties):
+            dtype = np.dtype([(c.name, header.order + c.type) for c in element.properties])
+            size = dtype.itemsize * element.count
+            if size > len(body) - at:
+                raise IndexError
+            rows = np.frombuffer(body, dtype, element.count, at) if dtype.itemsize else None
+            tables[element.name] = (
+                {} if rows is None else {name: rows[name] for name in dtype.names or ()}
+            )
+            at += size
+            continue
+        if element.count > len(body) - at:
+            raise IndexError
+        tables[element.name], at = _lists(body, at, element, header.order)
+    return tables
+
+
+def _lists(body: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
+    """Rows with lists have no common length: one after the other."""
+    codes = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
+    sizes = {code: int(code[1]) for code in codes}
+    rows: list[list[Any]] = []
+    for _ in range(element.count):
+        row: list[Any] = []
+        for column in element.properties:
+            length = 1
+            if column.length is not None:
+                (length,) = struct.unpack_from(order + codes[column.length], body, at)
+                at += sizes[column.length]
+                if not 0 <= length <= len(body) - at:
+                    raise IndexError
+            values = struct.unpack_from(f"{order}{int(length)}{codes[column.type]}", body, at)
+            at += int(length) * sizes[column.type]
+            row.append(values[0] if column.length is None else [int(v) for v in values])
+        rows.append(row)
+    return _columns(element, rows), at

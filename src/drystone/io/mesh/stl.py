@@ -1,0 +1,144 @@
+"""STL: triangles, in text one named solid after the other, in binary a single heap.
+
+Source: 3D Systems, StereoLithography Interface Specification, 1989.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.errors import FormatError
+from drystone.files import decode, write_bytes
+from drystone.geometry.body.fans import fan_warped
+from drystone.geometry.plane.triangulate import triangulate
+from drystone.io.draft import Contents, Draft
+from drystone.io.mesh.heap import Heap, in_double, shapes_of
+
+HEADER, RECORD = 84, 50
+"""[bytes] Before the first triangle, and of each triangle, in the binary form."""
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("spare", "<u2")])
+EXACT, SINGLE = 1e-9, 1e-6
+"""What counts as the same place, relative to the extent: numbers in text, and single precision."""
+FACET = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
+
+
+def read(data: bytes, path: Path) -> Draft:
+    """Blocks of an STL file: its named solids, or the solids that its triangles make up."""
+    if _is_binary(data):
+        return _binary(data, path)
+    return _text(decode(data, path), path)
+
+
+def _is_binary(data: bytes) -> bool:
+    """By the length that the header announces; binary files may start with ``solid`` too."""
+    if len(data) >= HEADER:
+        count = int.from_bytes(data[80:84], "little")
+        if len(data) == HEADER + RECORD * count:
+            return True
+    return data.lstrip()[:5].lower() != b"solid"
+
+
+def _binary(data: bytes, path: Path) -> Draft:
+    count = int.from_bytes(data[80:84], "little") if len(data) >= HEADER else -1
+    if len(data) < HEADER + RECORD * max(count, 0) or count < 0:
+        raise FormatError(
+            f"announces {max(count, 0)} triangles, but the file ends before"
+            if count >= 0
+            else "is neither text STL nor binary STL",
+            where=str(path),
+            remedy="export it again",
+        )
+    corners = in_double(np.frombuffer(data, TRIANGLE, count, HEADER)["corner"])
+    shapes, notes = shapes_of([_heap(corners.reshape(-1, 3), path.stem, "")], SINGLE, path)
+    return Draft(tuple(shapes), notes=tuple(notes))
+
+
+def _heap(points: Floats, name: str, where: str) -> Heap:
+    return Heap(points, np.arange(len(points)).reshape(-1, 3).tolist(), name, where)
+
+
+def _text(text: str, path: Path) -> Draft:
+    solids: list[tuple[str, int, list[list[float]]]] = []
+    expected: tuple[str, ...] = ()
+    for number, line in enumerate(re.split(r"\r\n|\r|\n", text), start=1):
+        words = line.split()
+        if not words:
+            continue
+        keyword = words[0].lower()
+        if expected:
+            if keyword != expected[0]:
+                raise _bad(path, number, line, expected[0])
+            expected = expected[1:]
+            if keyword == "vertex":
+                solids[-1][2].append(_vertex(words, path, number, line))
+        elif keyword == "solid":
+            solids.append((line.strip()[5:].strip(), number, []))
+        elif keyword == "facet" and solids:
+            expected = FACET[1:]
+        elif keyword != "endsolid" or not solids:
+            raise _bad(path, number, line, "facet or endsolid")
+    if expected:
+        raise FormatError(
+            f"ends where '{expected[0]}' is due", where=str(path), remedy="export it again"
+        )
+    return _named(solids, path)
+
+
+def _named(solids: list[tuple[str, int, list[list[float]]]], path: Path) -> Draft:
+    """Blocks called like their solids; a solid without a name, like the file or by number."""
+    heaps = []
+    for i, (name, line, points) in enumerate(solids):
+        known = name or (path.stem if len(solids) == 1 else f"solid-{i}")
+        corners = np.array(points, dtype=np.float64).reshape(-1, 3)
+        heaps.append(_heap(corners, known, f"line {line}"))
+    shapes, notes = shapes_of(heaps, EXACT, path)
+    return Draft(tuple(shapes), notes=tuple(note for note in notes if "coincident" not in note))
+
+
+def _vertex(words: list[str], path: Path, number: int, line: str) -> list[float]:
+    try:
+        point = [float(word) for word in words[1:]]
+    except ValueError as error:
+        raise _bad(path, number, line, "vertex x y z") from error
+    if len(point) != 3 or not np.isfinite(point).all() or "_" in line:
+        raise _bad(path, number, line, "vertex x y z, finite numbers")
+    return point
+
+
+def _bad(path: Path, number: int, line: str, due: str) -> FormatError:
+    return FormatError(
+        f"'{line.strip()[:40]}' stands where '{due}' is due",
+        where=f"{path}, line {number}",
+        remedy="export it again",
+    )
+
+
+def write(model: Contents, path: Path) -> None:
+    """Text, one solid per block with its name, coordinates in shortest exact decimals.
+
+    Polygons are cut into triangles, warped ones about the mean of their corners, as their volume is
+    computed; supports and densities are not kept.
+    """
+    faces = fan_warped(model.assembly.faces, EXACT)
+    triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
+    corner = faces.point[faces.loop[triangle]]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    normal = normal / np.where(length > 0.0, length, 1.0)[:, None]
+    begin = np.searchsorted(faces.owner[polygon], np.arange(len(model.assembly) + 1)).tolist()
+    lines: list[str] = []
+    for i, block in enumerate(model.assembly.blocks):
+        name = " ".join(block.name.split())
+        lines.append(f"solid {name}")
+        mine = slice(begin[i], begin[i + 1])
+        for n, points in zip(normal[mine].tolist(), corner[mine].tolist(), strict=True):
+            lines.append(" facet normal " + " ".join(f"{x:.9g}" for x in n))
+            lines.append("  outer loop")
+            lines += ["   vertex " + " ".join(map(repr, point)) for point in points]
+            lines += ["  endloop", " endfacet"]
+        lines.append(f"endsolid {name}")
+    write_bytes(path, ("\n".join(lines) + "\n").encode())

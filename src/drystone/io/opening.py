@@ -1,0 +1,196 @@
+"""From a file to a model that is ready to be checked."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeAlias, TypedDict, Unpack
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.detection import DetectionOptions
+from drystone.display import shortened
+from drystone.errors import InputError, counted
+from drystone.files import PathLike
+from drystone.io.registry import read_file
+from drystone.model import Model, supported
+from drystone.progress import Progress
+from drystone.settings import checked_call
+
+UP = {
+    "z": np.eye(3),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+}
+"""Turns the axis that points up in a file into z."""
+
+Given: TypeAlias = Model | Assembly | PathLike
+"""What an analysis takes: a model, or an assembly or a file that one is made of."""
+
+
+class How(TypedDict, total=False):
+    """How a model is made of an assembly or a file; see :func:`read`."""
+
+    supports: str | Sequence[int | str] | None
+    friction: float | None
+    density: float | None
+    load: Any
+    detection: DetectionOptions | None
+    units: str | None
+    up: str
+    split: bool
+    search: bool
+
+
+@checked_call
+def read(
+    path: PathLike,
+    *,
+    supports: str | Sequence[int | str] | None = None,
+    friction: float | None = None,
+    density: float | None = None,
+    load: Any = None,
+    detection: DetectionOptions | None = None,
+    units: str | None = None,
+    up: str = "z",
+    split: bool = False,
+    search: bool = False,
+    progress: Progress | None = None,
+) -> Model:
+    """Read a model that is ready to be checked.
+
+    Parameters
+    ----------
+    path
+        Its suffix tells the format.
+    supports
+        Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns. Left out, those that
+        the file marks.
+    friction
+        Coefficient of every interface. Left out, that of the file, else 0.6.
+    density : [kg/m3]
+        Of every block. Left out, that of the file, else 2400.
+    load
+        A load case, a multiple of gravity, or an acceleration (3,) [m/s2]. Left out, the first
+        load case of the file, else self-weight.
+    detection
+        Tolerances of the contact search.
+    units
+        Unit of length of the file: mm, cm, m, in or ft. Left out, what the file says, else metres.
+    up
+        The axis that points up in the file, ``z`` or ``y``.
+    split
+        Separate parts of a block become blocks of their own.
+    search
+        Search the contacts although the file has some.
+    progress
+
+    Raises
+    ------
+    FormatError
+        The file cannot be read, or something in it is wrong: file, place and remedy are named.
+    InputError
+        A unit, an axis or a support is not known.
+    MissingDependency
+        The format needs an extra.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import drystone
+    >>> from drystone.models import tower
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     drystone.write(tower(3), f"{folder}/tower.obj")
+    ...     model = read(f"{folder}/tower.obj", supports="lowest", friction=0.7)
+    >>> model.assembly.names
+    ('block-0', 'block-1', 'block-2')
+    """
+    if not isinstance(up, str) or up not in UP:
+        raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
+    if progress is not None:
+        progress("read", 0, 2)
+    contents = read_file(path, units=units, split=split)
+    assembly, contacts, notes = contents.assembly, contents.contacts, list(contents.notes)
+    if up != "z" and (contacts is not None or contents.loads):
+        raise InputError(
+            "the file has contacts or loads, whose axes are known",
+            where=str(path),
+            remedy="leave up out",
+        )
+    if up != "z":
+        assembly = assembly.transformed(UP[up])
+    case = load is None and density is None and bool(contents.loads)
+    load = contents.loads[0] if case else load
+    if contacts is None or search:
+        if progress is not None:
+            progress("contacts", 1, 2)
+        model = Model.of(
+            assembly,
+            supports=supports,
+            friction=friction,
+            density=density,
+            load=load,
+            detection=detection,
+        )
+        contacts, report = model.contacts, model.report
+        assembly, load, notes = model.assembly, model.load, [*notes, *model.notes]
+    else:
+        report = None
+        assembly = assembly if supports is None else supported(assembly, supports)
+        assembly = assembly if density is None else assembly.with_density(density)
+        contacts = contacts if friction is None else contacts.with_friction(friction)
+        verb = "is" if contacts.count == 1 else "are"
+        notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
+    if case:
+        notes.append(f"the load case '{contents.loads[0].name}' of the file is used")
+    return Model(assembly, contacts, load, report, tuple(notes), contents.loads)
+
+
+def as_model(given: Given, **how: Unpack[How]) -> Model:
+    """The model that an analysis is given, made of an assembly or a file where it is one.
+
+    Parameters
+    ----------
+    given
+        A model, an assembly or the path of a file.
+    how
+        Arguments of :func:`read` for a file; of :meth:`drystone.Model.of` for an assembly. Of a
+        model ``load``, ``friction`` and ``supports`` can be changed.
+
+    Raises
+    ------
+    InputError
+        It is none of these, or ``how`` does not fit it.
+    """
+    for name in how:
+        if name not in How.__annotations__:
+            close = ", ".join(difflib.get_close_matches(name, How.__annotations__, n=1))
+            remedy = f"did you mean {close}?" if close else ""
+            raise InputError(f"there is no argument '{name}'", remedy=remedy)
+    if isinstance(given, str | Path):
+        return read(given, **how)
+    if isinstance(given, Assembly):
+        _refuse(how, ("units", "up", "split", "search"), "an assembly")
+        return Model.of(given, **how)  # type: ignore[misc]
+    if not isinstance(given, Model):
+        raise InputError(
+            f"{shortened(repr(given), 60)} cannot be analysed",
+            remedy="give a Model, an Assembly or the path of a file",
+        )
+    _refuse(how, ("units", "up", "split", "search", "detection", "density"), "a model")
+    model = given
+    if how.get("supports") is not None:
+        model = model.with_supports(how["supports"])  # type: ignore[arg-type]
+    if how.get("friction") is not None:
+        model = model.with_friction(how["friction"])  # type: ignore[arg-type]
+    return model if how.get("load") is None else model.with_load(how["load"])
+
+
+def _refuse(how: How, names: Sequence[str], what: str) -> None:
+    for name in names:
+        if name in how:
+            raise InputError(f"{what} takes no '{name}'", remedy="it is an argument of read")
+
+
+__all__ = ["Given", "How", "as_model", "read"]

@@ -1,0 +1,1 @@
+"""Our own JSON schema, with arrays in npz beside it."""

@@ -1,0 +1,204 @@
+"""Our own JSON schema: assembly, contacts, loads and results, exact to the last bit.
+
+Documented in ``docs/formats.md``. Numbers are written as the shortest decimals that read back as
+the same float64.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.assembly import DEFAULT_DENSITY, Assembly
+from drystone.contacts import Contacts
+from drystone.errors import FormatError, InputError
+from drystone.io.draft import Draft, Extras, Shape
+from drystone.io.jsontext import Field
+from drystone.io.own import npz
+from drystone.io.own.load_parts import load_of_parts
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.results import Residuals, Result, Samples, Verdict
+
+SCHEMA = "drystone"
+VERSION = 1
+TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
+BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
+CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
+LOAD = ("name", "wrench", "motion", "parts")
+ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop": 6}
+"""Columns of the arrays of a result; ``None`` for a plain vector."""
+RESULT = (
+    *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
+    *("spread", "stopped", "options", "solver", "iterations", "time_s"),
+)
+HEAVIEST = 1e9
+"""[kg/m3], chosen: more than any matter; keeps products of masses finite."""
+
+
+def read(top: Field) -> Draft:
+    """The draft of a file in our schema, or in its minimal form, blocks alone."""
+    if "schema" in top.value and top["schema"].text() != SCHEMA:
+        raise top["schema"].error(f"must be '{SCHEMA}'")
+    if "blocks" not in top.value:
+        raise top.error(
+            "has no 'blocks'",
+            'the minimal form is {"blocks": [{"name", "vertices", "faces", "fixed"}]}',
+        )
+    version = top.get("version", VERSION)
+    if version.integer() > VERSION:
+        raise version.error(f"is {version.value}", "a newer drystone wrote this file; update")
+    top.only(TOP)
+    top = npz.resolve(top)
+    shapes = tuple(_shape(field) for field in top["blocks"].elements())
+    if not shapes:
+        raise top["blocks"].error("holds no block", "give at least one")
+    units = top["units"].text() if top.has("units") else None
+    more = any(top.has(key) for key in ("contacts", "loads", "results"))
+    if more and units not in (None, "m"):
+        raise top["units"].error("must be 'm' in a file with contacts, loads or results")
+
+    def finish(assembly: Assembly, _: float) -> Extras:
+        return _extras(top, assembly)
+
+    return Draft(shapes, "m" if more else units, finish if more else None)
+
+
+def _shape(field: Field) -> Shape:
+    field.only(BLOCK)
+    density = field.get("density", DEFAULT_DENSITY)
+    if not 0.0 < density.number() <= HEAVIEST:
+        raise density.error(f"is {density.value}", f"give kg/m3 above zero, at most {HEAVIEST:g}")
+    vertices = field["vertices"].floats(None, 3)
+    name = field["name"].text()
+    if not name:
+        raise field["name"].error("is empty", "give the block a name")
+    return Shape(
+        name,
+        vertices,
+        [_loop(face, len(vertices)) for face in field["faces"].elements()],
+        where=field.path,
+        density=density.number(),
+        fixed=field.get("fixed", False).boolean(),
+        metadata=field.get("metadata", {}).object().value,
+        repairs=tuple(repair.text() for repair in field.get("repairs", []).elements()),
+    )
+
+
+def _loop(face: Field, count: int) -> list[int]:
+    corners = face.value
+    if isinstance(corners, list) and all(type(c) is int and 0 <= c < count for c in corners):
+        return corners
+    loop = [corner.integer() for corner in face.elements()]
+    for i, corner in enumerate(loop):
+        if not 0 <= corner < count:
+            raise face.error(
+                f"names no vertex: {corner}", f"they go from 0 to {count - 1}", at=f"[{i}]"
+            )
+    return loop
+
+
+def _extras(top: Field, assembly: Assembly) -> Extras:
+    contacts = _contacts(top["contacts"], assembly) if top.has("contacts") else None
+    loads = tuple(_load(field, assembly) for field in top.get("loads", []).elements())
+    results = []
+    for field in top.get("results", []).elements():
+        if contacts is None:
+            raise field.error("has no contacts to refer to", "give 'contacts' as well")
+        results.append(_result(field, assembly, contacts, loads))
+    return contacts, loads, tuple(results)
+
+
+def _contacts(field: Field, assembly: Assembly) -> Contacts:
+    field.only(CONTACTS)
+    block_a, block_b = field["block_a"].integers(None), field["block_b"].integers(None)
+    m = len(block_a)
+    for side, values in (("block_a", block_a), ("block_b", block_b)):
+        bad = np.flatnonzero((values < 0) | (values >= len(assembly)))
+        if len(bad):
+            raise field[side].error(f"names no block: {values[bad[0]]}", at=f"[{bad[0]}]")
+    try:
+        return Contacts(
+            block_a,
+            block_b,
+            field["frame"].floats(m, 3, 3),
+            field["area"].floats(m),
+            field["friction"].floats(m),
+            field["point"].floats(None, 3),
+            field["interface"].integers(None),
+        )
+    except FormatError:
+        raise
+    except InputError as error:
+        raise field.error(error.what, error.remedy) from error
+
+
+def _load(field: Field, assembly: Assembly) -> LoadCase:
+    field.only(LOAD)
+    name = field.get("name", "load").text()
+    if field.has("parts"):
+        for key in ("wrench", "motion"):
+            if field.has(key):
+                raise field.error(f"has both a {key} and parts", "leave one out")
+        return load_of_parts(field["parts"], assembly, name)
+    n = len(assembly)
+    motion = field["motion"].floats(n, 6) if field.has("motion") else None
+    return LoadCase(field["wrench"].floats(n, 6), name, motion=motion)
+
+
+def _result(
+    field: Field, assembly: Assembly, contacts: Contacts, loads: Sequence[LoadCase]
+) -> Result:
+    field.only(RESULT)
+    position = field["load"].integer()
+    if not 0 <= position < len(loads):
+        raise field["load"].error(f"names no load: {position}", f"there are {len(loads)}")
+    verdict = field["verdict"]
+    if verdict.text() not in {v.value for v in Verdict}:
+        raise verdict.error("is no verdict", f"use one of {', '.join(v.value for v in Verdict)}")
+    samples = field.get("samples", {})
+    samples.only(("tried", "standing"))
+    falling = tuple(one.integer() for one in field.get("falling", []).elements())
+    if any(not 0 <= i < len(assembly) for i in falling):
+        raise field["falling"].error("names a block that does not exist")
+    rows = {"force": contacts.corner_count, "tension": contacts.corner_count}
+
+    def array(name: str) -> Floats | None:
+        return _optional(field, name, (rows.get(name, len(assembly)), ARRAYS[name]))
+
+    return Result(
+        method=field["method"].text(),
+        verdict=Verdict(verdict.value),
+        model=Model(assembly, contacts, loads[position]),
+        message=field.get("message", "").text(),
+        falling=falling,
+        samples=Samples(samples.get("tried", 0).integer(), samples.get("standing", 0).integer()),
+        residuals=_residuals(field["residuals"]) if field.has("residuals") else None,
+        options=field.value.get("options"),
+        solver=field.get("solver", "").text(),
+        iterations=field.get("iterations", 0).integer(),
+        time_s={key: value.number() for key, value in field.get("time_s", {}).items()},
+        force=array("force"),
+        tension=array("tension"),
+        displacement=array("displacement"),
+        mechanism=array("mechanism"),
+        prop=array("prop"),
+        eta=field["eta"].number() if field.has("eta") else None,
+        spread=field["spread"].number() if field.has("spread") else None,
+        stopped=field.get("stopped", "").text(),
+    )
+
+
+def _optional(field: Field, name: str, shape: tuple[int, int | None]) -> Floats | None:
+    if not field.has(name):
+        return None
+    return field[name].floats(*(size for size in shape if size is not None))
+
+
+def _residuals(field: Field) -> Residuals:
+    names = tuple(f.name for f in dataclasses.fields(Residuals))
+    field.only(names)
+    return Residuals(**{name: field.get(name, 0.0).number() for name in names})

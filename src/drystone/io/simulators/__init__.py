@@ -1,0 +1,6 @@
+"""Models for simulators of rigid bodies: MJCF and URDF, blocks by their convex pieces."""
+
+from drystone.io.simulators.mjcf import mjcf_text, write_mjcf
+from drystone.io.simulators.urdf import write_urdf
+
+__all__ = ["mjcf_text", "write_mjcf", "write_urdf"]

@@ -1,0 +1,88 @@
+"""URDF, the robot description of ROS: one link per block, meshes in OBJ files beside it.
+
+Source of the format: ROS documentation, urdf/XML.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+from drystone.arrays import Floats, Ints
+from drystone.files import Job, PathLike, write_together
+from drystone.io.simulators.bodies import Body, bodies
+from drystone.model import Model
+
+
+def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[str]:
+    """Write a model as URDF, with a folder of meshes whose name ends in ``_meshes``.
+
+    The link ``world`` carries all blocks, fixed ones by fixed joints and free ones by floating
+    joints. Friction and gravity are no part of the format.
+
+    Parameters
+    ----------
+    model
+    path
+    name
+        Of the robot.
+
+    Returns
+    -------
+    list of str
+        The files that were written.
+    """
+    target = Path(path)
+    folder = target.with_name(f"{target.stem}_meshes")
+    found = bodies(model)
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs: list[Job] = []
+    for body in found:
+        for k, (point, triangle) in enumerate(body.pieces):
+            text = _obj(point, triangle)
+            jobs.append((folder / f"{body.name}.{k}.obj", partial(_put, text=text)))
+    jobs.append((target, partial(_put, text=_urdf(found, folder.name, name))))
+    return write_together(jobs)
+
+
+def _urdf(found: list[Body], folder: str, name: str) -> str:
+    lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(name)}>", '  <link name="world"/>']
+    for body in found:
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia.tolist()
+        lines += [
+            f"  <link name={quoteattr(body.name)}>",
+            "    <inertial>",
+            f'      <mass value="{body.mass:.12g}"/>',
+            f'      <inertia ixx="{xx:.9g}" ixy="{xy:.9g}" ixz="{xz:.9g}" iyy="{yy:.9g}" '
+            f'iyz="{yz:.9g}" izz="{zz:.9g}"/>',
+            "    </inertial>",
+        ]
+        for k in range(len(body.pieces)):
+            mesh = quoteattr(f"{folder}/{body.name}.{k}.obj")
+            for kind in ("visual", "collision"):
+                lines.append(f"    <{kind}><geometry><mesh filename={mesh}/></geometry></{kind}>")
+        x, y, z = body.place.tolist()
+        kind = "fixed" if body.fixed else "floating"
+        lines += [
+            "  </link>",
+            f"  <joint name={quoteattr('to-' + body.name)} type={quoteattr(kind)}>",
+            '    <parent link="world"/>',
+            f"    <child link={quoteattr(body.name)}/>",
+            f'    <origin xyz="{x:.9g} {y:.9g} {z:.9g}" rpy="0 0 0"/>',
+            "  </joint>",
+        ]
+    return "\n".join([*lines, "</robot>", ""])
+
+
+def _obj(point: Floats, triangle: Ints) -> str:
+    corners = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in point.tolist()]
+    faces = [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangle.tolist()]
+    return "\n".join([*corners, *faces, ""])
+
+
+def _put(path: Path, *, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+__all__ = ["write_urdf"]

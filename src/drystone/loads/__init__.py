@@ -1,0 +1,5 @@
+"""Load cases: one wrench per block, and motions of supports. Nothing is implicit."""
+
+from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
+
+__all__ = ["DOWN", "STANDARD_GRAVITY", "LoadCase"]

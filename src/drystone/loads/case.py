@@ -1,0 +1,345 @@
+"""Load cases: one wrench per block, and motions of supports. Nothing is implicit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, SupportsFloat
+
+import numpy as np
+
+from drystone.arrays import Floats, frozen_floats, number, of_type
+from drystone.assembly import Assembly
+from drystone.display import OneLine
+from drystone.errors import InputError, counted
+from drystone.geometry.frames import rotation_about, unit
+from drystone.loads.placing import (
+    free_block,
+    off_block,
+    surface_forces,
+    wrench_at,
+    wrench_of_masses,
+)
+
+STANDARD_GRAVITY = 9.81
+"""[m/s2]"""
+DOWN = (0.0, 0.0, -1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class LoadCase(OneLine):
+    """Wrenches on blocks.
+
+    Parameters
+    ----------
+    wrench : (n, 6) [N, N m]
+        Force and moment about each block's centroid, world axes. What acts on fixed blocks is
+        carried by the ground and changes nothing.
+    name
+        For tables.
+    notes
+        What the user should hear about the load: a point that lies off its block.
+    motion : (n, 6) [m, rad], optional
+        Prescribed motion of supports: translation of the centroid and rotation vector about it,
+        world axes. Only :func:`drystone.settle` answers to it; every other analysis refuses it.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> assembly = tower(2)
+    >>> load = LoadCase.gravity(assembly) + 0.5 * LoadCase.point_load(
+    ...     assembly, "block-1", force=(100.0, 0.0, 0.0))
+    >>> load.wrench[1].round(1).tolist()
+    [50.0, 0.0, -23544.0, 0.0, 0.0, 0.0]
+    """
+
+    wrench: Floats
+    name: str = "load"
+    notes: tuple[str, ...] = ()
+    motion: Floats | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "wrench", frozen_floats(self.wrench, (None, 6), "wrench"))
+        if self.motion is not None:
+            given = frozen_floats(self.motion, (len(self.wrench), 6), "motion")
+            object.__setattr__(self, "motion", given if given.any() else None)
+        object.__setattr__(self, "notes", tuple(self.notes))
+
+    def _summary(self) -> str:
+        total = ", ".join(f"{x:.4g}" for x in self.wrench[:, :3].sum(axis=0) + 0.0)
+        moving = "" if self.motion is None else ", moves supports"
+        return (
+            f"'{self.name}', {counted(len(self.wrench), 'block')}, total force [{total}] N{moving}"
+        )
+
+    @classmethod
+    def of(cls, assembly: Assembly, load: Any = None) -> LoadCase:
+        """A load case from what a caller gives.
+
+        Parameters
+        ----------
+        assembly
+        load
+            A load case of this assembly; a number, the multiple of gravity along -z; a vector (3,)
+            [m/s2], an acceleration of all masses. Self-weight when left out.
+
+        Raises
+        ------
+        InputError
+            The load case belongs to another assembly, or it is neither of these.
+
+        Examples
+        --------
+        >>> from drystone.models import tower
+        >>> LoadCase.of(tower(2), (0.0, 0.0, -9.81)).wrench[1, 2].round(1)
+        np.float64(-23544.0)
+        """
+        if load is None:
+            return cls.gravity(assembly)
+        if isinstance(load, LoadCase):
+            of_type(assembly, Assembly, "the assembly")
+            if len(load.wrench) != len(assembly):
+                raise InputError(
+                    f"the load has {len(load.wrench)} wrenches, the assembly {len(assembly)} blocks"
+                )
+            return load
+        try:
+            given = frozen_floats(load, (3,) if np.ndim(load) else (), "load")
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"the load is {load!r}",
+                remedy="give a load case, a multiple of gravity, or a vector in m/s2",
+            ) from error
+        if given.ndim == 0:
+            return cls.gravity(assembly, float(given) * STANDARD_GRAVITY)
+        size = float(np.linalg.norm(given))
+        return cls.gravity(assembly, size, given if size > 0.0 else DOWN)
+
+    @classmethod
+    def gravity(
+        cls, assembly: Assembly, g: float = STANDARD_GRAVITY, direction: Any = DOWN
+    ) -> LoadCase:
+        """Self-weight.
+
+        Parameters
+        ----------
+        assembly
+        g : [m/s2]
+        direction : (3,)
+            Any length; gravity acts along it.
+        """
+        return cls(wrench_of_masses(assembly, g, unit(direction, "gravity direction")), "gravity")
+
+    @classmethod
+    def tilt(
+        cls, assembly: Assembly, axis: Any, angle_deg: float, g: float = STANDARD_GRAVITY
+    ) -> LoadCase:
+        """Self-weight when the whole assembly is turned counter-clockwise about ``axis``.
+
+        The blocks stay where they are and gravity turns the other way, which is the same.
+
+        Parameters
+        ----------
+        assembly
+        axis : (3,)
+        angle_deg : [degrees]
+        g : [m/s2]
+        """
+        direction = rotation_about(axis, angle_deg).T @ np.array(DOWN)
+        return cls(cls.gravity(assembly, g, direction).wrench, f"tilt {angle_deg:g} deg")
+
+    @classmethod
+    def seismic(
+        cls, assembly: Assembly, kx: float, ky: float = 0.0, g: float = STANDARD_GRAVITY
+    ) -> LoadCase:
+        """Horizontal forces in proportion to the weight, without the weight itself.
+
+        Parameters
+        ----------
+        assembly
+        kx, ky
+            Seismic coefficients: horizontal acceleration along x and y by that of gravity.
+        g : [m/s2]
+        """
+        x, y = number(kx, "kx"), number(ky, "ky")
+        return cls(wrench_of_masses(assembly, g, np.array([x, y, 0.0])), f"seismic {x:g}, {y:g}")
+
+    @classmethod
+    def point_load(
+        cls, assembly: Assembly, block: int | str, force: Any, at: Any = None
+    ) -> LoadCase:
+        """A force on a block.
+
+        Parameters
+        ----------
+        assembly
+        block
+            Position or name of a free block.
+        force : (3,) [N]
+        at : (3,) [m], optional
+            Left out, the centroid. A point off the block is used as given, with a note.
+
+        Raises
+        ------
+        InputError
+            There is no such block, or it is fixed.
+        """
+        i = free_block(assembly, block)
+        vector = frozen_floats(force, (3,), "force")
+        point = assembly.centroid[i] if at is None else frozen_floats(at, (3,), "at")
+        return cls(
+            wrench_at(assembly, i, vector[None], point[None]),
+            "point load",
+            off_block(assembly.blocks[i], point),
+        )
+
+    @classmethod
+    def line_load(
+        cls, assembly: Assembly, block: int | str, force_per_length: Any, start: Any, end: Any
+    ) -> LoadCase:
+        """A force per length [N/m] (3,) on a free block, along a line between points [m] (3,)."""
+        i = free_block(assembly, block)
+        ends = np.stack([frozen_floats(start, (3,), "start"), frozen_floats(end, (3,), "end")])
+        length = float(np.linalg.norm(ends[1] - ends[0]))
+        if length == 0.0:
+            raise InputError("the line has no length", remedy="give two different points")
+        total = length * frozen_floats(force_per_length, (3,), "force per length")
+        notes = [note for point in ends for note in off_block(assembly.blocks[i], point)]
+        wrench = wrench_at(assembly, i, total[None], ends.mean(axis=0)[None])
+        return cls(wrench, "line load", tuple(notes))
+
+    @classmethod
+    def surface_load(
+        cls,
+        assembly: Assembly,
+        block: int | str,
+        traction: Any,
+        faces: Sequence[int] | None = None,
+        facing: Any = None,
+    ) -> LoadCase:
+        """A force per area on faces of a free block.
+
+        Parameters
+        ----------
+        assembly
+        block
+        traction : (3,) or number [Pa]
+            A vector, or a pressure against the faces.
+        faces
+            Which faces of the block; or
+        facing : (3,)
+            those that look along this direction, within 30 degrees. Left out both, all.
+
+        Raises
+        ------
+        InputError
+            No such face, none that looks that way, or faces chosen in both ways.
+        """
+        i = free_block(assembly, block)
+        force, point = surface_forces(assembly.blocks[i], traction, faces, facing)
+        return cls(wrench_at(assembly, i, force, point), "surface load")
+
+    @classmethod
+    def moment(cls, assembly: Assembly, block: int | str, moment: Any) -> LoadCase:
+        """A moment [N m] (3,), world axes, on a free block."""
+        i = free_block(assembly, block)
+        wrench = np.zeros((len(assembly), 6))
+        wrench[i, 3:] = frozen_floats(moment, (3,), "moment")
+        return cls(wrench, "moment")
+
+    @classmethod
+    def extra_mass(
+        cls,
+        assembly: Assembly,
+        block: int | str,
+        mass: float,
+        at: Any = None,
+        g: float = STANDARD_GRAVITY,
+        direction: Any = DOWN,
+    ) -> LoadCase:
+        """The weight of something [kg] that stands on a free block, at a point or its centroid."""
+        carried = float(frozen_floats(mass, (), "mass"))
+        if carried < 0.0:
+            raise InputError(f"mass is {carried}", remedy="give kg of zero or more")
+        force = carried * number(g, "g") * unit(direction, "gravity direction")
+        load = cls.point_load(assembly, block, force, at)
+        return cls(load.wrench, f"{carried:g} kg", load.notes)
+
+    @classmethod
+    def settlement(cls, assembly: Assembly, block: int | str, motion: Any) -> LoadCase:
+        """A prescribed motion of a support; no force by itself.
+
+        Parameters
+        ----------
+        assembly
+        block
+            Position or name; whether it is fixed is asked where the case is used.
+        motion : (3,) [m] or (6,) [m, rad]
+            Translation of its centroid, and a rotation vector about it; world axes.
+
+        Raises
+        ------
+        InputError
+            There is no such block, or not 3 or 6 finite numbers.
+        """
+        of_type(assembly, Assembly, "the assembly")
+        i = int(assembly.indices([block])[0])
+        values = frozen_floats(motion, (None,), f"motion of block '{assembly.names[i]}'")
+        if len(values) not in (3, 6):
+            raise InputError(
+                f"the motion of block '{assembly.names[i]}' has not 3 or 6 numbers",
+                remedy="give a translation, or a translation and a rotation vector",
+            )
+        moved = np.zeros((len(assembly), 6))
+        moved[i, : len(values)] = values
+        return cls(np.zeros_like(moved), "settlement", (), moved)
+
+    @classmethod
+    def combine(
+        cls, parts: Iterable[tuple[float, LoadCase]], name: str = "combination"
+    ) -> LoadCase:
+        """The sum of load cases times their factors.
+
+        Examples
+        --------
+        >>> from drystone.models import tower
+        >>> dead = LoadCase.gravity(tower(2))
+        >>> quake = LoadCase.seismic(tower(2), 0.2)
+        >>> LoadCase.combine([(1.0, dead), (1.5, quake)]).wrench[1, [0, 2]].round(1).tolist()
+        [7063.2, -23544.0]
+        """
+        try:
+            cases = [float(factor) * load for factor, load in parts]
+        except (TypeError, ValueError) as error:
+            remedy = "give pairs of a factor and a load case"
+            raise InputError("load cases cannot be combined so", remedy=remedy) from error
+        if not cases:
+            raise InputError("there is nothing to combine", remedy="give a load case")
+        return replace(sum(cases[1:], cases[0]), name=name)
+
+    def __add__(self, other: LoadCase) -> LoadCase:
+        if not isinstance(other, LoadCase):
+            return NotImplemented
+        if self.wrench.shape != other.wrench.shape:
+            raise InputError("load cases of different assemblies cannot be added")
+        notes = dict.fromkeys((*self.notes, *other.notes))
+        motions = [one.motion for one in (self, other) if one.motion is not None]
+        return LoadCase(
+            self.wrench + other.wrench,
+            f"{self.name} + {other.name}",
+            tuple(notes),
+            sum(motions[1:], motions[0]) if motions else None,
+        )
+
+    def __mul__(self, factor: float) -> LoadCase:
+        if isinstance(factor, str) or np.ndim(factor) or not isinstance(factor, SupportsFloat):
+            return NotImplemented
+        by = float(factor)
+        moved = None if self.motion is None else self.motion * by
+        return LoadCase(self.wrench * by, f"{by:g} {self.name}", self.notes, moved)
+
+    __rmul__ = __mul__
+    __array_ufunc__ = None  # a numpy number times a load case is a load case
+
+
+__all__ = ["DOWN", "STANDARD_GRAVITY", "LoadCase"]

@@ -1,0 +1,122 @@
+"""Where a load acts: points and faces of a block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints, frozen_floats, number, of_type, whole
+from drystone.assembly import Assembly, Block
+from drystone.errors import InputError
+from drystone.geometry.body.polyhedron import Faces, fan_triangles, stack_faces
+from drystone.geometry.body.solid import outside_distance
+from drystone.geometry.frames import unit
+from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.triangulate import triangulate
+
+OFF_BLOCK = 1e-6
+"""A point farther from a block than this share of the block's size is told to be off it; chosen,
+above the rounding of coordinates in model files."""
+
+FACING = np.cos(np.deg2rad(30.0))
+"""A face looks along a direction when its normal is within 30 degrees of it; chosen, so that the
+top of a voussoir counts as its top."""
+
+
+def free_block(assembly: Assembly, block: int | str) -> int:
+    """Position of a free block.
+
+    Raises
+    ------
+    InputError
+        There is no such block, or it is fixed.
+    """
+    of_type(assembly, Assembly, "the assembly")
+    i = int(assembly.indices([block])[0])
+    if assembly.fixed[i]:
+        raise InputError(
+            f"block '{assembly.names[i]}' is fixed: a load on it changes nothing",
+            remedy="load a free block",
+        )
+    return i
+
+
+def wrench_at(assembly: Assembly, block: int, force: Floats, point: Floats) -> Floats:
+    """Wrenches (n, 6) of forces (f, 3) at points (f, 3) on one block."""
+    wrench = np.zeros((len(assembly), 6))
+    wrench[block, :3] = force.sum(axis=0)
+    wrench[block, 3:] = np.cross(point - assembly.centroid[block], force).sum(axis=0)
+    return wrench
+
+
+def wrench_of_masses(assembly: Assembly, g: float, direction: Floats) -> Floats:
+    """Wrenches (n, 6) of an acceleration of all masses, g [m/s2] times ``direction`` (3,)."""
+    of_type(assembly, Assembly, "the assembly")
+    wrench = np.zeros((len(assembly), 6))
+    wrench[:, :3] = assembly.mass[:, None] * (number(g, "g") * direction)
+    return wrench
+
+
+def off_block(block: Block, point: Floats) -> tuple[str, ...]:
+    """A note where a point (3,) lies off a block."""
+    faces = stack_faces([block.vertices], [block.faces])
+    corner = faces.point[faces.loop]
+    triangles = corner[triangulate(corner, faces.start)[0]]
+    distance = float(outside_distance(point[None], triangles)[0])
+    if distance <= OFF_BLOCK * block.size:
+        return ()
+    where = ", ".join(f"{x:g}" for x in point)
+    return (f"the point {where} is {distance:.3g} m off block '{block.name}'",)
+
+
+def surface_forces(
+    block: Block, traction: Any, faces: Sequence[int] | None, facing: Any
+) -> tuple[Floats, Floats]:
+    """Forces (t, 3) [N] on triangles of a block's surface and their middles (t, 3) [m].
+
+    Parameters
+    ----------
+    block
+    traction, faces, facing
+        See :meth:`LoadCase.surface_load`.
+    """
+    part = stack_faces([block.vertices], [block.faces])
+    chosen = _chosen_faces(part, faces, facing, block.name)
+    triangles, face = fan_triangles(part)
+    triangles = triangles[np.isin(face, chosen)]
+    area = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    if np.ndim(traction) == 0:
+        force = -float(frozen_floats(traction, (), "pressure")) * area
+    else:
+        size = np.linalg.norm(area, axis=1)
+        force = size[:, None] * frozen_floats(traction, (3,), "traction")
+    return force, triangles.mean(axis=1)
+
+
+def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: str) -> Ints:
+    where = f"block '{name}'"
+    if faces is not None and facing is not None:
+        raise InputError("faces are chosen twice", where=where, remedy="by number or by direction")
+    if faces is not None:
+        listed = faces if isinstance(faces, Iterable) else [faces]
+        chosen = np.array([whole(face, "a face", least=0) for face in listed], dtype=np.intp)
+        if len(chosen) == 0 or chosen.max() >= part.count:
+            raise InputError(
+                f"faces {chosen.tolist()} are not all there",
+                where=where,
+                remedy=f"they are numbered 0 to {part.count - 1}",
+            )
+        return chosen
+    if facing is None:
+        return np.arange(part.count, dtype=np.intp)
+    area = area_vectors(part.point[part.loop], part.start)
+    along = area @ unit(facing, "facing")
+    chosen = np.flatnonzero(along > (FACING - 1e-12) * np.linalg.norm(area, axis=1))
+    if len(chosen) == 0:
+        raise InputError("no face looks that way", where=where, remedy="choose faces by number")
+    return chosen
+
+
+__all__ = ["free_block", "off_block", "surface_forces", "wrench_at", "wrench_of_masses"]

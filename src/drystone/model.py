@@ -1,0 +1,198 @@
+"""The model: blocks, the contacts between them, and a load. Every analysis takes one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, of_type
+from drystone.assembly import Assembly, Blocks
+from drystone.contacts import DEFAULT_FRICTION, Contacts
+from drystone.detection import ContactReport, DetectionOptions, find_contacts
+from drystone.display import Card
+from drystone.errors import InputError, counted
+from drystone.loads import LoadCase
+from drystone.supports import select
+
+
+@dataclass(frozen=True, eq=False)
+class Model(Card):
+    """Blocks, the interfaces at which they touch, and the load on them.
+
+    Parameters
+    ----------
+    assembly
+    contacts
+        Of this assembly.
+    load
+        A load case of this assembly. A number is a multiple of gravity along -z, a vector (3,) an
+        acceleration [m/s2] of all masses. Self-weight when left out.
+    report
+        What the contact search found and left out; ``None`` where the contacts were given.
+    notes
+        What was assumed on the way here, one sentence each.
+    cases
+        Load cases that came with the model, to choose from.
+
+    Raises
+    ------
+    InputError
+        Contacts or load belong to another assembly.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> model = Model.of(tower(3), friction=0.7)
+    >>> model.contacts.count
+    2
+    >>> model.with_load(2.0).load.wrench[1, 2] / model.load.wrench[1, 2]
+    np.float64(2.0)
+    """
+
+    assembly: Assembly
+    contacts: Contacts
+    load: LoadCase = None  # type: ignore[assignment]  # filled in below
+    report: ContactReport | None = None
+    notes: tuple[str, ...] = ()
+    cases: tuple[LoadCase, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = len(of_type(self.assembly, Assembly, "the assembly of a model"))
+        remedy = "give the .contacts of what find_contacts found, or use Model.of(assembly)"
+        of_type(self.contacts, Contacts, "the value of contacts", remedy)
+        ends = (self.contacts.block_a, self.contacts.block_b)
+        if max(int(end.max(initial=-1)) for end in ends) >= count:
+            raise InputError(
+                "the contacts name blocks that the assembly does not have",
+                remedy="pass the contacts that were found on this assembly",
+            )
+        object.__setattr__(self, "load", LoadCase.of(self.assembly, self.load))
+        object.__setattr__(self, "notes", tuple(self.notes))
+        object.__setattr__(self, "cases", tuple(self.cases))
+
+    def _summary(self) -> str:
+        touching = counted(self.contacts.count, "interface")
+        return f"{self.assembly._summary()}, {touching}, load '{self.load.name}'"
+
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        sentence, facts = self.assembly._facts()
+        friction = sorted({f"{x:.3g}" for x in self.contacts.friction})
+        return f"{sentence}; {counted(self.contacts.count, 'interface')}", {
+            **facts,
+            "friction": " to ".join(friction[:: max(len(friction) - 1, 1)]),
+            "load": self.load.name,
+            "notes": "; ".join(self.notes),
+        }
+
+    def __len__(self) -> int:
+        """Number of blocks."""
+        return len(self.assembly)
+
+    @classmethod
+    def of(
+        cls,
+        assembly: Assembly,
+        *,
+        supports: str | Sequence[int | str] | None = None,
+        friction: float | None = None,
+        density: float | None = None,
+        load: Any = None,
+        detection: DetectionOptions | None = None,
+    ) -> Model:
+        """The model of an assembly, its contacts found here.
+
+        Parameters
+        ----------
+        assembly
+        supports
+            Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns, or positions and
+            names of blocks. Left out, those of the assembly.
+        friction
+            Coefficient of every interface. Left out, what the blocks bring in their metadata, else
+            0.6.
+        density : [kg/m3]
+            Of every block. Left out, that of each block.
+        load
+            See :class:`Model`.
+        detection
+            Tolerances of the contact search.
+        """
+        notes: list[str] = []
+        of_type(assembly, Assembly, "the assembly of a model")
+        if supports is not None:
+            assembly = supported(assembly, supports)
+        if density is not None:
+            assembly = assembly.with_density(density)
+        found = find_contacts(
+            assembly,
+            friction=DEFAULT_FRICTION if friction is None else friction,
+            options=detection,
+        )
+        contacts = found.contacts
+        if friction is None:
+            contacts, notes = _with_own_friction(assembly, contacts)
+        return cls(assembly, contacts, load, found.report, tuple(notes))
+
+    def with_load(self, load: Any) -> Model:
+        """The same model under another load; see :class:`Model`."""
+        return replace(self, load=LoadCase.of(self.assembly, load))
+
+    def with_contacts(self, contacts: Contacts) -> Model:
+        """The same blocks and load with other contacts."""
+        return replace(self, contacts=contacts)
+
+    def with_friction(self, friction: float | Sequence[float] | Floats) -> Model:
+        """The same model with another friction coefficient, one for all interfaces or one each."""
+        return self.with_contacts(self.contacts.with_friction(friction))
+
+    def with_supports(self, supports: str | Sequence[int | str]) -> Model:
+        """The same model with exactly these blocks fixed; see :meth:`of`."""
+        return replace(self, assembly=supported(self.assembly, supports))
+
+    def subset(self, blocks: Blocks) -> Model:
+        """The model of some of the blocks, in the given order, with the contacts among them."""
+        chosen = self.assembly.indices(blocks)
+        motion = None if self.load.motion is None else self.load.motion[chosen]
+        return Model(
+            self.assembly.subset(chosen.tolist()),
+            self.contacts.of_blocks(chosen, len(self.assembly)),
+            replace(self.load, wrench=self.load.wrench[chosen], motion=motion),
+            notes=self.notes,
+        )
+
+    def without(self, blocks: Blocks) -> Model:
+        """The model less some of the blocks."""
+        kept = np.ones(len(self.assembly), dtype=bool)
+        kept[self.assembly.indices(blocks)] = False
+        return self.subset(np.flatnonzero(kept).tolist())
+
+    @property
+    def active(self) -> Bools:
+        """(m,) interfaces that a free block takes part in: others carry nothing."""
+        fixed = self.assembly.fixed
+        active: Bools = ~(fixed[self.contacts.block_a] & fixed[self.contacts.block_b])
+        return active
+
+
+def supported(assembly: Assembly, supports: str | Sequence[int | str]) -> Assembly:
+    """The same blocks, with those fixed that ``supports`` names; see :meth:`Model.of`."""
+    if isinstance(supports, str):
+        return select(assembly, supports)
+    return assembly.with_fixed(supports)
+
+
+def _with_own_friction(assembly: Assembly, contacts: Contacts) -> tuple[Contacts, list[str]]:
+    """Contacts with the friction that blocks bring in their metadata, of two the smaller."""
+    given = [block.metadata.get("friction") for block in assembly.blocks]
+    own = np.array([x if isinstance(x, int | float) else np.nan for x in given], dtype=float)
+    if np.isnan(own).all():
+        return contacts, []
+    smaller = np.fmin(own[contacts.block_a], own[contacts.block_b])
+    friction = np.where(np.isnan(smaller), contacts.friction, smaller)
+    return contacts.with_friction(friction), ["joints have the friction that their blocks bring"]
+
+
+__all__ = ["Model", "supported"]

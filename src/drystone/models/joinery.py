@@ -1,0 +1,228 @@
+"""Joints that hold by their shape: a dovetail, a hooked bar, a bayonet, a burr puzzle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.assembly import Assembly
+from drystone.models.simple import box
+from drystone.models.solids import prism, require, welded
+
+
+def dovetail(
+    flare_deg: float = 15.0, width: float = 0.4, height: float = 0.3, length: float = 1.0
+) -> Assembly:
+    """A tenon that is wider at its bottom, in a groove along y: it slides along the groove only.
+
+    Parameters
+    ----------
+    flare_deg : [degrees]
+        Of its sides against the vertical.
+    width, height, length : [m]
+        Of the tenon: its neck, its height, and along y.
+
+    Returns
+    -------
+    Assembly
+        ``groove``, fixed, and ``tenon``.
+
+    Examples
+    --------
+    >>> dovetail().names
+    ('groove', 'tenon')
+    """
+    require(0.0 < flare_deg < 60.0, f"a flare of {flare_deg} degrees", "0 to 60")
+    neck = 0.5 * width
+    foot = neck + height * float(np.tan(np.deg2rad(flare_deg)))
+    low, side = -0.5 * height, foot + 0.5 * width
+    tenon = [(-foot, 0.0), (foot, 0.0), (neck, height), (-neck, height)]
+    groove = [
+        (-side, low), (side, low), (side, height), (neck, height),
+        (foot, 0.0), (-foot, 0.0), (-neck, height), (-side, height),
+    ]  # fmt: skip
+    span = (0.0, length)
+    return Assembly(
+        (prism(groove, span, "groove"), prism(tenon, span, "tenon")), np.array([True, False])
+    )
+
+
+def hooked_bar(length: float = 3.0, height: float = 0.5, cheeks: bool = True) -> Assembly:
+    """A bar whose toe lies under a ledge and whose end leans on a slope: it must be turned out.
+
+    The ledge stops it from rising, its end and the wall behind the toe from sliding, the cheeks
+    from going sideways. Turned about the edge of the ledge it comes free.
+
+    Parameters
+    ----------
+    length, height : [m]
+        Of the bar.
+    cheeks
+        Whether walls on both sides keep it from sliding out along y.
+
+    Returns
+    -------
+    Assembly
+        ``bed``, fixed, ``bar``, and with cheeks ``near`` and ``far``, fixed.
+    """
+    require(length > 4.0 * height > 0.0, f"a bar of {length} by {height} m", "make it longer")
+    toe, ledge, slope = 0.2 * height, 0.8 * height, 0.6 * height
+    top = 1.6 * height
+    bar = [
+        (0.0, height), (0.0, height - toe), (height, 0.0), (length - slope, 0.0), (length, height),
+    ]  # fmt: skip
+    bed = [
+        (-ledge, -height), (length + slope, -height), (length + slope, height), (length, height),
+        (length - slope, 0.0), (height, 0.0), (0.0, 0.0), (0.0, height), (ledge, height),
+        (ledge, top), (-ledge, top),
+    ]  # fmt: skip
+    deep = height
+    blocks = [prism(bed, (0.0, deep), "bed"), prism(bar, (0.0, deep), "bar")]
+    if cheeks:
+        size = (length + slope + ledge, 0.5 * height, top + height)
+        for name, y in (("near", -0.5 * height), ("far", deep)):
+            blocks.append(box(size, (-ledge, y, -height), name))
+    return Assembly(tuple(blocks), np.array([name != "bar" for name in (b.name for b in blocks)]))
+
+
+def bayonet(locked_deg: float = 90.0) -> Assembly:
+    """A peg whose crossbar lies under a slotted plate: it is turned to the slot, then lifted.
+
+    Parameters
+    ----------
+    locked_deg : [degrees]
+        By how much the crossbar is turned away from the slot; at zero it lifts straight out.
+
+    Returns
+    -------
+    Assembly
+        ``socket``, ``plate-left`` and ``plate-right``, fixed, and ``peg``.
+    """
+    require(0.0 <= locked_deg <= 90.0, f"a turn of {locked_deg} degrees", "0 to 90")
+    floor, under, top = -0.4, 0.5, 0.8
+    half, slot = 2.5, 0.5
+    walls = [
+        (-half, floor), (half, floor), (half, under), (2.0, under), (2.0, 0.0), (-2.0, 0.0),
+        (-2.0, under), (-half, under),
+    ]  # fmt: skip
+    socket = prism(walls, (-half, half), "socket")
+    plates = [
+        box((2.0 * half, half - slot, top - under), (-half, y, under), name)
+        for name, y in (("plate-left", -half), ("plate-right", slot))
+    ]
+    crossbar = _slab(1.8, 0.4, 0.0, under)
+    shaft = _slab(0.35, 0.35, under, 1.4)
+    shoulder = _sides(crossbar[1], shaft[0])
+    loops = [crossbar[0], *_sides(*crossbar), *shoulder, *_sides(*shaft), shaft[1]]
+    turn = np.deg2rad(locked_deg)
+    about = np.array(
+        [[np.cos(turn), -np.sin(turn), 0.0], [np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]]
+    )
+    peg = welded(loops, "peg").transformed(about)
+    return Assembly((socket, *plates, peg), np.array([True, True, True, False]))
+
+
+def _slab(x: float, y: float, low: float, high: float) -> tuple[Floats, Floats]:
+    """Lower and upper rectangle (4, 3) of a box about the z axis."""
+    flat = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    low_loop, high_loop = (np.column_stack([flat, np.full(4, z)]) for z in (low, high))
+    return low_loop, high_loop
+
+
+def _sides(low: Floats, high: Floats) -> list[Floats]:
+    """Faces (4, 3) between two loops of four corners."""
+    return [
+        np.array([low[i], low[j], high[j], high[i]]) for i, j in ((0, 1), (1, 2), (2, 3), (3, 0))
+    ]
+
+
+STICKS: dict[str, tuple[int, int]] = {
+    "key": (0, 1), "x-low": (0, -1), "y-high": (1, 1), "y-low": (1, -1),
+    "z-high": (2, 1), "z-low": (2, -1),
+}  # fmt: skip
+"""Sticks of the burr: the axis along which each lies, and the side of the middle that it is on."""
+
+
+def stick_cells(axis: int, side: int, length: int = 6) -> set[tuple[int, int, int]]:
+    """Unit cells, by their lowest corner, of a stick 2 x 2 x ``length`` before notches are cut.
+
+    The pair along x lies over each other in z, that along y beside each other in x, and that along
+    z behind each other in y.
+    """
+    half = length // 2
+    ranges: list[Iterable[int]] = [(-1, 0), (-1, 0), (-1, 0)]
+    ranges[axis] = range(-half, half)
+    ranges[(axis + 2) % 3] = (0, 1) if side > 0 else (-2, -1)
+    return {(x, y, z) for x in ranges[0] for y in ranges[1] for z in ranges[2]}
+
+
+NOTCHES: dict[str, list[tuple[int, int, int]]] = {
+    "x-low": [
+        (-2, -1, -1), (-2, 0, -1), (-1, -1, -2), (-1, -1, -1), (0, -1, -2), (0, -1, -1),
+        (0, 0, -1), (1, -1, -1), (1, 0, -1),
+    ],
+    "y-high": [
+        (0, -2, -1), (0, -2, 0), (0, -1, -1), (0, -1, 0), (0, 0, -1), (0, 0, 0), (0, 1, -1),
+        (1, -1, 0), (1, 0, 0),
+    ],
+    "y-low": [
+        (-2, -1, 0), (-2, 0, 0), (-1, -2, -1), (-1, -2, 0), (-1, -1, -1), (-1, -1, 0),
+        (-1, 0, -1), (-1, 0, 0), (-1, 1, -1), (-1, 1, 0),
+    ],
+    "z-high": [
+        (-1, 0, -2), (-1, 0, -1), (-1, 0, 0), (-1, 0, 1), (0, 0, -2), (0, 0, 0), (0, 0, 1),
+        (0, 1, 0),
+    ],
+    "z-low": [
+        (-1, -1, 0), (-1, -1, 1), (0, -1, 0), (0, -1, 1),
+    ],
+}  # fmt: skip
+"""Cells cut out of each stick of the burr; the key is whole. Divisions of the middle were tried
+until no piece or group of pieces but the key could be moved, and all came out one by one."""
+
+
+def burr(cell: float = 0.1) -> Assembly:
+    """A puzzle of six notched sticks through one middle: it interlocks, and the key slides out.
+
+    Parameters
+    ----------
+    cell : [m]
+        Edge of a cell; a stick is two cells wide and six long.
+
+    Returns
+    -------
+    Assembly
+        ``key`` and ``x-low``, along x, then two sticks along y and two along z. None is fixed.
+
+    Examples
+    --------
+    >>> burr().names
+    ('key', 'x-low', 'y-high', 'y-low', 'z-high', 'z-low')
+    """
+    require(cell > 0.0, f"a cell of {cell} m", "above zero")
+    blocks = []
+    for name, (axis, side) in STICKS.items():
+        cells = stick_cells(axis, side) - set(NOTCHES.get(name, ()))
+        blocks.append(welded(_surface(cells, cell), name))
+    return Assembly(tuple(blocks))
+
+
+def _surface(cells: set[tuple[int, int, int]], edge: float) -> list[Floats]:
+    """The squares between cells and what is around them."""
+    square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    loops = []
+    for cell in sorted(cells):
+        for axis in range(3):
+            for side in (0, 1):
+                beyond = list(cell)
+                beyond[axis] += 2 * side - 1
+                if tuple(beyond) in cells:
+                    continue
+                corners = np.insert(square, axis, side, axis=1) + np.array(cell)
+                loops.append(edge * corners.astype(np.float64))
+    return loops
+
+
+__all__ = ["bayonet", "burr", "dovetail", "hooked_bar"]

@@ -1,0 +1,171 @@
+"""Designs to be built without scaffolding: two columns and a corbelled bridge.
+
+Each is drawn once in a vertical plane and extruded along y, its joints cut across a centre line, so
+that every block can be put on the ones before it.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.assembly import Assembly, Block
+from drystone.models.solids import prism, require
+
+
+def leaning_column(
+    blocks: int = 8,
+    lean_deg: float = 8.0,
+    width: float = 1.0,
+    height: float = 4.0,
+    depth: float = 1.0,
+) -> Assembly:
+    """A column that leans towards +x, cut square to its axis, on a fixed wedge.
+
+    It stands as long as the middle of what is above each joint lies over that joint, and its blocks
+    do not slide as long as friction exceeds ``tan(lean_deg)``: the joints dip by the lean.
+
+    Parameters
+    ----------
+    blocks
+        Free blocks.
+    lean_deg : [degrees]
+    width, height, depth : [m]
+        Across the axis, along the axis of all free blocks, and along y.
+
+    Returns
+    -------
+    Assembly
+        ``base``, fixed, and ``c01`` ... upwards.
+
+    Examples
+    --------
+    >>> leaning_column(3).names
+    ('base', 'c01-block', 'c02-block', 'c03-block')
+    """
+    require(blocks > 0, f"a column of {blocks} blocks", "one or more")
+    require(0.0 <= lean_deg < 45.0, f"a lean of {lean_deg} degrees", "0 to 45")
+    lean = np.deg2rad(lean_deg)
+    axis, across = np.array([np.sin(lean), np.cos(lean)]), np.array([np.cos(lean), -np.sin(lean)])
+    step = height / blocks
+    foot = np.array([0.0, width])
+    joints = np.array(
+        [
+            [foot + i * step * axis + s * 0.5 * width * across for s in (-1, 1)]
+            for i in range(blocks + 1)
+        ]
+    )
+    low = joints[0]
+    base = prism([(low[0][0], 0.0), (low[1][0], 0.0), low[1], low[0]], (0.0, depth), "base")
+    return _stacked(base, joints, depth)
+
+
+def winding_column(
+    blocks: int = 8,
+    swing: float = 0.25,
+    width: float = 0.8,
+    height: float = 4.0,
+    depth: float = 0.8,
+) -> Assembly:
+    """A column whose centre line is one full wave, cut square to it: it winds out and back.
+
+    Parameters
+    ----------
+    blocks
+        Free blocks.
+    swing : [m]
+        How far the centre line moves to either side.
+    width, height, depth : [m]
+        Across the centre line, of the wave, and along y.
+
+    Returns
+    -------
+    Assembly
+        ``base``, fixed, and ``c01`` ... upwards.
+    """
+    require(blocks > 1, f"a column of {blocks} blocks", "two or more")
+    steepest = 2.0 * np.pi * abs(swing) / height
+    require(steepest < 1.0, f"a swing of {swing} m", "less than the height by 2 pi")
+    z = np.linspace(0.0, height, blocks + 1)
+    phase = 2.0 * np.pi * z / height
+    centre = np.column_stack([swing * np.sin(phase), width + z])
+    slope = 2.0 * np.pi * swing / height * np.cos(phase)
+    across = np.column_stack([np.ones(blocks + 1), -slope]) / np.hypot(1.0, slope)[:, None]
+    joints = np.stack([centre - 0.5 * width * across, centre + 0.5 * width * across], axis=1)
+    low = joints[0]
+    base = prism([(low[0][0], 0.0), (low[1][0], 0.0), low[1], low[0]], (0.0, depth), "base")
+    return _stacked(base, joints, depth)
+
+
+def corbelled_bridge(
+    corbels: int = 3,
+    reach: float = 0.45,
+    tail: float = 1.2,
+    height: float = 0.4,
+    gap: float = 1.0,
+    batter_deg: float = 12.0,
+    depth: float = 0.8,
+) -> Assembly:
+    """Two corbelled arms and a key between them whose ends are wedges: built without centring.
+
+    Every corbel reaches beyond the one below and has a longer tail over the pier, so that it stands
+    as soon as it is put down. The key is let in from above; its ends lean by ``batter_deg`` and it
+    presses the arms apart, which friction under the topmost corbels holds.
+
+    Parameters
+    ----------
+    corbels
+        In each arm, over a fixed pier.
+    reach, tail : [m]
+        By how much each corbel goes beyond the one below over the gap, and its length behind the
+        face of the pier.
+    height, depth : [m]
+        Of every block.
+    gap : [m]
+        Length of the key at its bottom.
+    batter_deg : [degrees]
+        Of its ends against the vertical, wider at the top.
+
+    Returns
+    -------
+    Assembly
+        ``pier-left``, ``pier-right``, fixed; ``left-1`` ... upwards, ``right-1`` ..., ``key``.
+    """
+    require(corbels > 0, f"a bridge of {corbels} corbels", "one or more")
+    require(0.0 <= batter_deg < 45.0, f"a batter of {batter_deg} degrees", "0 to 45")
+    require(min(reach, tail, height, gap, depth) > 0.0, "a bridge without extent", "above zero")
+    half = 0.5 * gap + corbels * reach
+    rise = float(np.tan(np.deg2rad(batter_deg))) * height
+    require(rise < reach, "the key cuts through the corbels", "less batter, or more reach")
+    span = (-0.5 * depth, 0.5 * depth)
+    arms: dict[str, list[Block]] = {"left": [], "right": []}
+    piers = []
+    for name, side in (("left", -1.0), ("right", 1.0)):
+        back = half + tail
+        pier = np.array([(half, 0.0), (back, 0.0), (back, height), (half, height)])
+        piers.append(prism(pier * (side, 1.0), span, f"pier-{name}"))
+        for i in range(corbels):
+            tip = half - (i + 1) * reach
+            low, high = (i + 1) * height, (i + 2) * height
+            top = tip + rise if i == corbels - 1 else tip
+            arm = np.array([(tip, low), (back, low), (back, high), (top, high)])
+            arms[name].append(prism(arm * (side, 1.0), span, f"{name}-{i + 1}"))
+    low, high = corbels * height, (corbels + 1) * height
+    wide = 0.5 * gap
+    key = [(-wide, low), (wide, low), (wide + rise, high), (-wide - rise, high)]
+    blocks = (*piers, *arms["left"], *arms["right"], prism(key, span, "key"))
+    return Assembly(blocks, np.arange(len(blocks)) < 2)
+
+
+def _stacked(base: Block, joints: Floats, depth: float) -> Assembly:
+    """Blocks between joints (j, 2, 2), each from left to right, over a base."""
+    made = [
+        prism([a[0], a[1], b[1], b[0]], (0.0, depth), f"c{i:02d}-block")
+        for i, (a, b) in enumerate(pairwise(joints), 1)
+    ]
+    return Assembly((base, *made), np.arange(len(made) + 1) == 0)
+
+
+__all__ = ["corbelled_bridge", "leaning_column", "winding_column"]

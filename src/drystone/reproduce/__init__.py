@@ -1,0 +1,90 @@
+"""The source's own structures, computed again: published beside found, one function per section.
+
+Source: Kao 2023, doctoral dissertation, ETH Zurich; Kao et al. 2022, Computer-Aided Design 146.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from drystone.errors import InputError
+from drystone.files import PathLike, write_bytes
+from drystone.reproduce import analysis, assembly
+from drystone.reproduce.case import Case, Line
+
+SECTIONS: dict[str, Callable[[], Case]] = {
+    "6.1": analysis.arches,
+    "6.1.2": analysis.buttressed_arch,
+    "6.1.3": analysis.dome,
+    "6.2": analysis.pinched_blocks,
+    "6.3": analysis.shelf,
+    "6.4.2": assembly.two_robots,
+    "7.2": assembly.snake,
+    "7.2.4": assembly.bridge,
+    "7.5": assembly.shells,
+}
+"""Sections, and what computes each."""
+
+
+def reproduce(section: str) -> Case:
+    """Compute a section of the source again.
+
+    Raises
+    ------
+    InputError
+        There is no such section.
+
+    Examples
+    --------
+    >>> case = reproduce("6.2")
+    >>> [line.found for line in case.lines]
+    ['stable / unstable', 'stable / unstable']
+    """
+    if section not in SECTIONS:
+        raise InputError(
+            f"there is no section '{section}'",
+            where="section",
+            remedy=f"give one of {', '.join(SECTIONS)}",
+        )
+    return SECTIONS[section]()
+
+
+def save_case(case: Case, folder: PathLike) -> list[str]:
+    """Write the pages and figures of a case into a folder that exists.
+
+    Parameters
+    ----------
+    case
+    folder
+        Files are named after the section and the model.
+
+    Returns
+    -------
+    list of str
+        The files that were written.
+    """
+    from drystone.results import Result
+    from drystone.view import save_figure, save_page
+    from drystone.view.page import page_text
+    from drystone.view.sequence import plan_scene
+
+    target = Path(folder)
+    if not target.is_dir():
+        raise InputError("there is no such folder", where=str(target), remedy="make it first")
+    written = []
+    for name, subject in case.pictures.items():
+        stem = target / f"{case.section}-{name}"
+        page = stem.with_name(f"{stem.name}.html")
+        if isinstance(subject, Result):
+            figure = stem.with_name(f"{stem.name}.png")
+            save_page(subject, page)
+            save_figure(subject, figure)
+            written += [str(page), str(figure)]
+        elif subject.steps:
+            write_bytes(page, page_text(plan_scene(subject)).encode("utf-8"))
+            written.append(str(page))
+    return written
+
+
+__all__ = ["SECTIONS", "Case", "Line", "reproduce", "save_case"]

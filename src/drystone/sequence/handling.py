@@ -1,0 +1,379 @@
+"""A plan as work for robots: where each block goes, on which way, by whom, and who holds what.
+
+Data only: joints and motions of an arm are found by whoever drives it. The frame of a block has its
+origin at the centroid and, in place, the axes of the world; all poses are of that frame.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.assembly import Block
+from drystone.display import OneLine
+from drystone.files import PathLike, write_bytes
+from drystone.progress import Progress
+from drystone.sequence.motion.joints import Joints, face_at
+from drystone.sequence.motion.ways import NoWay, Way, WayFinder, WayOptions
+from drystone.sequence.plans import Plan, placed_before
+from drystone.sequence.robots import Robot, check_robots, why_not
+from drystone.sequence.stage.stages import members
+
+COVERED = 0.01
+"""Share of a face that joints may take while it still counts as free to grip; chosen, for edges
+that a neighbour grazes."""
+OPPOSITE = 0.996
+"""Cosine between a face and the opposite of another one, from which a gripper holds on to both:
+5 degrees, chosen."""
+
+
+@dataclass(frozen=True, eq=False)
+class GripFace(OneLine):
+    """A face that touches nothing once the block is in place.
+
+    Attributes
+    ----------
+    face
+        Position in ``block.faces``.
+    centre : (3,) [m]
+    normal : (3,) unit
+        Outward. Both in the frame of the block.
+    area : [m2]
+    """
+
+    face: int
+    centre: Floats
+    normal: Floats
+    area: float
+
+
+@dataclass(frozen=True, eq=False)
+class Placement(OneLine):
+    """One block, put in its place.
+
+    Attributes
+    ----------
+    step
+        Of the plan, from 0.
+    block, name
+    robot
+        Who places it; empty where no robots were given, or none can.
+    frame : (4, 4)
+        Its frame in place.
+    approach : (p, 4, 4)
+        Frames on the way in, the last one in place; empty where no way was found.
+    clearance : (p,) [m]
+        Distance from what stands at each of them.
+    turning
+        Whether it turns on the way.
+    mass : [kg]
+    grips
+        Faces to grip, the largest first.
+    pairs
+        Pairs of them that look away from each other: positions in ``grips``, and the distance [m]
+        that a gripper must open.
+    """
+
+    step: int
+    block: int
+    name: str
+    robot: str
+    frame: Floats
+    approach: Floats
+    clearance: Floats
+    turning: bool
+    mass: float
+    grips: tuple[GripFace, ...]
+    pairs: tuple[tuple[int, int, float], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Hold(OneLine):
+    """A block that is held until another one is in place.
+
+    Attributes
+    ----------
+    block, name
+    robot
+        Who holds it; empty where no robots were given.
+    until
+        Name of the block that is in place when it is let go.
+    force : (3,) [N]
+    moment : (3,) [N m]
+        The largest that the hold supplies, about the centroid.
+    """
+
+    block: int
+    name: str
+    robot: str
+    until: str
+    force: Floats
+    moment: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Handling(OneLine):
+    """All placements and holds of a plan, in their order.
+
+    Attributes
+    ----------
+    plan
+    robots
+    placements, holds
+    notes
+        What no robot can do, and blocks without a way, one sentence each.
+    """
+
+    plan: Plan
+    robots: tuple[Robot, ...]
+    placements: tuple[Placement, ...]
+    holds: tuple[Hold, ...]
+    notes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values; lengths in m, masses in kg, forces in N."""
+        return {
+            "format": "drystone-handling",
+            "version": 1,
+            "robots": [
+                {
+                    "name": r.name,
+                    "base": list(r.base),
+                    "reach": _finite(r.reach),
+                    "payload": _finite(r.payload),
+                }
+                for r in self.robots
+            ],
+            "placements": [_placement(one) for one in self.placements],
+            "holds": [
+                {
+                    "block": one.name,
+                    "robot": one.robot,
+                    "until": one.until,
+                    "force": one.force.tolist(),
+                    "moment": one.moment.tolist(),
+                }
+                for one in self.holds
+            ],
+            "props": self.plan.to_dict()["props"],
+            "notes": list(self.notes),
+        }
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row per placement: who, where, how heavy, from where, and the widest grip."""
+        held = {one.name: one for one in self.holds}
+        return [
+            {
+                "step": one.step + 1,
+                "block": one.name,
+                "robot": one.robot,
+                "mass_kg": one.mass,
+                "x_m": float(one.frame[0, 3]),
+                "y_m": float(one.frame[1, 3]),
+                "z_m": float(one.frame[2, 3]),
+                "turning": "yes" if one.turning else "no",
+                "poses": len(one.approach),
+                "grip_faces": " ".join(str(grip.face) for grip in one.grips),
+                "grip_m": one.pairs[0][2] if one.pairs else "",
+                "held_until": held[one.name].until if one.name in held else "",
+                "hold_N": float(np.linalg.norm(held[one.name].force)) if one.name in held else 0.0,
+            }
+            for one in self.placements
+        ]
+
+    def save_json(self, path: PathLike) -> None:
+        """Write everything as JSON, to a temporary name beside it that is then renamed."""
+        text = json.dumps(self.to_dict(), indent=1, allow_nan=False)
+        write_bytes(path, (text + "\n").encode("utf-8"))
+
+    def save_csv(self, path: PathLike) -> None:
+        """Write a row per placement as CSV, to a temporary name that is then renamed."""
+        rows = self.rows()
+        out = io.StringIO()
+        writer = csv.DictWriter(out, list(rows[0]) if rows else ["step"], lineterminator="\n")
+        writer.writeheader()
+        for row in rows:
+            writer.writerow({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()})
+        write_bytes(path, out.getvalue().encode("utf-8"))
+
+
+def handling(
+    plan: Plan,
+    robots: Sequence[Robot] = (),
+    *,
+    options: WayOptions | None = None,
+    progress: Progress | None = None,
+) -> Handling:
+    """What robots need to know to carry out a plan.
+
+    Robots take turns: a block is placed by the next one after that which placed the last block,
+    passing over those that hold something or cannot manage it.
+
+    Parameters
+    ----------
+    plan
+        Its steps; a plan without steps has no placements.
+    robots
+        Left out, nobody is named.
+    options
+        How ways in are searched; up is against the load unless it is given.
+    progress
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> from drystone.sequence import plan
+    >>> work = handling(plan(tower(3)), [Robot("left"), Robot("right")])
+    >>> [(one.name, one.robot) for one in work.placements]
+    [('block-1', 'left'), ('block-2', 'right')]
+    """
+    team = check_robots(robots)
+    model = plan.model.model
+    up = plan.model.up.tolist()
+    finder = WayFinder(model, options if options is not None else WayOptions(up=tuple(up)))
+    placements: list[Placement] = []
+    holds: list[Hold] = []
+    notes: list[str] = []
+    turn = 0
+    total = sum(len(step.blocks) for step in plan.steps)
+    for number, step in enumerate(plan.steps):
+        here = np.array(model.assembly.fixed)
+        here[list(plan.impossible)] = True
+        here[list(members(placed_before(plan, number)))] = True
+        busy: set[int] = set()
+        for place, block in enumerate(step.blocks):
+            body = model.assembly.blocks[block]
+            who = _next(team, turn, busy, body)
+            if who is None and team:
+                free = [robot for i, robot in enumerate(team) if i not in busy]
+                notes.append(f"'{body.name}': {_lack(free, body)}")
+            robot = "" if who is None else team[who].name
+            found = finder.way(block, here)
+            if isinstance(found, NoWay):
+                notes.append(f"'{body.name}': no way in was found: {found.reason}")
+            after = here.copy()
+            after[block] = True
+            for other in step.blocks[:place]:
+                after[other] = True
+            grips = grip_faces(body, Joints.of(model.contacts, block, after))
+            placements.append(_placed(number, block, body, robot, found, grips))
+            here[block] = True
+            if place < len(step.blocks) - 1:
+                wrench = [a.reaction[block] for a in step.during if block in a.reaction]
+                most = max(wrench, key=lambda w: float(np.linalg.norm(w[:3])), default=np.zeros(6))
+                last = model.assembly.names[step.blocks[-1]]
+                holds.append(Hold(block, body.name, robot, last, most[:3], most[3:]))
+                busy |= set() if who is None else {who}
+            turn = turn if who is None else who + 1
+            if progress is not None:
+                progress("ways in", len(placements), total)
+    return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
+
+
+def _next(team: Sequence[Robot], turn: int, busy: set[int], body: Block) -> int | None:
+    """The robot whose turn it is and who can place a block."""
+    for i in range(len(team)):
+        who = (turn + i) % len(team)
+        if who not in busy and bool(team[who].manages(body.centroid, np.array(body.mass))):
+            return who
+    return None
+
+
+def _lack(free: Sequence[Robot], body: Block) -> str:
+    if not free:
+        return "every robot holds another block"
+    return why_not(free, body.name, body.centroid, body.mass)
+
+
+def _placed(
+    step: int, block: int, body: Block, robot: str, found: Way | NoWay, grips: list[GripFace]
+) -> Placement:
+    frame = np.eye(4)
+    frame[:3, 3] = body.centroid
+    if isinstance(found, Way):
+        approach, clearance, turning = found.approach @ frame, found.clearance[::-1], found.turning
+    else:
+        approach, clearance, turning = np.zeros((0, 4, 4)), np.zeros(0), False
+    pairs = tuple(_pairs(grips))
+    return Placement(
+        step, block, body.name, robot, frame, approach, clearance, turning, body.mass,
+        tuple(grips), pairs,
+    )  # fmt: skip
+
+
+def grip_faces(body: Block, joints: Joints) -> list[GripFace]:
+    """Faces of a block that none of some joints lies on, the largest first.
+
+    Parameters
+    ----------
+    body
+    joints
+        With the blocks that are in place.
+    """
+    covered = np.zeros(len(body.faces))
+    for joint in range(len(joints.other)):
+        corner = joints.corner[joints.interface == joint]
+        face, _ = face_at(body, corner.mean(axis=0), -joints.normal[joint])
+        area = np.cross(corner[1:-1] - corner[0], corner[2:] - corner[0]).sum(axis=0)
+        covered[face] += max(0.5 * float(np.linalg.norm(area)), 1e-300)
+    found = []
+    for face, loop in enumerate(body.faces):
+        corner = body.vertices[list(loop)]
+        vector = 0.5 * np.cross(corner[1:-1] - corner[0], corner[2:] - corner[0]).sum(axis=0)
+        area = float(np.linalg.norm(vector))
+        if covered[face] <= COVERED * area and area > 0.0:
+            centre = corner.mean(axis=0) - body.centroid
+            found.append(GripFace(face, centre, vector / area, area))
+    return sorted(found, key=lambda one: -one.area)
+
+
+def _pairs(grips: Sequence[GripFace]) -> list[tuple[int, int, float]]:
+    """Pairs of faces that look away from each other, the largest first, and their distance."""
+    out = []
+    for i, one in enumerate(grips):
+        for j in range(i + 1, len(grips)):
+            other = grips[j]
+            if one.normal @ other.normal < -OPPOSITE:
+                width = float((one.centre - other.centre) @ one.normal)
+                if width > 0.0:
+                    out.append((i, j, width))
+    return out
+
+
+def _placement(one: Placement) -> dict[str, Any]:
+    return {
+        "step": one.step,
+        "block": one.name,
+        "robot": one.robot,
+        "mass": one.mass,
+        "centre": one.frame[:3, 3].tolist(),
+        "frame": one.frame.tolist(),
+        "approach": one.approach.tolist(),
+        "clearance": one.clearance.tolist(),
+        "turning": one.turning,
+        "grips": [
+            {
+                "face": grip.face,
+                "centre": grip.centre.tolist(),
+                "normal": grip.normal.tolist(),
+                "area": grip.area,
+            }
+            for grip in one.grips
+        ],
+        "pairs": [{"grips": [i, j], "width": width} for i, j, width in one.pairs],
+    }
+
+
+def _finite(value: float) -> float | None:
+    """A number, or nothing where there is no limit."""
+    return value if np.isfinite(value) else None
+
+
+__all__ = ["GripFace", "Handling", "Hold", "Placement", "grip_faces", "handling"]

@@ -1,0 +1,90 @@
+"""Robots: where they stand, how far they reach, and what they carry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats
+from drystone.display import OneLine
+from drystone.errors import InputError
+
+
+@dataclass(frozen=True)
+class Robot(OneLine):
+    """One arm that places blocks and may hold one.
+
+    Attributes
+    ----------
+    name
+    base : (3,) [m]
+        Where its first axis stands.
+    reach : [m]
+        Farthest distance from the base at which it can hold the centroid of a block.
+    payload : [kg]
+        Heaviest block that it carries. While it holds a block, the force that it bears is no more
+        than the weight of this mass.
+    """
+
+    name: str
+    base: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    reach: float = float("inf")
+    payload: float = float("inf")
+
+    def __post_init__(self) -> None:
+        where = f"robot '{self.name}'"
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError("a robot needs a name", remedy="give a non-empty string")
+        base = np.asarray(self.base, dtype=np.float64)
+        if base.shape != (3,) or not np.isfinite(base).all():
+            raise InputError("its base is no point", where=where, remedy="give x, y, z in metres")
+        for word, value in (("reach", self.reach), ("payload", self.payload)):
+            if not value > 0.0:
+                raise InputError(f"its {word} is {value}", where=where, remedy="give more than 0")
+        object.__setattr__(self, "base", tuple(base.tolist()))
+
+    def distance(self, points: Floats) -> Floats:
+        """[m] (p,) from its base to points (p, 3) [m]."""
+        out: Floats = np.linalg.norm(np.asarray(points) - np.array(self.base), axis=-1)
+        return out
+
+    def manages(self, centroid: Floats, mass: Floats) -> Bools:
+        """Whether it reaches and carries blocks with centroids (n, 3) [m] and masses (n,) [kg]."""
+        out: Bools = (self.distance(centroid) <= self.reach) & (np.asarray(mass) <= self.payload)
+        return out
+
+
+def check_robots(robots: Sequence[Robot]) -> tuple[Robot, ...]:
+    """Robots whose names differ.
+
+    Raises
+    ------
+    InputError
+        Two have one name, or one is no robot.
+    """
+    for robot in robots:
+        if not isinstance(robot, Robot):
+            raise InputError(f"a {type(robot).__name__} is no robot", where="robots")
+    names = [robot.name for robot in robots]
+    if len(set(names)) != len(names):
+        raise InputError("two robots have one name", where="robots", remedy="rename one of them")
+    return tuple(robots)
+
+
+def why_not(robots: Sequence[Robot], name: str, centroid: Floats, mass: float) -> str:
+    """Why no robot can place a block: the nearest is too short, or all that reach are too weak."""
+    near = [robot for robot in robots if robot.distance(centroid) <= robot.reach]
+    if near:
+        strong = max(near, key=lambda robot: robot.payload)
+        return (
+            f"too heavy: '{name}' has {mass:.4g} kg, and '{strong.name}', the strongest robot that "
+            f"reaches it, carries {strong.payload:.4g} kg"
+        )
+    short = min(robots, key=lambda robot: float(robot.distance(centroid)) - robot.reach)
+    missing = float(short.distance(centroid)) - short.reach
+    return f"out of reach: '{short.name}', the nearest robot, is {missing:.3g} m short"
+
+
+__all__ = ["Robot", "check_robots", "why_not"]

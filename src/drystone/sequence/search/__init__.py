@@ -1,0 +1,1 @@
+"""Orders of assembly: the search through stages, and what it must respect."""

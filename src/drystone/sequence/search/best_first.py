@@ -1,0 +1,298 @@
+"""Best-first search over stages, backwards from the complete structure.
+
+A state is a stage and the props that were spent on it. Its cost is lexicographic: props, then
+simultaneous placements. States wait unchecked; the cheapest and, among those, the one with the
+fewest blocks left is checked next, so that without trouble the search walks straight down.
+
+Where a stage falls, every cure moves or holds one of the blocks that fall: a mechanism that leaves
+a block at rest is still one when that block is held or gone. So the ways on are, for each falling
+block, to take it away as well (it is placed together with the others), or to prop it.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from drystone.progress import Progress
+from drystone.results import Verdict
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.rules import Bound
+from drystone.sequence.search.hands import can_hold
+from drystone.sequence.search.needs import LocalBalance
+from drystone.sequence.search.states import Cost, Found, Node, SearchOptions
+from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.judges import HASTY, glances
+from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+
+LOOK = 0.1
+"""What looking at a state costs that is settled without a check, in checks. Chosen: they are some
+ten times cheaper, but many."""
+
+
+class Search:
+    """One search; see the module.
+
+    Parameters
+    ----------
+    evaluator
+    bound
+    removal
+    options
+    bounded
+        Guide the search by a lower bound of the cost that is left.
+    """
+
+    def __init__(
+        self,
+        evaluator: Evaluator,
+        bound: Bound,
+        removal: RemovalTest,
+        options: SearchOptions,
+        *,
+        bounded: bool = False,
+        progress: Progress | None = None,
+    ) -> None:
+        self.evaluator = evaluator
+        self.model = evaluator.model
+        self.bound = bound
+        self.removal = removal
+        self.options = options
+        self.local = LocalBalance(self.model)
+        self.pairs = self.local.helpless_pairs() if bounded else ()
+        self.progress = progress
+        # a proof that no order is better is not built on glances
+        count = 0 if math.isinf(options.patience) else len(glances(self.model.judge))
+        self.looks = tuple(range(1, count + 1)) or (0,)
+        self.near = len(self.model.assembly.free) < HASTY.stop
+        self.small = len(self.model.assembly.free) < HASTY.start
+        self.heap: list[tuple[Cost, int, int, int, Node]] = []
+        self.pushed = 0
+        self.rounds = 0
+
+    def run(self, root: Node) -> Found:
+        """Search from a stage that stands down to the core."""
+        closed: dict[tuple[int, int, frozenset[int]], Cost] = {}
+        proved = self.options.width >= len(self.model.assembly)
+        best = root
+        waited = 0.0
+        self.push([root])
+        while self.heap:
+            node = heapq.heappop(self.heap)[-1]
+            before = self.evaluator.asked
+            answer = self.look_well(node) if self.small else self.look(node)
+            waited += max(LOOK, self.evaluator.asked - before)
+            stands = answer.stands and self.can_hold(node)
+            key = (node.placed, node.props, frozenset(() if stands else node.group))
+            if key in closed and closed[key] <= node.cost:
+                continue
+            closed[key] = node.cost
+            if stands:
+                if node.placed & ~self.bound.core == 0:
+                    return Found(node.path(), proved)
+                if node.placed.bit_count() < best.placed.bit_count():
+                    best, waited = node, 0.0
+                    self.report(node)
+                self.push(self.removals(node))
+            else:
+                self.push(self.cures(node, answer))
+            if waited > self.options.patience or not self.heap:
+                proved = False
+                best = self.force(best)
+                waited = 0.0
+                self.report(best)
+                if best.placed & ~self.bound.core == 0:
+                    return Found(best.path(), proved)
+                self.heap.clear()
+                self.push(self.removals(best))
+        return Found(best.path(), False)
+
+    def report(self, node: Node) -> None:
+        """Tell how far down the best stage is."""
+        if self.progress is not None:
+            total = (self.model.everything & ~self.bound.core).bit_count()
+            left = (node.placed & ~self.bound.core).bit_count()
+            self.progress("planning", total - left, total)
+
+    def look(self, node: Node, glance: int | None = None) -> Answer:
+        """The answer of a node; with workers, those that are likely next are asked for too.
+
+        Neighbours of what just left that cannot be balanced settle it without a check.
+        """
+        near = 0
+        for block in node.group:
+            near |= self.model.neighbours[block]
+        loose = self.local.unbalanced(near & node.placed & ~node.props, node.placed)
+        if loose:
+            return Answer(Verdict.UNSTABLE, "cannot be balanced", loose)
+        first = self.looks[0]
+        stage = self.stage(node, first if glance is None else glance)
+        likely = heapq.nsmallest(self.evaluator.batch - 1, self.heap)
+        ahead = [self.stage(entry[-1], first) for entry in likely]
+        return self.evaluator.answers([stage], ahead=ahead)[0]
+
+    def stage(self, node: Node, glance: int) -> Stage:
+        """What to ask, with the stage that the blocks of a node left to start from.
+
+        A second look at a large model starts from nothing: it takes longer, and stands more often.
+        """
+        if not glance or node.parent is None or (glance > 1 and not self.near):
+            return Stage(node.placed, node.props, glance)
+        return Stage(node.placed, node.props, glance, (node.parent.placed, node.parent.props))
+
+    def look_well(self, node: Node) -> Answer:
+        """The answer of a node by every glance until it stands; the most telling one."""
+        answers = []
+        for glance in self.looks:
+            answers.append(self.look(node, glance))
+            if answers[-1].stands:
+                return answers[-1]
+        return next((one for one in answers if one.falling), answers[-1])
+
+    def widened(self, blocks: int) -> int:
+        """Some blocks and all that touch them."""
+        for block in members(blocks):
+            blocks |= self.model.neighbours[block]
+        return blocks
+
+    def push(self, nodes: list[Node]) -> None:
+        """Let nodes wait; earlier ones of a later call are looked at first."""
+        self.rounds += 1
+        for node in nodes:
+            self.pushed += 1
+            count = node.placed.bit_count()
+            entry = (self.estimate(node), count, -self.rounds, self.pushed, node)
+            heapq.heappush(self.heap, entry)
+
+    def estimate(self, node: Node) -> Cost:
+        """A lower bound of the cost of any way through a node."""
+        left = sum(1 for pair in self.pairs if pair & node.placed == pair and not pair & node.props)
+        props, together = node.cost
+        if self.bound.hands == 1:
+            return props + left, together
+        return props, together + left
+
+    def candidates(self, placed: int) -> Iterator[int]:
+        """Blocks that may and can leave, in the order of removal; of the highest level only."""
+        rank, level = self.bound.rank, self.bound.level
+        highest = None
+        for block in sorted(members(placed & ~self.bound.core), key=lambda b: int(rank[b])):
+            if highest is not None and level[block] < highest:
+                return
+            if self.bound.allows(block, placed) and self.removal.free(block, placed):
+                highest = level[block]
+                yield block
+
+    def removals(self, node: Node) -> list[Node]:
+        """Stages with one block less, none of them with blocks in the air if that can be helped."""
+        out: list[Node] = []
+        hanging: list[Node] = []
+        for block in self.candidates(node.placed):
+            bit = 1 << block
+            one = Node(node.placed & ~bit, node.props & ~bit, (block,), node.cost, node)
+            air = self.model.floating(one.placed) & ~self.model.floating(node.placed)
+            (hanging if air else out).append(one)
+            if len(out) >= self.options.width:
+                break
+        return out or hanging
+
+    def cures(self, node: Node, answer: Answer) -> list[Node]:
+        """A falling block leaves too, or is propped."""
+        falling = self.falling(node, answer)
+        props, together = node.cost
+        out = [
+            replace(
+                node,
+                placed=node.placed & ~(1 << q),
+                group=(*node.group, q),
+                cost=(props, together + 1),
+            )
+            for q in falling
+            if self.can_join(node, q)
+        ]
+        out += [
+            replace(node, props=node.props | 1 << p, cost=(props + 1, together)) for p in falling
+        ]
+        return out
+
+    def falling(self, node: Node, answer: Answer) -> list[int]:
+        """Blocks among which a cure is, first to leave first; those around the gap if unknown."""
+        mask = mask_of(answer.falling) & node.placed & ~node.props
+        if not mask:
+            near = 0
+            for block in node.group:
+                near |= self.model.neighbours[block]
+            mask = near & node.placed & ~node.props or node.placed & ~node.props
+        return sorted(members(mask), key=lambda b: int(self.bound.rank[b]))
+
+    def can_join(self, node: Node, block: int) -> bool:
+        """Whether there are hands enough, and a way out, for one more block of a group."""
+        if not node.group or block in members(self.bound.core):
+            return False
+        if int(self.bound.lifters[[*node.group, block]].sum()) > self.bound.hands:
+            return False
+        if not self.bound.allows(block, node.placed) or not self.removal.free(block, node.placed):
+            return False
+        return not self.model.floating(node.placed & ~(1 << block))
+
+    def can_hold(self, node: Node) -> bool:
+        """Whether a group can be placed block by block, hands holding those that are in."""
+        return can_hold(self.evaluator, self.bound, node, self.looks[0])
+
+    def force(self, node: Node) -> Node:
+        """One step further down from a stage that stands, with held blocks, else with props."""
+        tries = self.removals(node)[: self.options.tries]
+        answers: list[Answer] = []
+        for look in self.looks:
+            answers = [self.look(one, look) for one in tries]
+            for one, answer in zip(tries, answers, strict=True):
+                if answer.stands:
+                    return one
+        for one, answer in zip(tries, answers, strict=True):
+            grown = self.grow(one, answer)
+            if grown is not None:
+                return grown
+        few = min(range(len(tries)), key=lambda i: len(answers[i].falling) or len(tries))
+        return self.prop(tries[few], answers[few])
+
+    def grow(self, node: Node, answer: Answer) -> Node | None:
+        """The group with all that falls, if hands can do that."""
+        while not answer.stands:
+            joining = [q for q in self.falling(node, answer) if self.can_join(node, q)]
+            if not joining:
+                return None
+            props, together = node.cost
+            node = replace(
+                node,
+                placed=node.placed & ~(1 << joining[0]),
+                group=(*node.group, joining[0]),
+                cost=(props, together + 1),
+            )
+            answer = self.look_well(node)
+        return node if self.can_hold(node) else None
+
+    def prop(self, node: Node, answer: Answer) -> Node:
+        """Props until it stands: under what falls beside the gap, then farther and farther away."""
+        given = node.props
+        reach = mask_of(node.group)
+        while not answer.stands and node.props != node.placed:
+            falling = mask_of(self.falling(node, answer))
+            wider = self.widened(reach)
+            while not falling & wider and wider != reach:
+                reach, wider = wider, self.widened(wider)
+            reach = wider
+            node = replace(node, props=node.props | (falling & reach or falling))
+            answer = self.look_well(node)
+        added = node.props & ~given
+        if added.bit_count() <= 2 * self.options.tries:
+            for block in members(added):
+                fewer = replace(node, props=node.props & ~(1 << block))
+                if self.look_well(fewer).stands:
+                    node = fewer
+        props, together = node.cost
+        return replace(node, cost=(props + (node.props & ~given).bit_count(), together))
+
+
+__all__ = ["Search"]

@@ -1,0 +1,84 @@
+"""The best order of all, for small models: Dijkstra over every stage, prop and last block."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from drystone.errors import InputError
+from drystone.sequence.rules import Bound
+from drystone.sequence.search.best_first import Search
+from drystone.sequence.search.states import Found, Node
+
+LARGEST = 14
+"""Free blocks: beyond, the number of stages, doubled with every block, takes hours."""
+
+Key: TypeAlias = tuple[int, int, int]
+"""Placed, props, block that left last (-1 at first)."""
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    node: Node
+    last: int
+
+
+def search_exactly(search: Search, root: Node) -> Found:
+    """The order with the fewest props, then placements together, then the least drop.
+
+    Parameters
+    ----------
+    search
+        Says what can leave and what cures a fall.
+    root
+        The complete structure, standing.
+
+    Raises
+    ------
+    InputError
+        Too many blocks.
+    """
+    bound: Bound = search.bound
+    count = (root.placed & ~bound.core).bit_count()
+    if count > LARGEST:
+        raise InputError(
+            f"an exact search over {count} blocks",
+            remedy=f"it is for {LARGEST} or fewer; leave it out",
+        )
+    heap: list[tuple[tuple[int, int, float], int, _State]] = [((0, 0, 0.0), 0, _State(root, -1))]
+    done: set[tuple[Key, frozenset[int]]] = set()
+    pushed = 0
+    while heap:
+        (_, _, drop), _, state = heapq.heappop(heap)
+        node = state.node
+        answer = search.look(node)
+        stands = answer.stands and search.can_hold(node)
+        group = frozenset(() if stands else node.group)
+        key = ((node.placed, node.props, state.last), group)
+        if key in done:
+            continue
+        done.add(key)
+        if stands and node.placed & ~bound.core == 0:
+            return Found(node.path(), True)
+        following = search.removals(node) if stands else search.cures(node, answer)
+        for one in following:
+            moved = one.group[-1] if one.placed != node.placed else -1
+            last, total = state.last, drop
+            if moved >= 0:
+                total += _rise(search, state.last, moved)
+                last = moved
+            pushed += 1
+            heapq.heappush(heap, ((*one.cost, total), pushed, _State(one, last)))
+    raise InputError("there is no order of assembly", remedy="allow props")
+
+
+def _rise(search: Search, last: int, block: int) -> float:
+    """Height gained from the block that left before to this one: a drop when put together."""
+    if last < 0:
+        return 0.0
+    height = search.model.height
+    return max(0.0, float(height[block] - height[last]))
+
+
+__all__ = ["LARGEST", "search_exactly"]

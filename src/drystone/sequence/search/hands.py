@@ -1,0 +1,57 @@
+"""Can hands hold a group while it is put in, block by block?"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.loads import STANDARD_GRAVITY
+from drystone.sequence.rules import Bound
+from drystone.sequence.search.states import Node
+from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.stages import Stage, mask_of
+
+
+def can_hold(evaluator: Evaluator, bound: Bound, node: Node, glance: int) -> bool:
+    """Whether the group of a node can be placed, hands holding those of it that are in.
+
+    Parameters
+    ----------
+    evaluator
+    bound
+        Payload, and hands that each block takes.
+    node
+    glance
+        By which the stages in between are asked.
+    """
+    if len(node.group) < 2 or node.parent is None:
+        return True
+    load, mass = evaluator.model.load.wrench, evaluator.model.assembly.mass
+    for stage in held_stages(node, glance):
+        answer = evaluator.answer(stage)
+        if not answer.stands:
+            return False
+        for block in node.group:
+            if block not in answer.reaction:
+                continue
+            weight = float(np.linalg.norm(load[block, :3])) / float(mass[block])
+            limit = float(bound.limit[block])
+            force = float(np.linalg.norm(answer.reaction[block][:3]))
+            # where no load tells its weight: standard gravity
+            if force > (1.0 + 1e-6) * limit * (weight or STANDARD_GRAVITY):
+                return False
+    return True
+
+
+def held_stages(node: Node, glance: int) -> list[Stage]:
+    """Stages within a step, backwards: after each block but the last has left."""
+    placed = node.placed | mask_of(node.group)
+    near = (node.placed, node.props)
+    out = []
+    for number, block in enumerate(node.group[:-1]):
+        placed &= ~(1 << block)
+        held = node.props | mask_of(node.group[number + 1 :])
+        out.append(Stage(placed, held, glance, near if glance else None))
+    return out
+
+
+__all__ = ["can_hold", "held_stages"]

@@ -1,0 +1,1 @@
+"""Stages of an assembly: what is in place, and whether that stands."""

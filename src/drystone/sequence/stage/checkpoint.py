@@ -1,0 +1,106 @@
+"""Answers about stages on disk: what an interrupted plan goes on from."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone.errors import FormatError
+from drystone.files import write_bytes
+from drystone.results import Verdict
+from drystone.sequence.stage.stages import Answer, Stage
+from drystone.sequence.stage.structure import Structure
+
+FORMAT, VERSION = "drystone-stages", 2
+
+
+def fingerprint(model: Structure) -> str:
+    """What tells one model from another: geometry, contacts, friction, load, and the judge."""
+    digest = hashlib.sha256()
+    contacts, assembly = model.contacts, model.assembly
+    for array in (
+        assembly.fixed, assembly.centroid, assembly.mass, contacts.block_a, contacts.block_b,
+        contacts.frame, contacts.friction, contacts.point, contacts.interface, model.load.wrench,
+    ):  # fmt: skip
+        digest.update(np.ascontiguousarray(array).tobytes())
+    digest.update(_named(model.judge).encode())
+    return digest.hexdigest()
+
+
+def _named(judge: Any) -> str:
+    """A name for a verdict that is the same in the next run."""
+    if isinstance(judge, functools.partial):
+        return f"{_named(judge.func)}{judge.args}{sorted(judge.keywords.items())}"
+    return str(getattr(judge, "__qualname__", type(judge).__qualname__))
+
+
+def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -> None:
+    """Keep answers, without their forces, as JSON; written aside and renamed."""
+    data = {
+        "format": FORMAT,
+        "version": VERSION,
+        "model": fingerprint(model),
+        "parts": [
+            {
+                "placed": f"{part.placed:x}",
+                "held": f"{part.held:x}",
+                "glance": part.glance,
+                "verdict": found.verdict.name,
+                "message": found.message,
+                "falling": list(found.falling),
+                "reaction": {str(b): wrench.tolist() for b, wrench in found.reaction.items()},
+                "used": found.used,
+            }
+            for part, found in known.items()
+        ],
+    }
+    write_bytes(path, json.dumps(data).encode("ascii"))
+
+
+def read_checkpoint(path: Path, model: Structure) -> dict[Stage, Answer]:
+    """The answers that a checkpoint holds.
+
+    Raises
+    ------
+    FormatError
+        It cannot be read, or belongs to another model.
+    """
+    try:
+        data = json.loads(path.read_bytes())
+        if data["format"] != FORMAT or data["version"] != VERSION:
+            raise FormatError("is no checkpoint of this version", where=str(path))
+        if data["model"] != fingerprint(model):
+            raise FormatError(
+                "the checkpoint belongs to another model",
+                where=str(path),
+                remedy="name another file, or remove this one",
+            )
+        return {_stage(record): _answer(record) for record in data["parts"]}
+    except FormatError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise FormatError(
+            "the checkpoint cannot be read", where=str(path), remedy="remove it to start anew"
+        ) from error
+
+
+def _stage(record: Any) -> Stage:
+    return Stage(int(record["placed"], 16), int(record["held"], 16), int(record["glance"]))
+
+
+def _answer(record: Any) -> Answer:
+    return Answer(
+        Verdict[record["verdict"]],
+        str(record["message"]),
+        tuple(int(b) for b in record["falling"]),
+        {int(b): np.array(wrench, dtype=np.float64) for b, wrench in record["reaction"].items()},
+        float(record["used"]),
+    )
+
+
+__all__ = ["fingerprint", "read_checkpoint", "write_checkpoint"]

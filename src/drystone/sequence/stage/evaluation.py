@@ -1,0 +1,253 @@
+"""Many stages at once: remembered by part, on any executor, resumed from a checkpoint."""
+
+from __future__ import annotations
+
+import functools
+import logging
+import pickle
+import time
+from collections.abc import Iterable, Sequence
+from concurrent.futures import BrokenExecutor, Executor, Future
+from types import TracebackType
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.display import OneLine
+from drystone.files import PathLike, as_path
+from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
+from drystone.sequence.stage.judges import glances
+from drystone.sequence.stage.stages import Answer, Stage, members
+from drystone.sequence.stage.structure import Structure
+from drystone.sequence.stage.workers import ExecutorFactory
+
+SAVE_EVERY_S = 10.0
+"""Between two writes of the checkpoint. Chosen: what a user does not mind losing."""
+REVIVALS = 5
+"""Times that workers are started anew before the work is done here. Chosen: a worker that dies
+more often than this dies of the work."""
+
+_log = logging.getLogger(__name__)
+
+
+class Evaluator(OneLine):
+    """Answers about stages of one model.
+
+    Parameters
+    ----------
+    model
+    executor
+        An executor, or a function that starts one; without it, the work is done here. One that was
+        started by the function is shut down at the end, a given one is left alone.
+    checkpoint
+        File that keeps every answer; when it exists and belongs to this model, work goes on from
+        there.
+
+    Attributes
+    ----------
+    solved
+        Parts that were checked, as against remembered ones.
+    asked
+        Parts that had to be known for the first time: those that were checked, without what workers
+        looked at ahead in vain, and those from the checkpoint. It depends on neither.
+    solve_s
+        Time spent on them, from here.
+
+    Raises
+    ------
+    FormatError
+        The checkpoint belongs to another model, or cannot be read.
+    """
+
+    def __init__(
+        self,
+        model: Structure,
+        *,
+        executor: Executor | ExecutorFactory | None = None,
+        checkpoint: PathLike | None = None,
+    ) -> None:
+        self.model = model
+        self.solved = 0
+        self.asked = 0
+        self.solve_s = 0.0
+        self._known: dict[Stage, Answer] = {}
+        self._ahead: dict[Stage, Answer] = {}
+        self._kept: dict[Stage, Answer] = {}
+        self._factory = None if isinstance(executor, Executor) else executor
+        self._executor = executor if isinstance(executor, Executor) else None
+        self._revivals = 0
+        self._glances = len(glances(model.judge))
+        self._file = None if checkpoint is None else as_path(checkpoint)
+        self._saved = time.monotonic()
+        if self._file is not None and self._file.exists():
+            self._kept = read_checkpoint(self._file, model)
+
+    def _summary(self) -> str:
+        return f"{self.model!r}, {self.solved} parts checked"
+
+    @functools.cached_property
+    def _payload(self) -> bytes:
+        return pickle.dumps(self.model)
+
+    @property
+    def batch(self) -> int:
+        """How many stages are worth asking for at once."""
+        if self._executor is None and self._factory is None:
+            return 1
+        return int(getattr(self._start(), "_max_workers", None) or 2)
+
+    def __enter__(self) -> Evaluator:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.save()
+        if self._factory is not None and self._executor is not None:
+            self._executor.shutdown(wait=kind is None, cancel_futures=True)
+            self._executor = None
+
+    def answer(self, stage: Stage, *, forces: bool = False) -> Answer:
+        """Whether a stage stands; with ``forces``, checked again if they were not kept."""
+        return self.answers([stage], forces=forces)[0]
+
+    def answers(
+        self, stages: Sequence[Stage], *, ahead: Sequence[Stage] = (), forces: bool = False
+    ) -> list[Answer]:
+        """Whether each of some stages stands.
+
+        Parameters
+        ----------
+        stages
+        ahead
+            Stages that are likely to be asked for next. What is found of them is kept aside until
+            then, so that no answer depends on how far workers looked ahead.
+        forces
+            Check again what was kept without its forces.
+        """
+        parts = [self.model.parts(stage) for stage in stages]
+        missing = []
+        for part in dict.fromkeys(part for some in parts for part in some):
+            if not self._has(part, forces):
+                self.asked += 1
+                key = part._replace(near=None)
+                if part in self._ahead:
+                    self._known[key] = self._ahead.pop(part)
+                elif key in self._kept and not (forces and self._kept[key].stands):
+                    self._known[key] = self._kept[key]
+                else:
+                    missing.append(part)
+        if missing:
+            began = time.perf_counter()
+            further = dict.fromkeys(part for stage in ahead for part in self.model.parts(stage))
+            for part in missing:
+                further.pop(part, None)
+            new = [
+                p
+                for p in further
+                if p not in self._ahead
+                and p._replace(near=None) not in self._kept
+                and self._find(p) is None
+            ]
+            for number, (part, found) in enumerate(self._solve([*missing, *new])):
+                if number < len(missing):
+                    self._known[part._replace(near=None)] = found
+                else:
+                    self._ahead[part] = found
+                self.solved += 1
+                if time.monotonic() - self._saved > SAVE_EVERY_S:
+                    self.save()
+            self.solve_s += time.perf_counter() - began
+        return [
+            self.model.combine(
+                stage, [one for part in some if (one := self._find(part)) is not None]
+            )
+            for stage, some in zip(stages, parts, strict=True)
+        ]
+
+    def save(self) -> None:
+        """Write the checkpoint, if there is one."""
+        self._saved = time.monotonic()
+        if self._file is not None:
+            write_checkpoint(self._file, self.model, self._kept | self._known)
+
+    def _find(self, part: Stage) -> Answer | None:
+        """What is known of a part: the judge's word, else that it stands however it was asked."""
+        part = part._replace(near=None)
+        judged = self._known.get(part._replace(glance=0))
+        if judged is not None:
+            return judged
+        seen = (self._known.get(part._replace(glance=1 + i)) for i in range(self._glances))
+        return next((one for one in seen if one is not None and one.stands), self._known.get(part))
+
+    def _state_near(self, part: Stage) -> Floats | None:
+        """Displacements (n, 6) of the stage that a part is near to, where they are known."""
+        if part.near is None:
+            return None
+        out = np.zeros((len(self.model.assembly), 6))
+        for other in self.model.parts(Stage(*part.near)):
+            moving = other.placed & ~other.held
+            found = self._find(other) if moving & part.placed else None
+            if found is not None and found.stands:
+                if not len(found.motion):  # it came from a checkpoint
+                    found = self._known[other] = self.model.solve(other)
+                if len(found.motion):
+                    out[list(members(moving))] = found.motion
+        return out if out.any() else None
+
+    def _has(self, part: Stage, forces: bool) -> bool:
+        known = self._find(part)
+        return known is not None and not (forces and known.stands and not len(known.corner))
+
+    def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, Answer]]:
+        left = list(parts)
+        while left and len(parts) > 1 and (self._executor or self._factory):
+            try:
+                futures = [self._submit(part) for part in left]
+                for future in futures:
+                    yield left[0], future.result()
+                    del left[0]
+            except (BrokenExecutor, ConnectionError) as error:
+                self._revive(error)
+        for part in left:
+            yield part, self.model.solve(part, self._state_near(part))
+
+    def _start(self) -> Executor | None:
+        if self._executor is None and self._factory is not None:
+            self._executor = self._factory()
+        return self._executor
+
+    def _submit(self, part: Stage) -> Future[Answer]:
+        executor = self._start()
+        if executor is None:
+            raise BrokenExecutor("no workers are left")
+        return executor.submit(solve_remote, self._payload, part, self._state_near(part))
+
+    def _revive(self, error: BaseException) -> None:
+        """After a worker died: new ones where we can start them, else we go on alone."""
+        self._revivals += 1
+        _log.warning("a worker died (%s); its stages are checked again", error)
+        if self._factory is not None and self._executor is not None:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+        self._executor = None
+        if self._revivals > REVIVALS:
+            self._factory = None
+
+
+def solve_remote(payload: bytes, part: Stage, start: Floats | None = None) -> Answer:
+    """The verdict on one part in a worker, which unpacks the model once."""
+    return _unpacked(payload).solve(Stage(*part), start)
+
+
+@functools.lru_cache(maxsize=2)
+def _unpacked(payload: bytes) -> Structure:
+    model = pickle.loads(payload)
+    if not isinstance(model, Structure):
+        raise TypeError(f"a worker was sent a {type(model).__name__}")
+    return model
+
+
+__all__ = ["Evaluator", "solve_remote"]

@@ -1,0 +1,238 @@
+"""The structure that is built, and the verdict on its stages.
+
+Blocks that no chain of free blocks joins do not feel each other. A stage is therefore taken apart
+into its connected parts, and each part is checked, and remembered, by itself: after one block is
+taken away only the part that it belonged to has to be checked again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints
+from drystone.assembly import Assembly
+from drystone.checks import unbalanced_wrench
+from drystone.contacts import Contacts
+from drystone.display import OneLine
+from drystone.errors import InputError
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.results import Verdict
+from drystone.sequence.stage.judges import HASTY, Check, check_once, glance, glances
+from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+
+LOADED = 1e-6
+"""Corners that carry less than this share of the largest force of their part say nothing about the
+friction that is needed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Structure(OneLine):
+    """What is built: the complete model, and who judges its stages.
+
+    Attributes
+    ----------
+    model
+    judge
+    """
+
+    model: Model
+    judge: Check = check_once
+
+    def __post_init__(self) -> None:
+        load = self.model.load
+        if load.motion is not None:
+            raise InputError(
+                f"the load case '{load.name}' moves supports",
+                remedy="take a case without settlement",
+            )
+        if not self.assembly.fixed.any():
+            raise InputError("no block is fixed", remedy="fix the supports")
+
+    @property
+    def assembly(self) -> Assembly:
+        """The blocks of the model."""
+        return self.model.assembly
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts of the model."""
+        return self.model.contacts
+
+    @property
+    def load(self) -> LoadCase:
+        """The load of the model."""
+        return self.model.load
+
+    @cached_property
+    def everything(self) -> int:
+        """All free blocks."""
+        return mask_of(self.assembly.free.tolist())
+
+    @cached_property
+    def neighbours(self) -> tuple[int, ...]:
+        """Per block the set of free blocks that touch it."""
+        out = [0] * len(self.assembly)
+        fixed = self.assembly.fixed
+        pairs = zip(self.contacts.block_a.tolist(), self.contacts.block_b.tolist(), strict=True)
+        for a, b in pairs:
+            if not fixed[b]:
+                out[a] |= 1 << b
+            if not fixed[a]:
+                out[b] |= 1 << a
+        return tuple(out)
+
+    @cached_property
+    def grounds(self) -> tuple[tuple[int, ...], ...]:
+        """Per block the supports that it touches."""
+        out: list[set[int]] = [set() for _ in range(len(self.assembly))]
+        fixed = self.assembly.fixed
+        pairs = zip(self.contacts.block_a.tolist(), self.contacts.block_b.tolist(), strict=True)
+        for a, b in pairs:
+            if fixed[b]:
+                out[a].add(b)
+            if fixed[a]:
+                out[b].add(a)
+        return tuple(tuple(sorted(one)) for one in out)
+
+    @cached_property
+    def up(self) -> Floats:
+        """(3,) unit, against the total load; z where there is none."""
+        total = self.load.wrench[self.assembly.free, :3].sum(axis=0)
+        size = float(np.linalg.norm(total))
+        return -total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
+
+    @cached_property
+    def height(self) -> Floats:
+        """(n,) [m], of the centroids against the load."""
+        out: Floats = self.assembly.centroid @ self.up
+        return out
+
+    def parts(self, stage: Stage) -> list[Stage]:
+        """The connected parts of a stage, each with the held blocks that it touches."""
+        moving = stage.placed & ~stage.held
+        out = []
+        while moving:
+            reached = frontier = moving & -moving
+            touched = 0
+            while frontier:
+                near = 0
+                for block in members(frontier):
+                    near |= self.neighbours[block]
+                touched |= near
+                frontier = near & moving & ~reached
+                reached |= frontier
+            held = touched & stage.held
+            out.append(Stage(reached | held, held, stage.glance, stage.near))
+            moving &= ~reached
+        return out
+
+    def floating(self, placed: int) -> int:
+        """Blocks in place that no chain of blocks in place joins to a support."""
+        reached = frontier = placed & self.grounded
+        while frontier:
+            near = 0
+            for block in members(frontier):
+                near |= self.neighbours[block]
+            frontier = near & placed & ~reached
+            reached |= frontier
+        return placed & ~reached
+
+    @cached_property
+    def grounded(self) -> int:
+        """Free blocks that touch a support."""
+        return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
+
+    def solve(self, part: Stage, start: Floats | None = None) -> Answer:
+        """The verdict on one connected part: the only place where the check is called.
+
+        Parameters
+        ----------
+        part
+        start : (n, 6) [m, rad]
+            Displacements of all blocks to start from.
+        """
+        moving = list(members(part.placed & ~part.held))
+        held = list(members(part.held))
+        ground = sorted({g for block in moving for g in self.grounds[block]})
+        if not held and not ground:
+            return Answer(Verdict.UNSTABLE, "touches no support", tuple(moving))
+        blocks = np.array(sorted([*moving, *held, *ground]), dtype=np.intp)
+        resting = self.assembly.fixed[blocks] | np.isin(blocks, held)
+        some = Assembly(tuple(self.assembly.blocks[b] for b in blocks.tolist()), resting)
+        contacts, corner = self._contacts_of(blocks, resting)
+        load = LoadCase(self.load.wrench[blocks], self.load.name)
+        stage = Model(some, contacts, load)
+        if part.glance:
+            slip = glances(self.judge)[part.glance - 1]
+            near = None if start is None else start[blocks]
+            result = glance(stage, slip=slip, hasty=len(self.assembly.free) in HASTY, start=near)
+        else:
+            result = self.judge(stage)
+        falling = tuple(int(blocks[i]) for i in result.falling)
+        if result.verdict is not Verdict.STABLE or result.force is None:
+            return Answer(result.verdict, result.message, falling)
+        reaction = {}
+        if held:
+            unloaded = stage.with_load(LoadCase(np.zeros_like(load.wrench)))
+            pressing, _ = unbalanced_wrench(unloaded, result.force)
+            pressing[:, 3:] *= some.size[:, None]
+            place = np.searchsorted(blocks, held)
+            reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
+        used = _friction_used(contacts, result.force)
+        force = np.array(result.force)
+        shift = result.displacement
+        motion = np.zeros((0, 6)) if shift is None else shift[~some.fixed]
+        return Answer(result.verdict, result.message, (), reaction, used, corner, force, motion)
+
+    def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Ints]:
+        """Contacts among some blocks, of which one can move, and their corners in the model."""
+        n = len(self.assembly)
+        new = np.full(n, -1, dtype=np.intp)
+        new[blocks] = np.arange(len(blocks))
+        still = np.ones(n, dtype=bool)
+        still[blocks] = resting
+        a, b = self.contacts.block_a, self.contacts.block_b
+        chosen = (new[a] >= 0) & (new[b] >= 0) & ~(still[a] & still[b])
+        corner = np.flatnonzero(chosen[self.contacts.interface])
+        return self.contacts.select(chosen, new), corner
+
+    def combine(self, stage: Stage, parts: Iterable[Answer]) -> Answer:
+        """The answer of a stage from those of its parts."""
+        found = list(parts)
+        reaction = {b: -self.load.wrench[b] for b in members(stage.held)}
+        for one in found:
+            for block, wrench in one.reaction.items():
+                reaction[block] = reaction[block] + wrench
+        bad = [one for one in found if not one.stands]
+        falling = tuple(sorted({b for one in bad for b in one.falling}))
+        if bad:
+            undecided = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), None)
+            worst = bad[0] if undecided is None else undecided
+            return Answer(worst.verdict, worst.message, falling, reaction)
+        return Answer(
+            Verdict.STABLE,
+            "",
+            (),
+            reaction,
+            max((one.used for one in found), default=0.0),
+            np.concatenate([np.zeros(0, dtype=np.intp), *(one.corner for one in found)]),
+            np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
+        )
+
+
+def _friction_used(contacts: Contacts, force: Floats) -> float:
+    """Largest share of the friction coefficient used by a loaded corner."""
+    normal = force[:, 0]
+    loaded = normal > LOADED * float(normal.max(initial=0.0))
+    friction = contacts.friction[contacts.interface]
+    sliding = np.linalg.norm(force[:, 1:], axis=1)
+    counted = loaded & (friction > 0.0)
+    return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
+
+
+__all__ = ["Structure"]

@@ -1,0 +1,173 @@
+"""Two robots that take turns: one holds the last block while the other places the next.
+
+Nothing else holds the structure up. A block is let go when the next one is in place and held, so
+every stage has one held block, the last. Source: Kao 2023, section 6.4.2; Parascho et al. 2020
+("Robotic vault", sequential assembly of an arch by two robots).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Unpack
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.display import OneLine
+from drystone.errors import InputError
+from drystone.io.opening import Given, How, as_model
+from drystone.progress import Progress
+from drystone.results import Verdict
+from drystone.sequence.robots import Robot, check_robots
+from drystone.sequence.stage.judges import Check, check_once
+from drystone.sequence.stage.stages import Stage, mask_of
+from drystone.sequence.stage.structure import Structure
+
+GRAVITY = 9.81
+"""[m/s2], by which a payload is a force."""
+
+
+@dataclass(frozen=True, eq=False)
+class Turn(OneLine):
+    """One block placed and held.
+
+    Attributes
+    ----------
+    block, name
+    robot
+        Who places it, and holds it until the next one is in place.
+    verdict
+        Of the stage with this block held and all before it let go.
+    falling
+        Names of the blocks that fall in it.
+    force : (3,) [N]
+    moment : (3,) [N m]
+        What the robot supplies, about the centroid of the block.
+    reached, carried
+        Whether the robot reaches the block, and whether it can bear the block and that force.
+    """
+
+    block: int
+    name: str
+    robot: str
+    verdict: Verdict
+    falling: tuple[str, ...]
+    force: Floats
+    moment: Floats
+    reached: bool
+    carried: bool
+
+    @property
+    def works(self) -> bool:
+        """Whether the stage stands and the robot can do its part."""
+        return self.verdict is Verdict.STABLE and self.reached and self.carried
+
+
+@dataclass(frozen=True, eq=False)
+class Turns(OneLine):
+    """An assembly by robots that take turns.
+
+    Attributes
+    ----------
+    turns
+        One per block, in the order of assembly, up to the first that does not work.
+    complete
+        Verdict of the complete structure, with nothing held; None where it was not reached.
+    """
+
+    turns: tuple[Turn, ...]
+    complete: Verdict | None
+
+    @property
+    def works(self) -> bool:
+        """Whether every stage does, and the complete structure stands by itself."""
+        return self.complete is Verdict.STABLE and all(turn.works for turn in self.turns)
+
+    @property
+    def largest(self) -> float:
+        """[N], the largest force that a robot supplies."""
+        return max((float(np.linalg.norm(turn.force)) for turn in self.turns), default=0.0)
+
+
+def take_turns(
+    given: Given,
+    order: Sequence[int | str] | None = None,
+    robots: Sequence[Robot] = (Robot("left"), Robot("right")),
+    *,
+    check: Check = check_once,
+    progress: Progress | None = None,
+    **how: Unpack[How],
+) -> Turns:
+    """Whether two or more robots can build a structure by holding the last block in turn.
+
+    Parameters
+    ----------
+    given
+        A model of the complete structure; or an assembly or a file, of which ``how`` makes one.
+    order
+        Free blocks in the order of assembly; as they are numbered when left out.
+    robots
+        Two or more. The first places the first block, the second the next one, and so on.
+    check
+        The verdict on a stage.
+    progress
+
+    Raises
+    ------
+    InputError
+        Fewer than two robots, or an order that names a support, a block twice, or not all.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> found = take_turns(arch(0.3, 7), friction=0.7)
+    >>> found.works, [turn.robot for turn in found.turns][:3]
+    (True, ['left', 'right', 'left'])
+    """
+    team = check_robots(robots)
+    if len(team) < 2:
+        raise InputError(f"{len(team)} robots cannot take turns", remedy="give two or more")
+    structure = Structure(as_model(given, **how), check)
+    assembly = structure.assembly
+    blocks = assembly.free.tolist() if order is None else assembly.indices(order).tolist()
+    if sorted(blocks) != assembly.free.tolist():
+        raise InputError(
+            "the order is not one of all free blocks",
+            where="order",
+            remedy="name every block that is not a support once",
+        )
+    turns = []
+    for number, block in enumerate(blocks):
+        robot = team[number % len(team)]
+        placed = mask_of(blocks[: number + 1])
+        parts = structure.parts(Stage(placed, mask_of([block])))
+        answer = structure.combine(
+            Stage(placed, mask_of([block])), [structure.solve(part) for part in parts]
+        )
+        wrench = answer.reaction.get(block, -structure.load.wrench[block])
+        body = assembly.blocks[block]
+        force = float(np.linalg.norm(wrench[:3]))
+        turns.append(
+            Turn(
+                block,
+                body.name,
+                robot.name,
+                answer.verdict,
+                tuple(assembly.names[b] for b in answer.falling),
+                wrench[:3],
+                wrench[3:],
+                bool(robot.distance(body.centroid) <= robot.reach),
+                body.mass <= robot.payload and force <= (1.0 + 1e-6) * robot.payload * GRAVITY,
+            )
+        )
+        if progress is not None:
+            progress("turns", number + 1, len(blocks))
+        if not turns[-1].works:
+            return Turns(tuple(turns), None)
+    whole = Stage(structure.everything)
+    answer = structure.combine(whole, [structure.solve(p) for p in structure.parts(whole)])
+    return Turns(tuple(turns), answer.verdict)
+
+
+__all__ = ["Turn", "Turns", "take_turns"]

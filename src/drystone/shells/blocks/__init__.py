@@ -1,0 +1,1 @@
+"""From cells on a surface to blocks with planar joints."""

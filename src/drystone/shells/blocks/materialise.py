@@ -1,0 +1,266 @@
+"""From cells on a surface to blocks: pins through the thickness, planar joints, polyhedra."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+import shapely
+
+from drystone.arrays import Floats, Ints
+from drystone.assembly import DEFAULT_DENSITY, Block
+from drystone.display import OneLine
+from drystone.errors import InputError
+from drystone.geometry.body.fans import warp_and_view
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.plane import polygon
+from drystone.geometry.plane.triangulate import triangulate
+from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
+
+LEAST_COSINE = 0.5
+"""Of the angle between a vertex's normal and the flat cells around it, chosen: beyond 60 degrees a
+block's faces say nothing of the surface any more."""
+
+PLANAR = 1e-9
+"""Distance of a corner from the plane of its face, by the square root of its area, that counts as
+none: far above rounding, far below what files in text keep."""
+
+Polygon: TypeAlias = tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Pins(OneLine):
+    """Lines of points through the thickness, one line per vertex of the tessellation.
+
+    Attributes
+    ----------
+    point : (p, 3) [m]
+        From the intrados to the extrados, vertex after vertex: two, or four where the bed joint has
+        a register.
+    start : (v + 1,) vertex i has the points start[i] to start[i + 1]
+    """
+
+    point: Floats
+    start: Ints
+
+    def of(self, vertex: int) -> range:
+        """Points of one vertex, intrados first."""
+        return range(int(self.start[vertex]), int(self.start[vertex + 1]))
+
+
+def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
+    """Loops as one array and their starts."""
+    loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
+    start = np.concatenate([[0], np.cumsum([len(cell) for cell in cells])]).astype(np.intp)
+    return loop, start
+
+
+def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
+    """(v,) mean over the cells at each vertex of a value per cell (c,)."""
+    loop, start = flat_loops(mesh.cells)
+    return _corner_means(loop, np.repeat(per_cell, np.diff(start)), len(mesh.point))
+
+
+def _corner_means(loop: Ints, value: Floats, count: int) -> Floats:
+    """(count,) mean at each vertex of a value per corner (l,) of the loops."""
+    corners = np.maximum(np.bincount(loop, minlength=count), 1)
+    mean: Floats = np.bincount(loop, value, minlength=count) / corners
+    return mean
+
+
+def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
+    """(v,) mean part of each vertex's vector (v, 3) square to the flat cells around it.
+
+    The cells have their vertices at ``point`` (v, 3).
+    """
+    loop, start = flat_loops(mesh.cells)
+    area = polygon.area_vectors(point[loop], start)
+    facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
+    across = np.einsum("li,li->l", vector[loop], np.repeat(facet, np.diff(start), axis=0))
+    return _corner_means(loop, across, len(point))
+
+
+def facet_cosine(mesh: Tessellation) -> Floats:
+    """(v,) mean cosine between each vertex normal and the flat cells around it.
+
+    A block is as thick as asked, measured across its faces, when the pins at its corners are longer
+    by this factor; otherwise coarse shells come out too thin.
+    """
+    return _facet_means(mesh, mesh.point, mesh.normal)
+
+
+def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
+    """Straight pins along the normals, half the thickness (v,) [m] to either side.
+
+    Raises
+    ------
+    InputError
+        The surface turns so far across a block that it has no thickness to speak of.
+    """
+    cosine = facet_cosine(mesh)
+    steep = cosine < LEAST_COSINE
+    if steep.any():
+        raise InputError(
+            "is too large: the surface turns by more than 60 degrees beside it",
+            where=f"block '{mesh.name_at(int(np.argmax(steep)))}'",
+            remedy="give more courses and blocks",
+        )
+    half = 0.5 * thickness / cosine
+    low = mesh.point - half[:, None] * mesh.normal
+    high = mesh.point + half[:, None] * mesh.normal
+    point = np.stack([low, high], axis=1).reshape(-1, 3)
+    return Pins(point, 2 * np.arange(len(low) + 1, dtype=np.intp))
+
+
+def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
+    """Give straight pins on bed lines between two courses a step.
+
+    Both halves of every bed joint are turned by ``register_deg`` [degrees] about the direction of
+    the course, each about its own outer edge, which leaves a step at mid thickness: the block above
+    hooks over the block below and can only be turned in. Positive holds it against sliding inwards.
+    The step lies in the head joint that ends at the pin, so that this one stays planar.
+    """
+    low, high = pins.point[0::2], pins.point[1::2]
+    middle, along = 0.5 * (low + high), high - low
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    up = mesh.up.copy()
+    heads = np.array(sorted(mesh.heads), dtype=np.intp).reshape(-1, 2)
+    rise = middle[heads[:, 1]] - middle[heads[:, 0]]
+    rise *= np.sign(np.einsum("hi,hi->h", rise, mesh.up[heads[:, 0]]))[:, None]
+    up[heads[:, 0]] = rise
+    up[heads[:, 1]] = rise
+    axis = along / length
+    up -= np.einsum("vi,vi->v", up, axis)[:, None] * axis
+    up /= np.linalg.norm(up, axis=1, keepdims=True)
+    step = 0.5 * length * np.tan(np.deg2rad(register_deg)) * up
+    count = np.where(mesh.inner, 4, 2)
+    start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+    point = np.empty((start[-1], 3))
+    point[start[:-1]], point[start[1:] - 1] = low, high
+    first = start[:-1][mesh.inner]
+    point[first + 1], point[first + 2] = (middle + step)[mesh.inner], (middle - step)[mesh.inner]
+    return Pins(point, start)
+
+
+def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
+    """Lengthen pins that were tilted, until the blocks are as thick as asked across their faces.
+
+    A pin grows along its own line, so that planar joints between straight pins stay planar.
+    """
+    first, last = pins.start[:-1], pins.start[1:] - 1
+    low, high = pins.point[first], pins.point[last]
+    middle = 0.5 * (low + high)
+    across = _facet_means(mesh, middle, high - low)
+    factor = np.clip(thickness / np.maximum(across, 1e-300), 0.5, 2.0)
+    pin = np.repeat(np.arange(len(middle)), np.diff(pins.start))
+    grown = middle[pin] + factor[pin, None] * (pins.point - middle[pin])
+    return Pins(grown, pins.start)
+
+
+def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tuple[int, ...]]:
+    """Faces of the cell on the left of an edge, outwards: one, or three where there is a step."""
+    a, b = pins.of(edge[0]), pins.of(edge[1])
+    head = (min(edge), max(edge)) in mesh.heads
+    if len(a) == len(b) and not head:
+        return [(a[i], b[i], b[i + 1], a[i + 1]) for i in range(len(a) - 1)]
+    return [(*b, *reversed(a))]
+
+
+def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
+    """Every side face once, shared or not."""
+    seen: set[frozenset[int]] = set()
+    polygons = []
+    for cell in mesh.cells:
+        for edge in directed(cell):
+            key = frozenset(edge)
+            if key not in seen:
+                seen.add(key)
+                polygons += side_polygons(mesh, pins, edge)
+    return polygons
+
+
+def cell_faces(
+    mesh: Tessellation, pins: Pins, cell: Sequence[int]
+) -> tuple[tuple[int, ...], tuple[int, ...], list[tuple[int, ...]]]:
+    """Intrados, extrados and side faces of one cell, all outwards."""
+    low = tuple(int(pins.start[v]) for v in reversed(cell))
+    high = tuple(int(pins.start[v + 1]) - 1 for v in cell)
+    edges = directed(cell)
+    return low, high, [face for edge in edges for face in side_polygons(mesh, pins, edge)]
+
+
+def make_blocks(
+    mesh: Tessellation,
+    pins: Pins,
+    metadata: Sequence[dict[str, Any]],
+    *,
+    density: float = DEFAULT_DENSITY,
+) -> list[Block]:
+    """One block per cell; neighbours have the corners of their common faces in common.
+
+    Inner and outer faces stay polygons, slightly warped ones included, except those that the mean
+    of their corners does not see whole: a warped face is understood as the fan about that mean,
+    which would fold over, so they become triangles.
+
+    Raises
+    ------
+    InputError
+        A block that is turned inside out, or a face that crosses itself; the block is named.
+    """
+    _refuse_crossed_faces(mesh, pins)
+    blocks = []
+    every = [cell_faces(mesh, pins, cell) for cell in mesh.cells]
+    caps = _solid_caps(pins, [cap for low, high, _ in every for cap in (low, high)])
+    for k, (name, data) in enumerate(zip(mesh.names, metadata, strict=True)):
+        faces = [*caps[2 * k], *caps[2 * k + 1], *every[k][2]]
+        used = sorted({i for face in faces for i in face})
+        local = {old: i for i, old in enumerate(used)}
+        loops = tuple(tuple(local[i] for i in face) for face in faces)
+        block = Block(pins.point[used], loops, name, density, data)
+        if block.repairs:
+            raise InputError(
+                "is turned inside out",
+                where=f"block '{name}'",
+                remedy="use a smaller thickness, wedge or register, or larger blocks",
+            )
+        blocks.append(block)
+    return blocks
+
+
+def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
+    """Every inner and outer face as one polygon, or as triangles where its fan would fold over."""
+    loop, start = flat_loops(caps)
+    height, seen = warp_and_view(pins.point[loop], start)
+    area = np.linalg.norm(polygon.area_vectors(pins.point[loop], start), axis=1)
+    made = [[cap] for cap in caps]
+    for i in np.flatnonzero((height > PLANAR * np.sqrt(area)) & ~seen).tolist():
+        corner = np.array(caps[i], dtype=np.intp)
+        triangle, _ = triangulate(pins.point[corner], np.array([0, len(corner)]))
+        made[i] = [tuple(row) for row in corner[triangle].tolist()]
+    return made
+
+
+def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
+    """Every face of every cell, seen along its own normal, is a simple polygon."""
+    faces, owner = [], []
+    for c, cell in enumerate(mesh.cells):
+        low, high, sides = cell_faces(mesh, pins, cell)
+        faces += [low, high, *sides]
+        owner += [c] * (2 + len(sides))
+    loop, start = flat_loops(faces)
+    corner = pins.point[loop]
+    area = polygon.area_vectors(corner, start)
+    size = np.linalg.norm(area, axis=1)
+    axes = frames_from_normals(area / np.maximum(size, 1e-300)[:, None])
+    face = np.repeat(np.arange(len(faces)), np.diff(start))
+    flat = np.einsum("lij,lj->li", axes[face, 1:], corner - corner[start[:-1]][face])
+    ring = shapely.linearrings(flat, indices=face)
+    bad = ~shapely.is_simple(ring) | (size <= 0.0)
+    if bad.any():
+        raise InputError(
+            "has a face that crosses itself",
+            where=f"block '{mesh.names[owner[int(np.flatnonzero(bad)[0])]]}'",
+            remedy="use a smaller thickness, wedge or register, or larger blocks",
+        )

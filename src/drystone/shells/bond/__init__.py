@@ -1,0 +1,1 @@
+"""The pattern on a surface: courses, staggered joints, wedges."""

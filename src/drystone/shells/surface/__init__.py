@@ -1,0 +1,1 @@
+"""A shell's middle surface: patches, their sources, and form finding."""

@@ -1,0 +1,67 @@
+"""Lengths, counts and numbers that make sense."""
+
+from __future__ import annotations
+
+import math
+from numbers import Integral, Real
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.errors import InputError
+
+LONGEST = 40
+"""Characters of a wrong value that an error repeats."""
+
+
+def refuse_unless_positive(where: str = "", **metres: float) -> None:
+    """Refuse a length that is no number above zero, by its name.
+
+    Raises
+    ------
+    InputError
+        There is one.
+    """
+    for name, value in metres.items():
+        if not (_is_number(value) and math.isfinite(value) and value > 0.0):
+            raise InputError(
+                f"the {name.replace('_', ' ')} is {value if _is_number(value) else repr(value)}",
+                where=where,
+                remedy="give metres above zero",
+            )
+
+
+def refuse_unless_count(value: object, name: str, where: str = "") -> None:
+    """Refuse what is no whole number.
+
+    Raises
+    ------
+    InputError
+        It is none; 4.0 and True are none either.
+    """
+    if not isinstance(value, Integral) or isinstance(value, bool):
+        raise InputError(
+            f"the number of {name} is {value!r}", where=where, remedy="give a whole number"
+        )
+
+
+def numbers(values: object, what: str, where: str = "") -> Floats:
+    """Values as an array of numbers.
+
+    Raises
+    ------
+    InputError
+        They are none, or ragged.
+    """
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        told = repr(values)
+        told = told if len(told) <= LONGEST else f"{told[:LONGEST]}..."
+        raise InputError(
+            f"{what} must be numbers, got {told}", where=where, remedy="give numbers, evenly nested"
+        ) from error
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)

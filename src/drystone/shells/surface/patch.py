@@ -1,0 +1,237 @@
+"""Four-sided parametric surface patches: a point for every (u, v) in the unit square.
+
+u runs across the courses, from the springing (0) to the crown or the free edge (1); v runs along a
+course. A closed patch comes back to its beginning along v, as a dome does.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.display import OneLine
+from drystone.errors import InputError
+
+PatchFunction: TypeAlias = Callable[[Floats, Floats], Any]
+"""u (k,), v (k,) in [0, 1] to points (k, 3) [m]."""
+
+STEP = 2e-3
+"""Parameter step of the five-point derivative, chosen: truncation and rounding both below 1e-10 on
+the analytic families."""
+
+FOLD_GRID = 33
+"""Samples along u and v when a patch is looked over for folds, chosen: finer than any course."""
+
+
+class Side(enum.Enum):
+    """A border of a patch."""
+
+    BOTTOM = "bottom"
+    """u = 0, run along v."""
+    TOP = "top"
+    """u = 1, run along v."""
+    LEFT = "left"
+    """v = 0, run along u."""
+    RIGHT = "right"
+    """v = 1, run along u."""
+
+    def parameters(self, along: Floats) -> tuple[Floats, Floats]:
+        """(u, v) of the positions ``along`` (k,) in [0, 1] on this side."""
+        zero, one = np.zeros_like(along), np.ones_like(along)
+        return {
+            Side.BOTTOM: (zero, along),
+            Side.TOP: (one, along),
+            Side.LEFT: (along, zero),
+            Side.RIGHT: (along, one),
+        }[self]
+
+
+@dataclass(frozen=True, eq=False)
+class Patch(OneLine):
+    """A surface patch.
+
+    Parameters
+    ----------
+    function
+        Points (k, 3) [m] for u (k,) and v (k,), each in [0, 1].
+    closed
+        Whether v = 1 is v = 0 again.
+    name
+    breaks
+        Positions in v at which its lines along v may have a corner.
+
+    Raises
+    ------
+    InputError
+        The function gives something else than finite points.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> plane = Patch(lambda u, v: np.stack([2.0 * u, v, 0.0 * u], axis=-1))
+    >>> plane.point(0.5, 1.0).tolist()
+    [1.0, 1.0, 0.0]
+    >>> plane.normal(0.5, 0.5).round(6).tolist()
+    [0.0, 0.0, 1.0]
+    """
+
+    function: PatchFunction
+    closed: bool = False
+    name: str = "patch"
+    breaks: tuple[float, ...] = ()
+
+    def point(self, u: Any, v: Any) -> Floats:
+        """Points (..., 3) [m]; u and v broadcast."""
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, np.float64))
+        along = v.ravel() % 1.0 if self.closed else v.ravel()
+        values = np.asarray(self.function(u.ravel(), along), dtype=np.float64)
+        if values.shape != (u.size, 3):
+            raise InputError(
+                f"its function gave shape {values.shape} for {u.size} parameters",
+                where=f"patch '{self.name}'",
+                remedy=f"return ({u.size}, 3)",
+            )
+        if not np.isfinite(values).all():
+            k = int(np.flatnonzero(~np.isfinite(values).all(axis=1))[0])
+            raise InputError(
+                f"is not finite at u {u.ravel()[k]:.3f}, v {along[k]:.3f}",
+                where=f"patch '{self.name}'",
+                remedy="the function must hold on the whole unit square",
+            )
+        return values.reshape(*u.shape, 3)
+
+    def tangents(self, u: Any, v: Any) -> tuple[Floats, Floats]:
+        """Derivatives (..., 3) [m] of the point by u and by v, by five-point differences."""
+        u, v = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, np.float64))
+        u_node, u_weight = _stencil(u, bounded=True)
+        v_node, v_weight = _stencil(v, bounded=not self.closed)
+        by_u = (u_weight[..., None] * self.point(u_node, v[..., None])).sum(axis=-2)
+        by_v = (v_weight[..., None] * self.point(u[..., None], v_node)).sum(axis=-2)
+        return by_u, by_v
+
+    def normal(self, u: Any, v: Any) -> Floats:
+        """Unit normals (..., 3), outwards: to the side that looks up on the whole.
+
+        Raises
+        ------
+        InputError
+            The patch has no tangent plane there.
+        """
+        by_u, by_v = self.tangents(u, v)
+        raw = self.turn * np.cross(by_u, by_v)
+        length = np.linalg.norm(raw, axis=-1, keepdims=True)
+        scale = np.linalg.norm(by_u, axis=-1) * np.linalg.norm(by_v, axis=-1)
+        if not (length[..., 0] > 1e-9 * np.maximum(scale, 1e-300)).all():
+            raise InputError(
+                "has no tangent plane somewhere on it",
+                where=f"patch '{self.name}'",
+                remedy="no side may shrink to a point and no two sides may run together",
+            )
+        normal: Floats = raw / length
+        return normal
+
+    @cached_property
+    def turn(self) -> float:
+        """1 where the outward normal is du x dv, -1 where it is dv x du."""
+        grid = (np.arange(9) + 0.5) / 9.0
+        by_u, by_v = self.tangents(*np.meshgrid(grid, grid, indexing="ij"))
+        raw = np.cross(by_u, by_v).reshape(-1, 3)
+        upwards = float(raw[:, 2].sum())
+        return -1.0 if upwards < -1e-6 * float(np.linalg.norm(raw, axis=1).sum()) else 1.0
+
+    @cached_property
+    def size(self) -> float:
+        """[m], diagonal of its bounding box."""
+        grid = np.linspace(0.0, 1.0, 17)
+        points = self.point(*np.meshgrid(grid, grid, indexing="ij")).reshape(-1, 3)
+        return float(np.linalg.norm(np.ptp(points, axis=0)))
+
+    def border(self, side: Side, along: Any) -> Floats:
+        """Points (k, 3) [m] at the positions ``along`` (k,) of a side."""
+        return self.point(*side.parameters(np.asarray(along, dtype=np.float64)))
+
+
+def curvatures(patch: Patch, u: Any, v: Any) -> Floats:
+    """Principal curvatures (..., 2) [1/m], positive where the surface bends away from its normal.
+
+    The derivative of the unit normal by the point, in the tangent plane (Weingarten map).
+    Source: do Carmo 1976, section 3-3.
+    """
+    (E, F, G), (e, f, g) = _forms(patch, u, v)
+    determinant = E * G - F * F
+    mean = (e * G - 2.0 * f * F + g * E) / (2.0 * determinant)
+    gauss = (e * g - f * f) / determinant
+    root = np.sqrt(np.maximum(mean**2 - gauss, 0.0))
+    return np.stack([mean - root, mean + root], axis=-1)
+
+
+def line_curvatures(patch: Patch, u: Any, v: Any) -> tuple[Floats, Floats]:
+    """Normal curvatures (...) [1/m] along the lines of u and of v, signed as by `curvatures`."""
+    (E, _, G), (e, _, g) = _forms(patch, u, v)
+    return e / E, g / G
+
+
+def _forms(patch: Patch, u: Any, v: Any) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """First and second fundamental form: E, F, G and e, f, g."""
+    u, v = np.broadcast_arrays(np.asarray(u, dtype=np.float64), np.asarray(v, np.float64))
+    step = STEP
+    low_u, high_u = np.clip(u - step, 0.0, 1.0), np.clip(u + step, 0.0, 1.0)
+    low_v, high_v = (v - step, v + step)
+    if not patch.closed:
+        low_v, high_v = np.clip(low_v, 0.0, 1.0), np.clip(high_v, 0.0, 1.0)
+    by_u, by_v = patch.tangents(u, v)
+    du_n = (patch.normal(high_u, v) - patch.normal(low_u, v)) / (high_u - low_u)[..., None]
+    dv_n = (patch.normal(u, high_v) - patch.normal(u, low_v)) / (high_v - low_v)[..., None]
+
+    def dot(a: Floats, b: Floats) -> Floats:
+        product: Floats = np.einsum("...i,...i->...", a, b)
+        return product
+
+    first = dot(by_u, by_u), dot(by_u, by_v), dot(by_v, by_v)
+    second = dot(du_n, by_u), 0.5 * (dot(du_n, by_v) + dot(dv_n, by_u)), dot(dv_n, by_v)
+    return first, second
+
+
+def check_patch(patch: Patch) -> None:
+    """Look a patch over for folds and for sides without a length.
+
+    Raises
+    ------
+    InputError
+        The normal turns over between two neighbouring samples: the patch is folded there.
+    """
+    grid = (np.arange(FOLD_GRID) + 0.5) / FOLD_GRID
+    normal = patch.normal(*np.meshgrid(grid, grid, indexing="ij"))
+    along_u = np.einsum("ijk,ijk->ij", normal[1:], normal[:-1]) < 0.0
+    along_v = np.einsum("ijk,ijk->ij", normal[:, 1:], normal[:, :-1]) < 0.0
+    folded = np.argwhere(along_u).tolist() or np.argwhere(along_v).tolist()
+    if folded:
+        i, j = folded[0]
+        raise InputError(
+            f"is folded on itself near u {grid[i]:.2f}, v {grid[j]:.2f}",
+            where=f"patch '{patch.name}'",
+            remedy="its opposite sides must not cross, nor its control points change order",
+        )
+
+
+def _stencil(at: Floats, *, bounded: bool) -> tuple[Floats, Floats]:
+    """Nodes (..., 5) around ``at`` and the weights of the derivative there.
+
+    Inside [0, 1] when bounded: near its ends the derivative of the same interpolating polynomial is
+    taken off centre.
+    """
+    centre = np.clip(at, 2.0 * STEP, 1.0 - 2.0 * STEP) if bounded else at
+    offset = np.arange(-2.0, 3.0)
+    t = ((at - centre) / STEP)[..., None]
+    powers = np.concatenate(
+        [np.zeros_like(t), np.ones_like(t), 2.0 * t, 3.0 * t**2, 4.0 * t**3], axis=-1
+    )
+    vandermonde = np.vander(offset, 5, increasing=True)
+    weight = powers @ np.linalg.inv(vandermonde) / STEP
+    return centre[..., None] + STEP * offset, weight

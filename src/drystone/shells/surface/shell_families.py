@@ -1,0 +1,177 @@
+"""Shapes with a formula: barrel, cross and pavilion vault, dome."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drystone.arrays import Floats
+from drystone.errors import InputError
+from drystone.shells.surface.lengths import refuse_unless_positive
+from drystone.shells.surface.patch import Patch, PatchFunction, Side
+from drystone.shells.surface.shape import Edge, Seam, Shape
+
+VAULT_THICKNESS = 0.075
+"""Default thickness of a barrel vault by its span, chosen: 0.15 of a semicircle's radius, which
+stands from 0.1075 on (Milankovitch 1907); flatter vaults stand with less."""
+
+
+def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = None) -> Shape:
+    """A vault over a rectangle, a segment of a cylinder that stands on its two long sides.
+
+    Parameters
+    ----------
+    span : [m], along x
+    length : [m], along y
+    rise : [m]
+        Half the span when left out: a semicircle.
+
+    Raises
+    ------
+    InputError
+        A length that is not positive, or a rise above half the span.
+    """
+    refuse_unless_positive(span=span, length=length)
+    rise = 0.5 * span if rise is None else rise
+    refuse_unless_positive(rise=rise)
+    if rise > 0.5 * span * (1.0 + 1e-12):
+        raise InputError(
+            f"the rise {rise} m is more than half the span", remedy=f"give {0.5 * span} m or less"
+        )
+    radius = (0.25 * span**2 + rise**2) / (2.0 * rise)
+    half = math.asin(min(0.5 * span / radius, 1.0))
+
+    def point(u: Floats, v: Floats) -> Floats:
+        angle = half * (2.0 * u - 1.0)
+        return np.stack(
+            [radius * np.sin(angle), length * v, radius * np.cos(angle) - radius + rise], axis=-1
+        )
+
+    supports = (Edge(0, Side.BOTTOM), Edge(0, Side.TOP))
+    patch = Patch(point, name="barrel vault")
+    return Shape((patch,), (), supports, name="barrel vault", thickness=VAULT_THICKNESS * span)
+
+
+def dome(
+    radius: float = 5.0,
+    oculus: float = 1.0,
+    springing_deg: float = 0.0,
+    *,
+    keystone: bool = False,
+) -> Shape:
+    """Part of a sphere about the z axis, its rings closed along v.
+
+    Parameters
+    ----------
+    radius : [m]
+    oculus : [m]
+        Radius of the eye.
+    springing_deg : [degrees]
+        Latitude of the springing: 0 for a hemisphere.
+    keystone
+        Whether one block closes the eye.
+
+    Raises
+    ------
+    InputError
+        An eye that is not smaller than the springing.
+    """
+    refuse_unless_positive(radius=radius, oculus=oculus)
+    if not (0.0 <= springing_deg < 90.0) or oculus >= radius * math.cos(
+        math.radians(springing_deg)
+    ):
+        raise InputError(
+            f"an eye of {oculus} m radius is not above a springing at {springing_deg} degrees",
+            where="dome",
+            remedy="make the eye smaller or the springing lower",
+        )
+    low, high = math.radians(springing_deg), math.acos(oculus / radius)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        latitude = low + (high - low) * u
+        longitude = 2.0 * np.pi * v
+        ring = radius * np.cos(latitude)
+        return np.stack(
+            [ring * np.cos(longitude), ring * np.sin(longitude), radius * np.sin(latitude)],
+            axis=-1,
+        )
+
+    return Shape(
+        (Patch(point, closed=True, name="dome"),),
+        supports=(Edge(0, Side.BOTTOM),),
+        keystone=(Edge(0, Side.TOP),) if keystone else (),
+        name="dome",
+    )
+
+
+def cross_vault(span: float = 6.0, springing_deg: float = 25.0) -> Shape:
+    """Two equal semicircular barrels that cross: four webs, groins between them, four corners.
+
+    Parameters
+    ----------
+    span : [m]
+    springing_deg : [degrees]
+        Angle at which the webs spring: below it the corner is solid.
+    """
+    refuse_unless_positive(span=span)
+    _within(springing_deg, 5.0, 60.0, "springing_deg")
+    radius, start = 0.5 * span, math.radians(springing_deg)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        angle = start + (np.pi - 2.0 * start) * u
+        across = -radius * np.cos(angle)
+        groin = np.abs(across)
+        return np.stack([groin + v * (radius - groin), across, radius * np.sin(angle)], axis=-1)
+
+    webs = tuple(Patch(_turned(point, k), name=f"web {k}") for k in range(4))
+    seams = tuple(
+        Seam(Edge(k, Side.LEFT, 1.0, 0.5), Edge((k + 1) % 4, Side.LEFT, 0.0, 0.5)) for k in range(4)
+    )
+    supports = tuple(Edge(k, side) for k in range(4) for side in (Side.BOTTOM, Side.TOP))
+    return Shape(webs, seams, supports, name="cross vault")
+
+
+def pavilion_vault(span: float = 6.0, eye: float = 1.0, *, keystone: bool = True) -> Shape:
+    """A cloister vault: four barrel webs rising from the sides of a square.
+
+    Parameters
+    ----------
+    span : [m]
+    eye : [m]
+        Width of the square opening at the crown.
+    keystone
+        Whether one block closes the eye.
+    """
+    refuse_unless_positive(span=span, eye=eye)
+    if eye >= span:
+        raise InputError(f"the eye, {eye} m, is as wide as the span, {span} m")
+    radius = 0.5 * span
+    high = math.acos(eye / span)
+
+    def point(u: Floats, v: Floats) -> Floats:
+        angle = high * u
+        reach = radius * np.cos(angle)
+        return np.stack([reach, (2.0 * v - 1.0) * reach, radius * np.sin(angle)], axis=-1)
+
+    webs = tuple(Patch(_turned(point, k), name=f"web {k}") for k in range(4))
+    seams = tuple(Seam(Edge(k, Side.RIGHT), Edge((k + 1) % 4, Side.LEFT)) for k in range(4))
+    return Shape(
+        webs,
+        seams,
+        tuple(Edge(k, Side.BOTTOM) for k in range(4)),
+        tuple(Edge(k, Side.TOP) for k in range(4)) if keystone else (),
+        name="pavilion vault",
+    )
+
+
+def _turned(function: PatchFunction, quarters: int) -> PatchFunction:
+    """The same patch turned by quarters about the z axis."""
+    c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[quarters]
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return lambda u, v: function(u, v) @ rotation.T
+
+
+def _within(value: float, low: float, high: float, name: str) -> None:
+    if not low <= value <= high:
+        raise InputError(f"{name} is {value}", remedy=f"give {low} to {high} degrees")

@@ -1,0 +1,1 @@
+"""What making the blocks needs: schedules and files."""

@@ -1,0 +1,25 @@
+"""``drystone reproduce``."""
+
+import json
+
+from drystone.cli import main
+
+
+def test_a_section_prints_published_beside_found(capsys):
+    assert main(["reproduce", "6.2"]) == 0
+    out = capsys.readouterr().out
+    assert "stable / unstable / stable / unstable  agrees" in out
+
+
+def test_json_has_the_lines_and_the_files(capsys, tmp_path):
+    assert main(["reproduce", "6.2", "--json", "--out", str(tmp_path)]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["sections"][0]["section"] == "6.2"
+    assert all(line["agrees"] for line in data["sections"][0]["lines"])
+    assert sorted(data["files"]) == sorted(str(path) for path in tmp_path.iterdir())
+
+
+def test_an_unknown_section_and_a_missing_folder_are_bad_input(capsys, tmp_path):
+    assert main(["reproduce", "9.9"]) == 2
+    assert "7.2.4" in capsys.readouterr().err
+    assert main(["reproduce", "6.2", "--out", str(tmp_path / "missing")]) == 2

@@ -1,0 +1,97 @@
+"""Models for simulators: well-formed files that hold the blocks as they are."""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from drystone import InputError, LoadCase, Model
+from drystone.io.simulators import mjcf_text, write_mjcf, write_urdf
+from drystone.io.simulators.bodies import bodies
+from drystone.models import box, bridge, stool, tower
+
+MODEL = Model.of(bridge(), friction=0.6)
+
+
+def test_mass_and_inertia_of_a_box_are_those_of_the_formula():
+    model = Model.of(tower(2, edge=2.0).with_density(100.0))
+    one = bodies(model)[1]
+    assert one.mass == pytest.approx(800.0)
+    np.testing.assert_allclose(one.inertia, 800.0 * 8.0 / 12.0 * np.eye(3), rtol=1e-9)
+
+
+def test_the_inertia_of_a_concave_block_is_that_of_the_boxes_it_is_made_of():
+    block = stool(side=0.4, leg=0.08, seat=0.06, height=0.45).blocks[1]
+    parts = [box((0.4, 0.4, 0.06), (0.0, 0.0, 0.39))]
+    parts += [box((0.08, 0.08, 0.39), (x, y, 0.0)) for x in (0.0, 0.32) for y in (0.0, 0.32)]
+    expected = np.zeros((3, 3))
+    for part in parts:
+        sides = (part.bounds[1] - part.bounds[0]) ** 2
+        away = part.centroid - block.centroid
+        expected += part.mass * np.diag((sides.sum() - sides) / 12.0)
+        expected += part.mass * (away @ away * np.eye(3) - np.outer(away, away))
+    found = bodies(Model.of(stool()))[1]
+    np.testing.assert_allclose(found.inertia, expected, atol=1e-4 * expected.max())
+
+
+def test_mjcf_has_a_body_per_block_and_frees_only_free_ones():
+    root = ET.fromstring(mjcf_text(MODEL))
+    found = root.findall("./worldbody/body")
+    assert [body.get("name") for body in found] == list(MODEL.assembly.names)
+    free = [body.find("freejoint") is not None for body in found]
+    assert free == (~MODEL.assembly.fixed).tolist()
+    meshes = {mesh.get("name") for mesh in root.findall("./asset/mesh")}
+    used = {geom.get("mesh") for geom in root.iter("geom")} - {None}
+    assert used == meshes
+
+
+def test_mjcf_has_the_gravity_and_the_smallest_friction_of_the_model():
+    tilted = MODEL.with_load(LoadCase.gravity(MODEL.assembly, 5.0, direction=(1.0, 0.0, 0.0)))
+    root = ET.fromstring(mjcf_text(tilted))
+    np.testing.assert_allclose(
+        np.fromstring(root.find("option").get("gravity"), sep=" "), [5, 0, 0]
+    )
+    assert root.find("default/geom").get("friction").split()[0] == "0.6"
+
+
+def test_a_load_that_is_no_gravity_is_refused():
+    wrench = np.array(MODEL.load.wrench)
+    wrench[4, 0] += 100.0
+    with pytest.raises(InputError, match="is no gravity"):
+        mjcf_text(MODEL.with_load(LoadCase(wrench, "push")))
+
+
+def test_mjcf_is_written_whole(tmp_path):
+    write_mjcf(MODEL, tmp_path / "bridge.xml")
+    assert ET.parse(tmp_path / "bridge.xml").getroot().tag == "mujoco"
+    assert [p.name for p in tmp_path.iterdir()] == ["bridge.xml"]
+
+
+def test_urdf_has_a_link_per_block_and_its_meshes_beside_it(tmp_path):
+    files = write_urdf(MODEL, tmp_path / "bridge.urdf")
+    root = ET.parse(tmp_path / "bridge.urdf").getroot()
+    links = [link.get("name") for link in root.findall("link")]
+    assert links == ["world", *MODEL.assembly.names]
+    kinds = [joint.get("type") for joint in root.findall("joint")]
+    assert kinds == ["fixed" if fixed else "floating" for fixed in MODEL.assembly.fixed]
+    meshes = {mesh.get("filename") for mesh in root.iter("mesh")}
+    assert all((tmp_path / mesh).exists() for mesh in meshes)
+    assert len(files) == len(meshes) + 1
+
+
+def test_a_tower_stays_and_a_leaning_block_falls_in_mujoco():
+    mujoco = pytest.importorskip("mujoco")
+
+    def moved(model):
+        simulator = mujoco.MjModel.from_xml_string(mjcf_text(model))
+        data = mujoco.MjData(simulator)
+        mujoco.mj_forward(simulator, data)
+        start = np.array(data.xpos)
+        for _ in range(500):
+            mujoco.mj_step(simulator, data)
+        return float(np.linalg.norm(data.xpos - start, axis=1).max())
+
+    model = Model.of(tower(3), friction=0.6)
+    assert moved(model) < 1e-3
+    leaning = LoadCase.gravity(model.assembly, 9.81, direction=(0.9, 0.0, -1.0))
+    assert moved(model.with_load(leaning)) > 0.1

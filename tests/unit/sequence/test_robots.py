@@ -1,0 +1,147 @@
+"""Plans as work for robots: who places, who holds, on which way, and by which faces."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from drystone import InputError, Model, plan
+from drystone.models import arch, bayonet, bridge, tower
+from drystone.sequence import PlanOptions, Robot, Rules, handling, take_turns
+from drystone.sequence.handling import grip_faces
+from drystone.sequence.motion.joints import Joints
+
+LEFT, RIGHT = Robot("left", (-2.0, 0.0, 0.0), 3.0), Robot("right", (2.0, 0.0, 0.0), 3.0)
+
+
+def test_two_robots_place_blocks_in_turn():
+    work = handling(plan(tower(5)), [Robot("a"), Robot("b")])
+    assert [one.robot for one in work.placements] == ["a", "b", "a", "b"]
+    assert work.notes == ()
+
+
+def test_a_block_goes_to_a_robot_that_reaches_it():
+    work = handling(plan(bridge(), friction=0.5), [LEFT, RIGHT])
+    assert work.notes == ()
+    for one in work.placements:
+        robot = LEFT if one.robot == "left" else RIGHT
+        assert np.linalg.norm(one.frame[:3, 3] - np.array(robot.base)) <= robot.reach
+
+
+def test_what_no_robot_can_place_is_said():
+    weak = Robot("weak", payload=1.0)
+    work = handling(plan(tower(3)), [weak])
+    assert [one.robot for one in work.placements] == ["", ""]
+    assert "too heavy" in work.notes[0]
+    assert "'block-1'" in work.notes[0]
+
+
+def test_the_approach_ends_in_place_and_begins_away():
+    work = handling(plan(tower(3)))
+    for one in work.placements:
+        np.testing.assert_allclose(one.approach[-1], one.frame, atol=1e-12)
+        assert np.linalg.norm(one.approach[0][:3, 3] - one.frame[:3, 3]) > 1.0
+        assert one.clearance[-1] == 0.0
+        assert one.clearance[0] > 0.5
+
+
+def test_a_block_that_turns_in_has_turning_poses():
+    (one,) = handling(plan(Model.of(bayonet()))).placements
+    assert one.turning
+    turns = [pose[:3, :3] for pose in one.approach]
+    assert any(np.abs(turn - np.eye(3)).max() > 0.5 for turn in turns)
+    for turn in turns:
+        np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-9)
+
+
+def test_a_block_on_a_tower_is_gripped_at_all_but_its_bottom():
+    model = Model.of(tower(2))
+    joints = Joints.of(model.contacts, 1, np.array([True, False]))
+    grips = grip_faces(model.assembly.blocks[1], joints)
+    assert len(grips) == 5
+    assert all(grip.normal[2] > -0.5 for grip in grips)
+    (top,) = handling(plan(tower(2))).placements
+    assert [round(width, 9) for _, _, width in top.pairs] == [1.0, 1.0]
+
+
+def test_held_blocks_have_a_hold_until_their_partner_is_in():
+    found = plan(arch(0.3, 7), friction=0.4, options=PlanOptions(rules=Rules(hands=2)))
+    work = handling(found, [Robot("a"), Robot("b")])
+    held = [step for step in found.steps if len(step.blocks) > 1]
+    assert len(work.holds) == sum(len(step.blocks) - 1 for step in held) > 0
+    for hold in work.holds:
+        placed = {one.name: one for one in work.placements}
+        assert placed[hold.name].robot == hold.robot
+        assert placed[hold.until].robot != hold.robot
+        assert np.linalg.norm(hold.force) > 0.0
+
+
+def test_json_and_csv_hold_what_was_found(tmp_path):
+    work = handling(plan(tower(3)), [LEFT, Robot("strong", payload=5000.0)])
+    work.save_json(tmp_path / "work.json")
+    work.save_csv(tmp_path / "work.csv")
+    data = json.loads((tmp_path / "work.json").read_text())
+    assert data["format"] == "drystone-handling"
+    assert [one["block"] for one in data["placements"]] == ["block-1", "block-2"]
+    assert data["robots"][0]["payload"] is None
+    assert np.array(data["placements"][0]["approach"]).shape[1:] == (4, 4)
+    with (tmp_path / "work.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["robot"] for row in rows] == ["left", "strong"]
+    assert float(rows[0]["mass_kg"]) == pytest.approx(2400.0)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["work.csv", "work.json"]
+
+
+def test_robots_in_the_rules_decide_what_can_be_placed():
+    near = Rules(robots=[Robot("low", reach=1.6)])
+    found = plan(tower(4), options=PlanOptions(rules=near))
+    assert found.counts["impossible"] == 3  # the topmost is out of reach, and none can go before
+    assert "out of reach" in found.impossible[3]
+    weak = Rules(robots=[Robot("weak", payload=2000.0), Robot("weaker", payload=1500.0)])
+    assert "carries 2000 kg" in plan(tower(2), options=PlanOptions(rules=weak)).impossible[1]
+    able = Rules(robots=[Robot("arm", reach=5.0, payload=2500.0)])
+    assert plan(tower(4), options=PlanOptions(rules=able)).counts["free"] == 3
+
+
+def test_two_robots_that_take_turns_build_an_arch_without_centring():
+    found = take_turns(arch(0.3, 7), friction=0.7)
+    assert found.works
+    assert [turn.robot for turn in found.turns] == ["left", "right"] * 3 + ["left"]
+    assert found.largest > 0.0
+
+
+def test_the_robot_bears_what_balances_the_blocks_before():
+    # the first voussoir is held by itself: its robot carries its weight
+    assembly = arch(0.3, 7)
+    found = take_turns(assembly, friction=0.7)
+    first = found.turns[0]
+    assert first.force[2] == pytest.approx(assembly.blocks[first.block].mass * 9.81)
+    weak = [Robot("a", payload=10.0), Robot("b", payload=10.0)]
+    stopped = take_turns(assembly, robots=weak, friction=0.7)
+    assert not stopped.works
+    assert not stopped.turns[-1].carried
+
+
+def test_without_enough_friction_turns_end_where_blocks_fall():
+    found = take_turns(arch(0.3, 7), friction=0.1)
+    assert not found.works
+    assert found.complete is None
+    assert found.turns[-1].falling
+
+
+def test_robots_and_orders_that_make_no_sense_are_refused():
+    for bad in (
+        {"name": ""},
+        {"name": "a", "reach": 0.0},
+        {"name": "a", "payload": -1.0},
+        {"name": "a", "base": (0.0, float("nan"), 0.0)},
+    ):
+        with pytest.raises(InputError):
+            Robot(**bad)
+    with pytest.raises(InputError, match="two robots have one name"):
+        handling(plan(tower(2)), [Robot("a"), Robot("a")])
+    with pytest.raises(InputError, match="cannot take turns"):
+        take_turns(tower(2), robots=[Robot("a")])
+    with pytest.raises(InputError, match="not one of all free blocks"):
+        take_turns(tower(3), order=["block-1"])

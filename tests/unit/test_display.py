@@ -1,0 +1,250 @@
+"""How values show themselves: every public type on one line."""
+
+import enum
+import html
+import inspect
+import pkgutil
+import subprocess
+import sys
+import typing
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import (
+    InputError,
+    LoadCase,
+    Model,
+    limits,
+    reproduce,
+    sequence,
+    shells,
+    stability,
+    view,
+)
+from drystone.detection import ContactReport, Detection, DetectionOptions, Shortfall, gap_sweep
+from drystone.display import Card, shortened
+from drystone.io import FORMATS, read_file
+from drystone.models import arch, box, burr, shelf, tower, vault
+from drystone.view import notebook
+
+INSIDE = {"cli", "geometry", "solvers", "formulations", "statics", "checks", "display", "settings"}
+"""Rooms whose types no user meets."""
+
+
+def public_types() -> set[type]:
+    """Every class that a public module names, but errors, protocols and typed dictionaries."""
+    modules = [drystone]
+    for info in pkgutil.iter_modules(drystone.__path__, "drystone."):
+        if info.name.split(".")[1] not in {*INSIDE, "__main__"}:
+            modules.append(import_module(info.name))
+    return {
+        thing
+        for module in modules
+        for thing in (getattr(module, name) for name in getattr(module, "__all__", ()))
+        if inspect.isclass(thing)
+        and thing.__module__.startswith("drystone")
+        and not issubclass(thing, Exception)
+        and not getattr(thing, "_is_protocol", False)
+        and not typing.is_typeddict(thing)
+    }
+
+
+def values(folder: Path) -> Iterator[object]:
+    """Real ones, from which all others can be reached."""
+    stands = drystone.check(vault(), friction=0.6)
+    yield stands
+    yield from (stands.resultants, stands.joints(), stands.contacts[0])
+    yield drystone.check(arch(), friction=0.9).thrust_line()
+    yield drystone.check(shelf(), friction=0.9)
+    apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
+    yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
+    sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))
+    yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], sunk)))
+    yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
+    yield gap_sweep(tower(3), [1e-4, 1e-3])
+    yield drystone.settle(arch(), {"springer-right": (0.01, 0.0, 0.0)}, friction=0.9)
+    stack = Model.of(tower(3), friction=0.6)
+    coarse = limits.LimitOptions(width=5.0, scan=1)
+    yield limits.tilt_sweep(stack, 2, options=coarse)
+    yield limits.limit_friction(stack, options=limits.LimitOptions(width=0.2))
+    yield limits.thrust_bounds(stack, "block-0", (0.0, 0.0, 1.0))
+    yield limits.tolerance(stack, limits.Imperfections(), draws=2)
+    push = LoadCase.seismic(stack.assembly, 1.0)
+    yield limits.Tilt(stack, np.array([1.0, 0.0, 0.0]))
+    yield from (limits.Friction(stack), limits.LoadFactor(stack, push), limits.Shrunk(stack))
+    yield limits.Parametric(tower, lambda given: Model.of(given).contacts, "blocks", "")
+    order = drystone.plan(stack)
+    yield from (order, sequence.Prop(1, 0, 2, np.ones(6)), sequence.Stage(2**300 - 1, 1))
+    yield sequence.margins(order, options=sequence.MarginOptions(tilt_width=5.0, directions=1))
+    yield sequence.sweep_friction(stack, [0.6], drystone.plan)
+    yield from (sequence.RemovalTest(order.model), sequence.Evaluator(order.model))
+    yield sequence.freedom(np.array([[0.0, 0.0, 1.0]]), np.array([0.0, 0.0, 1.0]))
+    yield from (sequence.find_way(stack, "block-2"), sequence.find_way(stack, "block-1"))
+    yield sequence.find_way(Model.of(burr()), "x-low", options=sequence.WayOptions(effort=50))
+    yield sequence.WayOptions()
+    yield from (sequence.interlocking(stack), sequence.gravity_region(stack, directions=4))
+    robots = [sequence.Robot("a"), sequence.Robot("b")]
+    yield from (sequence.handling(order, robots), sequence.take_turns(stack, robots=robots))
+    yield sequence.Hold(1, "b", "", "c", np.zeros(3), np.zeros(3))
+    yield reproduce.reproduce("6.3")
+    plane = sequence.Cut((0.5, 0.5, 0.5), (0.0, 0.0, 1.0))
+    yield sequence.design_cuts(box((1.0, 1.0, 2.0)), [[plane]])
+    yield from (sequence.LocalWorkers(2), sequence.DaskWorkers("tcp://127.0.0.1:8786"))
+    shell = shells.sample_shell("barrel")
+    yield from (shell, shells.flat_faces(shell, 0), shells.schedule(shell), shell.shared_faces)
+    yield shells.cross_vault()
+    yield shells.find_form(shells.rectangular_plan(6.0, 8.0), height=2.0)
+    grid = [(x, y, 0.1 * x * x) for y in range(3) for x in range(3)]
+    quads = [(i, i + 1, i + 4, i + 3) for i in (0, 1, 3, 4)]
+    yield shells.patch_from_mesh(grid, quads, control=(3, 3))
+    yield from (view.scene_of(stands), view.Frame(stands))
+    drystone.write(stands.model, folder / "vault.json")
+    yield from (*FORMATS, read_file(folder / "vault.json"))
+    yield from (stability.CRAOptions(), stability.PenaltyOptions(), sequence.PlanOptions())
+    yield from (sequence.MarginOptions(), limits.LimitOptions(), limits.Imperfections())
+    yield from (shells.FormOptions(), shells.Body(), shells.Layout(), DetectionOptions())
+
+
+class Reached:
+    """What is inside of what, by type."""
+
+    def __init__(self) -> None:
+        self.found: dict[type, list[object]] = {}
+        self.seen: set[int] = set()
+
+    def look(self, value: object) -> None:
+        """Remember a value and all that it holds."""
+        if id(value) in self.seen:
+            return
+        self.seen.add(id(value))
+        if isinstance(value, Mapping):
+            value = tuple(value.values())
+        if isinstance(value, tuple | list) and not hasattr(value, "_fields"):
+            for one in value[:50]:
+                self.look(one)
+            return
+        if not type(value).__module__.startswith("drystone"):
+            return
+        self.found.setdefault(type(value), []).append(value)
+        if not isinstance(value, enum.Enum):
+            for one in getattr(value, "__dict__", {}).values():
+                self.look(one)
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> dict[type, list[object]]:
+    reached, kept = Reached(), []
+    for value in values(tmp_path_factory.mktemp("values")):
+        kept.append(value)  # alive, so that no other value gets its id
+        reached.look(value)
+    return reached.found
+
+
+def test_every_public_value_is_one_line_that_names_its_type(
+    found: dict[type, list[object]],
+) -> None:
+    wrong = {
+        (kind.__name__, told)
+        for kind, some in found.items()
+        if not issubclass(kind, enum.Enum)
+        for one in some
+        for told in (repr(one), str(one))
+        if len(told) > 200 or "\n" in told or not repr(one).startswith(kind.__name__)
+    }
+    assert wrong == set()
+
+
+def test_every_public_type_is_among_them(found: dict[type, list[object]]) -> None:
+    missing = public_types() - set(found)
+    assert {kind.__name__ for kind in missing if not issubclass(kind, enum.Enum)} == set()
+
+
+def cards() -> list[Card]:
+    """One of each type that a notebook shows as a card."""
+    stack = Model.of(tower(3), friction=0.6)
+    return [
+        stack,
+        stack.assembly,
+        drystone.check(stack),
+        drystone.check(shelf(), friction=0.9),
+        limits.limit_friction(stack, options=limits.LimitOptions(width=0.2)),
+        drystone.plan(stack),
+        drystone.find_contacts(tower(3)),
+        drystone.find_contacts(tower(3)).report,
+    ]
+
+
+def test_a_card_has_a_sentence_numbers_and_where_blocks_are_known_a_small_picture() -> None:
+    shown = {type(card): card._repr_html_() for card in cards()}
+    assert found_subclasses(Card) == set(shown)
+    for kind, text in shown.items():
+        assert text.count("<b>") == 1
+        assert f"<b>{kind.__name__}</b>" in text
+        assert len(text) < 100_000
+        assert text.count("<img") == (0 if kind in (Detection, ContactReport) else 1)
+    assert "unstable: forces could balance the loads" in shown[drystone.Result]
+    assert "block-9, block-10" in shown[drystone.Result]
+    assert "largest normal force" not in shown[drystone.Result]
+
+
+def found_subclasses(kind: type) -> set[type]:
+    """All types that inherit from one."""
+    return {one for sub in kind.__subclasses__() for one in (sub, *found_subclasses(sub))}
+
+
+def test_names_of_blocks_cannot_become_markup_in_a_card() -> None:
+    wild = drystone.Assembly([box((1.0, 1.0, 1.0), name="<b>&")]).with_fixed(0)
+    assert "&lt;b&gt;&amp;" in wild._repr_html_()
+    assert wild._repr_html_().count("<b>") == 1
+
+
+def test_a_large_model_is_not_drawn_unasked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(notebook, "MOST_BLOCKS", 2)
+    assert "<img" not in tower(3)._repr_html_()
+    assert "<img" in tower(2)._repr_html_()
+
+
+def test_a_frame_holds_the_page_and_a_still_picture_is_smaller() -> None:
+    stack = Model.of(tower(3))
+    page = view.page_text(view.scene_of(stack.assembly, stack.contacts))
+    shown = view.Frame(stack)._repr_html_()
+    assert html.unescape(shown.split('"')[1]) == page
+    assert len(notebook.thumbnail(stack)) < len(page)
+    assert notebook.thumbnail(42) == ""
+    with pytest.raises(InputError, match="no picture of 42; give a model"):
+        view.Frame(42)  # type: ignore[arg-type]
+
+
+def test_showing_a_value_is_what_loads_plotting() -> None:
+    code = (
+        "import sys, drystone; model = drystone.Model.of(drystone.models.tower(2));"
+        "repr(model); early = 'matplotlib' in sys.modules; model._repr_html_();"
+        "print(early, 'matplotlib' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "True"]
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (drystone.CheckOptions(), "CheckOptions()"),
+        (drystone.CheckOptions(samples=2), "CheckOptions(samples=2)"),
+        (drystone.RBEOptions(objective="linear"), "RBEOptions(objective=Objective.LINEAR)"),  # type: ignore[arg-type]
+        (limits.LimitOptions(width=0.1), "LimitOptions(width=0.1)"),
+    ],
+)
+def test_options_show_what_differs_from_the_defaults(value: object, shown: str) -> None:
+    assert repr(value) == shown
+
+
+def test_a_long_line_is_cut_and_a_broken_one_joined() -> None:
+    assert shortened("a\n  b") == "a b"
+    assert shortened("x" * 500, 20) == "x" * 17 + "..."
+    long = repr(drystone.Result("check", drystone.Verdict.UNSTABLE, Model.of(tower(2)), "x" * 500))
+    assert (len(long), long[-4:]) == (180, "...)")

@@ -1,0 +1,97 @@
+"""The model: checked once, and made of whatever a caller has."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import InputError, LoadCase, Model, Verdict
+from drystone.models import arch, tower
+
+
+def test_contacts_and_self_weight_are_found_when_they_are_left_out() -> None:
+    model = Model.of(tower(3), friction=0.4)
+    assert model.contacts.friction.tolist() == [0.4, 0.4]
+    assert np.array_equal(model.load.wrench, LoadCase.gravity(tower(3)).wrench)
+    assert model.report is not None
+
+
+@pytest.mark.parametrize(
+    ("load", "force"),
+    [
+        (None, (0.0, 0.0, -9.81)),
+        (2, (0.0, 0.0, -19.62)),
+        (0.5, (0.0, 0.0, -4.905)),
+        ((1.0, 0.0, -9.81), (1.0, 0.0, -9.81)),
+        (np.zeros(3), (0.0, 0.0, 0.0)),
+    ],
+)
+def test_a_load_is_a_case_a_multiple_of_gravity_or_an_acceleration(load, force):  # type: ignore[no-untyped-def]
+    model = Model.of(tower(2), load=load)
+    np.testing.assert_allclose(model.load.wrench[1, :3] / 2400.0, force, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Model(tower(2), Model.of(tower(3)).contacts), "does not have"),
+        (lambda: Model(tower(2), drystone.find_contacts(tower(2))), r"give the \.contacts"),
+        (lambda: Model.of(tower(2), load=LoadCase.gravity(tower(3))), "3 wrenches"),
+        (lambda: Model.of(tower(2), load="heavy"), "multiple of gravity"),
+        (lambda: Model.of(tower(2), load=(0.0, 1.0)), "vector in m/s2"),
+        (lambda: Model.of(tower(2), load=float("nan")), "load"),
+        (lambda: drystone.check(42), "path of a file"),
+        (lambda: drystone.check(tower(2), units="mm"), "takes no 'units'"),
+        (lambda: drystone.check(Model.of(tower(2)), density=1.0), "takes no 'density'"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_a_remedy(make, words):  # type: ignore[no-untyped-def]
+    with pytest.raises(InputError, match=words):
+        make()
+
+
+def test_a_file_an_assembly_and_a_model_give_the_same_answer(tmp_path: Path) -> None:
+    path = tmp_path / "arch.obj"
+    drystone.write(arch(), path)
+    how = {"supports": "springer-*", "friction": 0.9}
+    found = [
+        drystone.check(path, **how),
+        drystone.check(str(path), **how),
+        drystone.check(arch(), friction=0.9),
+        drystone.check(drystone.read(path, **how)),
+        drystone.check(Model.of(arch()), friction=0.9),
+    ]
+    assert {result.verdict for result in found} == {Verdict.STABLE}
+    for result in found[1:]:
+        np.testing.assert_allclose(result.resultants.normal, found[0].resultants.normal, rtol=1e-6)
+
+
+def test_another_load_friction_or_support_is_another_model() -> None:
+    model = Model.of(tower(3))
+    tilted = model.with_load(LoadCase.tilt(model.assembly, (0.0, 1.0, 0.0), 5.0))
+    assert tilted.contacts is model.contacts
+    assert tilted.load is not model.load
+    assert model.with_friction(0.1).contacts.friction.tolist() == [0.1, 0.1]
+    assert model.contacts.friction.tolist() == [0.6, 0.6]
+    assert model.with_supports("block-2").assembly.fixed.tolist() == [False, False, True]
+    assert model.with_supports([0, "block-1"]).assembly.fixed.tolist() == [True, True, False]
+
+
+def test_a_part_of_a_model_keeps_its_contacts_and_loads() -> None:
+    model = Model.of(tower(4), load=(1.0, 0.0, -9.81))
+    part = model.without(["block-3"])
+    assert part.assembly.names == ("block-0", "block-1", "block-2")
+    assert part.contacts.count == 2
+    assert np.array_equal(part.load.wrench, model.load.wrench[:3])
+
+
+def test_a_file_whose_y_axis_points_up_is_turned(tmp_path: Path) -> None:
+    upright = tower(3)
+    lying = upright.transformed([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    drystone.write(lying, tmp_path / "tower.obj")
+    model = drystone.read(tmp_path / "tower.obj", up="y", supports="lowest")
+    np.testing.assert_allclose(model.assembly.bounds, upright.bounds, atol=1e-12)
+    assert model.assembly.fixed.tolist() == [True, False, False]
+    with pytest.raises(InputError, match="cannot point up"):
+        drystone.read(tmp_path / "tower.obj", up="x")

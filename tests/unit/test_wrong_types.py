@@ -1,0 +1,192 @@
+"""Values of the wrong type end in one InputError that names them, and never in a traceback."""
+
+import dataclasses
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import (
+    Assembly,
+    Block,
+    CheckOptions,
+    Contacts,
+    InputError,
+    LoadCase,
+    Model,
+    RBEOptions,
+    check,
+    find_contacts,
+    limits,
+    plan,
+    sequence,
+    solve_rbe,
+    stability,
+)
+from drystone.models import tower
+from drystone.settings import Options
+from drystone.shells import Body, FormOptions, Layout
+
+TOWER = tower(2)
+MODEL = Model.of(TOWER)
+CONTACTS = MODEL.contacts
+WRONG = [42, 2.5, True, "x", None, [1, 2], {"a": 1}, object(), np.zeros(3), TOWER, CONTACTS, MODEL]
+ALL = tuple(getattr(CONTACTS, name) for name in Contacts.__dataclass_fields__)
+
+CALLS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
+    "find_contacts": (find_contacts, (TOWER,)),
+    "Model": (Model, (TOWER, CONTACTS)),
+    "Model.of": (Model.of, (TOWER,)),
+    "Model.with_load": (MODEL.with_load, (2.0,)),
+    "Model.with_contacts": (MODEL.with_contacts, (CONTACTS,)),
+    "Model.with_supports": (MODEL.with_supports, ("lowest",)),
+    "Model.with_friction": (MODEL.with_friction, (0.5,)),
+    "Model.subset": (MODEL.subset, ([0],)),
+    "Assembly.with_fixed": (TOWER.with_fixed, ("block-0",)),
+    "Assembly.with_density": (TOWER.with_density, (2000.0,)),
+    "Assembly.index": (TOWER.index, ("block-0",)),
+    "Assembly.transformed": (TOWER.transformed, (np.eye(3), (0.0, 0.0, 1.0))),
+    "Block": (Block, (TOWER.blocks[0].vertices, TOWER.blocks[0].faces, "name", 2000.0)),
+    "Contacts": (Contacts, ALL),
+    "Contacts.select": (CONTACTS.select, ([0],)),
+    "LoadCase": (LoadCase, (MODEL.load.wrench,)),
+    "LoadCase.of": (LoadCase.of, (TOWER, 1.0)),
+    "LoadCase.gravity": (LoadCase.gravity, (TOWER, 9.81, (0, 0, -1))),
+    "LoadCase.tilt": (LoadCase.tilt, (TOWER, (1, 0, 0), 5.0, 9.81)),
+    "LoadCase.seismic": (LoadCase.seismic, (TOWER, 0.1, 0.1, 9.81)),
+    "LoadCase.point_load": (LoadCase.point_load, (TOWER, 1, (0, 0, 1), (0, 0, 1))),
+    "LoadCase.line_load": (LoadCase.line_load, (TOWER, 1, (0, 0, 1), (0, 0, 1), (1, 0, 1))),
+    "LoadCase.surface_load": (LoadCase.surface_load, (TOWER, 1, 5.0, [0])),
+    "LoadCase.moment": (LoadCase.moment, (TOWER, 1, (0, 0, 1))),
+    "LoadCase.extra_mass": (LoadCase.extra_mass, (TOWER, 1, 3.0)),
+    "LoadCase.settlement": (LoadCase.settlement, (TOWER, 0, (0, 0, 1))),
+    "LoadCase.combine": (LoadCase.combine, ([(1.0, MODEL.load)],)),
+    "solve_rbe": (solve_rbe, (MODEL,)),
+    "settle": (drystone.settle, (MODEL, {0: (0.0, 0.0, 0.01)})),
+    "thrust_bounds": (limits.thrust_bounds, (MODEL, 0, (0, 0, 1))),
+    "read": (drystone.read, ("absent.obj",)),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_any_argument_of_another_type_is_refused_or_understood(name: str) -> None:
+    """No other error than ours; what is understood (a number as a position) is an answer."""
+    call, given = CALLS[name]
+    tried = [((*given[:i], w, *given[i + 1 :]), {}) for i in range(len(given)) for w in WRONG]
+    named = inspect.signature(call).parameters.values()
+    tried += [(given, {p.name: w}) for p in named if p.kind is p.KEYWORD_ONLY for w in WRONG]
+    refused = 0
+    for arguments, keywords in tried:
+        try:
+            call(*arguments, **keywords)
+        except InputError:
+            refused += 1
+    assert refused > len(given)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: check(TOWER, CONTACTS), r"check takes 1 argument by position, got 2.*Model\("),
+        (lambda: check(TOWER, find_contacts(TOWER)), "check takes 1 argument by position, got 2"),
+        (lambda: check(TOWER, CONTACTS, load=(0, 0, -9.81)), r"Model\(assembly, contacts, load\)"),
+        (lambda: check(42), "42 cannot be analysed; give a Model, an Assembly or the path"),
+        (lambda: check(TOWER, frction=0.6), "no argument 'frction'; did you mean friction"),
+        (lambda: check(MODEL, options=RBEOptions()), r"options is RBEOptions.*CheckOptions\("),
+        (lambda: check(MODEL, options={"samples": 2}), r"give CheckOptions\("),
+        (lambda: check(MODEL, progress=True), "progress is True; give a function"),
+        (lambda: check(MODEL, stop=3), "stop is 3; give a function"),
+        (lambda: plan(MODEL, executor=2), "executor is 2; give an Executor"),
+        (lambda: plan(MODEL, check=None), "check is None; give a function"),
+        (lambda: plan(MODEL, checkpoint=3), "the path is 3; give a string or a Path"),
+        (lambda: sequence.margins(MODEL), r"the plan is Model\(.*drystone.plan"),
+        (lambda: limits.limit_load(MODEL, 2.0), r"the live load is 2.0; give a LoadCase"),
+        (lambda: limits.limit_thickness(tower(3), 2.0, 1.0), "what builds the model is Assembly"),
+        (lambda: limits.tilt_sweep(MODEL, 2.5), "number of directions is 2.5"),
+        (lambda: limits.tolerance(MODEL, None), r"give Imperfections\("),
+        (
+            lambda: limits.tolerance(MODEL, limits.Imperfections(), draws="x"),
+            "number of draws is 'x'",
+        ),
+        (lambda: drystone.settle(MODEL, (0, 0, -0.1)), "give translations by name of the block"),
+        (lambda: drystone.write(MODEL, 42), "the path is 42"),
+        (lambda: drystone.read("tower.obj", up=["z"]), "cannot point up"),
+    ],
+)
+def test_what_a_newcomer_writes_is_answered_with_a_remedy(
+    call: Callable[[], object], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: CheckOptions(samples=2.5), "samples is 2.5; give a whole number"),
+        (lambda: CheckOptions(samples=True), "samples is True; give a whole number"),
+        (lambda: CheckOptions(samples=-1), "cannot be negative"),
+        (lambda: CheckOptions(search="yes"), "search is 'yes'; give True or False"),
+        (lambda: CheckOptions(spread="x"), "spread is 'x', not a number"),
+        (lambda: RBEOptions(objective="cubic"), "give one of 'quadratic', 'linear'"),
+        (lambda: RBEOptions(cone=8), r"cone is 8; give FrictionCone\("),
+        (lambda: stability.Weights(tension=-1.0), "tension is -1; give 0 or more"),
+        (lambda: stability.FrictionCone(sides=2.5), "sides is 2.5; give a whole number"),
+        (lambda: limits.LimitOptions(scan=None), "scan is None; give a whole number"),
+        (lambda: limits.Imperfections(friction=0.5), "friction must have shape"),
+        (lambda: sequence.PlanOptions(width=0), "width is 0; give 1 or more"),
+        (lambda: sequence.PlanOptions(patience=float("nan")), "patience is nan; give 0 or more"),
+        (lambda: sequence.MarginOptions(tilt_width=0.0), "tilt_width is 0; give a number above"),
+        (lambda: sequence.Rules(hands=1.5), "hands is 1.5; give a whole number"),
+        (lambda: Layout(staggered=1), "staggered is 1; give True or False"),
+        (lambda: Body(ground="sand"), "ground is 'sand'; give one of 'blocks', 'springers'"),
+        (lambda: FormOptions(rows="x"), "rows is 'x'; give a whole number"),
+    ],
+)
+def test_an_option_of_the_wrong_type_is_named(make: Callable[[], object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        make()
+
+
+def kinds_of_options(kind: type = Options) -> list[type]:
+    """All of them."""
+    below = sorted(kind.__subclasses__(), key=lambda one: one.__name__)
+    return [one for each in below for one in (each, *kinds_of_options(each))]
+
+
+@pytest.mark.parametrize("kind", kinds_of_options())
+def test_any_field_of_another_type_is_refused_or_understood(kind: type) -> None:
+    refused = 0
+    for field in dataclasses.fields(kind):
+        for wrong in [*WRONG, -1, -0.5, float("nan")]:
+            try:
+                kind(**{field.name: wrong})
+            except InputError:
+                refused += 1
+    assert refused > len(dataclasses.fields(kind))
+
+
+def test_an_option_of_a_closed_set_may_be_given_by_its_value() -> None:
+    assert RBEOptions(objective="linear").objective is stability.Objective.LINEAR  # type: ignore[arg-type]
+    assert CheckOptions(samples=np.int64(3)).samples == 3  # type: ignore[arg-type]
+    assert limits.LimitOptions(width=1).width == 1.0
+
+
+def test_a_number_of_numpy_times_a_load_case_is_a_load_case() -> None:
+    twice = np.float64(2.0) * MODEL.load
+    assert isinstance(twice, LoadCase)
+    assert np.array_equal(twice.wrench, 2.0 * MODEL.load.wrench)
+    with pytest.raises(TypeError):
+        MODEL.load * "x"
+    with pytest.raises(TypeError):
+        MODEL.load + 1.0  # type: ignore[operator]
+
+
+def test_an_analysis_keeps_its_signature() -> None:
+    parameters = inspect.signature(check).parameters
+    assert list(parameters)[:2] == ["given", "options"]
+    assert check.__module__ == "drystone.stability.check"
+    assert isinstance(check(Assembly(TOWER.blocks, TOWER.fixed)), drystone.Result)
