@@ -21,6 +21,7 @@ from drystone.cli.convert import convert
 from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
 from drystone.cli.limit import limit
+from drystone.cli.mend import mend
 from drystone.cli.plan import plan
 from drystone.cli.reproduce import reproduce
 from drystone.cli.settle import settle
@@ -79,7 +80,7 @@ def _program(
     """Does a structure of loose blocks stand by contact and friction alone?"""
 
 
-for _command in (check, inspect, convert, demo, settle, shell, plan, reproduce):
+for _command in (check, mend, inspect, convert, demo, settle, shell, plan, reproduce):
     app.command()(_command)
 app.add_typer(limit, name="limit")
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from drystone.cli import loading, options, output, verdict
+from drystone.cli import loading, mend, options, output, verdict
 from drystone.cli.groups import Finding, Subject, Written, expanded
 from drystone.cli.waiting import Waiting
 
@@ -39,9 +39,11 @@ def check(
         result = verdict.solve(prepared, waiting, time_limit)
         rows, said = tables.of(result)
         written = verdict.write([*files.of(result), *rows], waiting)
+        why = mend.short(result)
     data = verdict.content(result, waiting.time_s, subject.model, files)
     data["files"] = written
     data["notes"] += said
+    data["diagnosis"] = why
     if as_json:
         output.emit(data)
     else:

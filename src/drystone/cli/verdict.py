@@ -189,6 +189,8 @@ def show(data: Mapping[str, Any]) -> None:
     )
     if data["falling"]:
         _show_falling(console, data)
+    for sentence in (data.get("diagnosis") or {}).get("sentences", ()):
+        console.print(output.safe(sentence))
     if data["largest"] is not None:
         table = Table("", "between", "normal [N]", "friction [N]", "utilisation", box=None)
         for title, key in (("largest force", "force"), ("most friction used", "utilisation")):
