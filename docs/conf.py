@@ -31,6 +31,8 @@ napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 
+suppress_warnings = ["ref.python"]  # attributes of two classes may have one name
+
 html_theme = "furo"
 html_title = f"drystone {version}"
 html_static_path: list[str] = []
