@@ -128,6 +128,24 @@ class Statics:
         result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
         return result
 
+    def unit_wrenches(self, corner: Ints, direction: Floats) -> sparse.csc_matrix:
+        """Wrenches (6 n, c) of unit forces at some corners (c,).
+
+        Their transpose gives the displacement of each corner along the same direction.
+
+        Parameters
+        ----------
+        corner : (c,)
+        direction : (c, 3) or (3,) local n, u, v
+        """
+        count = len(corner)
+        value = np.broadcast_to(direction, (count, 3)).ravel()
+        row = (3 * corner[:, None] + np.arange(3)).ravel()
+        chosen = sparse.csc_matrix(
+            (value, row, 3 * np.arange(count + 1)), shape=(3 * self.corner_count, count)
+        )
+        return self.matrix_by_column @ chosen
+
     def at_corners(self, corners: Bools) -> Statics:
         """The same blocks and loads with some of the corners (k,) only."""
         chosen = {

@@ -9,7 +9,7 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
-from drystone.formulations.stiffness_range import ROUNDING, spread_of
+from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -147,7 +147,7 @@ class Cascade:
             for state in look.states(self.options.spread):
                 candidate = self._answering(look, state)
                 if candidate is not None:
-                    self.spread = spread_of(self.problem.statics, state)
+                    self.spread = stiffness_ratio(self.problem.statics, state)
                     return self._levelled(look, state) or candidate
         finally:
             self.iterations += look.iterations
@@ -166,7 +166,7 @@ class Cascade:
         Equal overlaps are no equal stiffnesses: those are as unlike as the forces.
         """
         level = look.levelled(state.motion)
-        spread = spread_of(self.problem.statics, level)
+        spread = stiffness_ratio(self.problem.statics, level)
         if spread > self.options.spread * ROUNDING:
             return None
         candidate = self._answering(look, level)
