@@ -166,7 +166,7 @@ def solve_equilibrium(
     program = build_equilibrium(
         statics, cone=cone, objective=objective, weights=weights, tension=tension, rule=rule
     )
-    return _unpacked(program, program.solve(options, stop=stop))
+    return solved(program, options, stop=stop)
 
 
 def build_load_factor(statics: Statics, live: Floats, *, cone: FrictionCone) -> ConicProgram:
@@ -213,14 +213,15 @@ def solve_load_factor(
     theorem. Source: Livesley 1978; Ferris and Tin-Loi 2001, the associative bound.
     """
     program = build_load_factor(statics, live, cone=cone)
-    raw = program.solve(options, stop=stop)
+    state = solved(program, options, stop=stop)
+    raw = state.raw
     factor = {
         ConicStatus.SOLVED: float(raw.x[program.variables["factor"]][0]),
         ConicStatus.UNBOUNDED: float("inf"),
         ConicStatus.INFEASIBLE: float("-inf"),
         ConicStatus.FAILED: float("nan"),
     }[raw.status]
-    return FactorSolution(factor, _unpacked(program, raw))
+    return FactorSolution(factor, state)
 
 
 def solve_extreme_force(
@@ -244,7 +245,7 @@ def solve_extreme_force(
     program.equal("equilibrium", -statics.load.ravel(), *unknowns.wrench(statics))
     add_contact_rows(program, statics, cone, unknowns)
     made = program.build()
-    return _unpacked(made, made.solve(options))
+    return solved(made, options)
 
 
 def project_on_mechanisms(
@@ -289,7 +290,14 @@ def held_still(statics: Statics, solution: EquilibriumSolution) -> EquilibriumSo
     return replace(solution, multiplier=(motion - change).reshape(-1, 6))
 
 
-def _unpacked(program: ConicProgram, raw: ConicSolution) -> EquilibriumSolution:
+def solved(
+    program: ConicProgram,
+    options: ConicOptions | None = None,
+    *,
+    stop: Callable[[], bool] | None = None,
+) -> EquilibriumSolution:
+    """Solution of a program over corner forces."""
+    raw = program.solve(options, stop=stop)
     force = raw.x[program.variables["force"]].reshape(-1, 3).copy()
     pull = np.zeros(len(force))
     if "tension" in program.variables:
@@ -314,4 +322,5 @@ __all__ = [
     "solve_equilibrium",
     "solve_extreme_force",
     "solve_load_factor",
+    "solved",
 ]
