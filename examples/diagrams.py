@@ -22,7 +22,17 @@ FLOORS = {
     "Describe": ("io", "results", "joints", "virtual", "model", "detection", "contacts", "loads"),
     "Blocks": ("repair", "supports", "assembly"),
     "Numbers": ("solvers", "geometry"),
-    "Ground": ("settings", "table", "arrays", "files", "units", "display", "errors", "progress"),
+    "Ground": (
+        "settings",
+        "table",
+        "ragged",
+        "arrays",
+        "files",
+        "units",
+        "display",
+        "errors",
+        "progress",
+    ),
 }
 """Layers of the contract, gathered by purpose; from the top."""
 
@@ -69,7 +79,7 @@ def house() -> str:
             parts.append(label(left + 48, top + 29, name, anchor="middle"))
     bottom = 20 + 62 * len(FLOORS)
     parts.append(label(20, bottom + 14, "A layer imports only from layers below it.", "s"))
-    return svg(1010, bottom + 30, parts)
+    return svg(1120, bottom + 30, parts)
 
 
 def arrow(x: float, y: float, dx: float, dy: float, kind: str = "a") -> str:
