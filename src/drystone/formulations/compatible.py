@@ -64,10 +64,12 @@ def compatible_forces(
     if count == 0:
         return force, float(np.linalg.norm(right))
     edge = edge_of_friction(statics, moved)[corner]
-    straight = statics.unit_wrenches(corner, NORMAL)
-    factor = _nonnegative(
-        sparse.hstack([straight, statics.unit_wrenches(corner, edge)], format="csc"), right
+    rays = statics.unit_wrenches(
+        np.concatenate([corner, corner]), np.concatenate([np.tile(NORMAL, (count, 1)), edge])
     )
+    place = rays.row, rays.column
+    matrix = sparse.csc_matrix((rays.value, place), shape=(len(right), 2 * count))
+    factor = _nonnegative(matrix, right)
     if factor is None:
         return force, float(np.linalg.norm(right))
     force[corner] = factor[:count, None] * NORMAL + factor[count:, None] * edge
@@ -91,10 +93,10 @@ def compatible_motion(statics: Statics, force: Floats) -> Floats | None:
     missing = program.variable("missing overlap", len(corner), quadratic=10.0 * weight**2)
     for axis in (1, 2):
         misfit = program.variable(f"misfit {axis}", len(corner), quadratic=1.0)
-        slide = sparse.diags(weight) @ statics.unit_wrenches(corner, np.eye(3)[axis]).T
+        slide = statics.unit_wrenches(corner, weight[:, None] * np.eye(3)[axis]).transposed
         against = weight * force[corner, axis]
         program.equal(f"slide {axis}", none, (motion, slide), (scale, against), (misfit, -1.0))
-    gap = statics.unit_wrenches(corner, NORMAL).T
+    gap = statics.unit_wrenches(corner, NORMAL).transposed
     program.at_most("overlap", none - 1.0, (motion, gap), (missing, -1.0))
     program.at_most("scale", none, (scale, -1.0))
     program.at_most("missing", none, (missing, -1.0))

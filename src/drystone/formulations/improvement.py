@@ -9,16 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from scipy import sparse
 from scipy.sparse.linalg import lsmr
 
 from drystone.arrays import Bools, Floats, Ints
-from drystone.formulations.compatible import compatible_forces, edge_of_friction, slide_directions
+from drystone.formulations.compatible import (
+    NORMAL,
+    compatible_forces,
+    edge_of_friction,
+    slide_directions,
+)
 from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import ProgramBuilder, Variable
+from drystone.solvers.program import Entries, ProgramBuilder, Variable
 from drystone.statics import Statics
 
 LEVEL = 1e-6
@@ -120,9 +123,10 @@ def _level(statics: Statics, motion: Floats) -> Floats | None:
     missing = program.variable(
         "missing overlap", len(loaded), quadratic=force[loaded, 0] / force[loaded, 0].mean()
     )
-    opening = statics.matrix_transposed[::3]
-    program.equal("overlap", -1.0 - gap[loaded], (change, opening[loaded]), (missing, -1.0))
-    program.at_most("largest overlap", gap + 1.0, (change, -opening))
+    opening = statics.unit_wrenches(loaded, NORMAL).transposed
+    program.equal("overlap", -1.0 - gap[loaded], (change, opening), (missing, -1.0))
+    closing = -statics.unit_wrenches(np.arange(statics.corner_count), NORMAL).transposed
+    program.at_most("largest overlap", gap + 1.0, (change, closing))
     solution = program.build().solve()
     if solution.status is not ConicStatus.SOLVED:
         return None
@@ -154,7 +158,7 @@ def _step(
     slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
     held = np.linalg.norm(force[corner, 1:], axis=1) / slide
     edge = statics.unit_wrenches(corner, edge_of_friction(statics, moved)[corner])
-    opening = statics.matrix_transposed[::3]
+    every = np.arange(statics.corner_count)
     loaded = corner[force[corner, 0] > 1e-9 * force[:, 0].max(initial=0.0)]
     none = np.zeros(len(corner))
     program = ProgramBuilder()
@@ -166,22 +170,24 @@ def _step(
         "balance",
         -statics.load.ravel(),
         (change, turned_friction(statics, moved, corner, held)),
-        (straight, opening[corner].T),
+        (straight, statics.unit_wrenches(corner, NORMAL)),
         (at_edge, edge),
         (rest, -1.0),
     )
-    program.equal("still pressed", np.zeros(len(loaded)), (change, opening[loaded]))
+    still = statics.unit_wrenches(loaded, NORMAL).transposed
+    program.equal("still pressed", np.zeros(len(loaded)), (change, still))
     program.at_most("straight", none, (straight, -1.0))
     program.at_most("at the edge", none, (at_edge, -1.0))
     add_trust_region(program, statics, change, corner, slide, trust)
-    program.at_most("overlap", np.maximum(moved[:, 0] + 1.0, 0.0), (change, -opening))
+    closing = -statics.unit_wrenches(every, NORMAL).transposed
+    program.at_most("overlap", np.maximum(moved[:, 0] + 1.0, 0.0), (change, closing))
     solution = program.build().solve(ConicOptions(tolerance=1e-8))
     if solution.status is not ConicStatus.SOLVED:
         return None
     return solution.x[change.place].reshape(-1, 6)
 
 
-def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats) -> Any:
+def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats) -> Entries:
     """Change of wrenches (6 n, 6 n) by a change of motion: friction turns as the slide turns.
 
     Parameters
@@ -195,10 +201,12 @@ def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats)
     """
     direction = slide_directions(moved)[corner]
     zero = np.zeros(len(corner))
-    across = statics.unit_wrenches(
-        corner, np.stack([zero, -direction[:, 1], direction[:, 0]], axis=1)
-    )
-    return -across @ sparse.diags(held) @ across.T
+    across = np.stack([zero, -direction[:, 1], direction[:, 0]], axis=1)
+    freedom, value = statics.wrenches_along(corner, across)
+    row, column = np.repeat(freedom, 12, axis=1), np.tile(freedom, 12)
+    product = -np.repeat(held[:, None] * value, 12, axis=1) * np.tile(value, 12)
+    meets = (row >= 0) & (column >= 0)
+    return Entries(row[meets], column[meets], product[meets])
 
 
 def add_trust_region(
@@ -213,6 +221,6 @@ def add_trust_region(
     # a corner that hardly slides may turn its slide round
     reach = trust * np.maximum(slide, TURN * slide.mean())
     for axis in (1, 2):
-        along = statics.unit_wrenches(corner, np.eye(3)[axis]).T
+        along = statics.unit_wrenches(corner, np.eye(3)[axis]).transposed
         program.at_most(f"largest slide {axis}", reach, (change, along))
         program.at_most(f"least slide {axis}", reach, (change, -along))

@@ -16,14 +16,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
 
 from drystone.arrays import Floats, Ints
 from drystone.formulations.compatible import NORMAL, slide_directions
 from drystone.formulations.improvement import add_trust_region, turned_friction
 from drystone.formulations.rest.compliance import corner_load, wrench_size
 from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.solvers.program import ProgramBuilder, Term
+from drystone.solvers.program import Entries, ProgramBuilder, Term
 from drystone.statics import Statics
 
 ELASTIC_WEIGHT = 3.0
@@ -102,6 +101,7 @@ def elastic_forces(
     closing = statics.unit_wrenches(corner, NORMAL)
     along = statics.unit_wrenches(corner, np.column_stack([none, direction]))
     load = wrench_size(statics.load)
+    load_of_corner = corner_load(statics)[corner]
     weight = np.repeat(ELASTIC_WEIGHT / np.where(load > 0.0, load, 1.0), 6)
     program = ProgramBuilder()
     change = None
@@ -121,12 +121,12 @@ def elastic_forces(
         slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
         held = np.linalg.norm(region.force[corner, 1:], axis=1) / slide
         balance.append((change, turned_friction(statics, moved, corner, held)))
-        least.append((change, -closing.T))
-        most.append((change, ratio * closing.T))
+        least.append((change, -closing.transposed))
+        most.append((change, closing.transposed * ratio))
         add_trust_region(program, statics, change, corner, slide, region.share)
         others = np.setdiff1d(np.arange(statics.corner_count), corner)
-        opening = statics.matrix_transposed[3 * others]
-        program.at_most("open", np.maximum(moved[others, 0], 0.0), (change, -opening))
+        opening = -statics.unit_wrenches(others, NORMAL).transposed
+        program.at_most("open", np.maximum(moved[others, 0], 0.0), (change, opening))
     program.equal("balance", -statics.load.ravel(), *balance)
     program.at_most("least shear", none, (shear, -1.0))
     program.at_most(
@@ -134,7 +134,7 @@ def elastic_forces(
         none,
         (shear, 1.0),
         (normal, -statics.friction[corner]),
-        (cohesion, sparse.csc_matrix(-corner_load(statics)[corner][:, None])),
+        (cohesion, Entries(np.arange(len(corner)), none.astype(np.intp), -load_of_corner)),
     )
     program.at_most("least stiffness", -overlap, *least)
     program.at_most("largest stiffness", ratio * overlap, *most)

@@ -28,7 +28,9 @@ def test_unit_wrenches_are_columns_of_the_equilibrium_matrix():
     statics = wedge()
     corner = np.array([1, 4, 5])
     direction = np.random.default_rng(0).normal(size=(3, 3))
-    columns = statics.unit_wrenches(corner, direction).toarray()
+    found = statics.unit_wrenches(corner, direction)
+    columns = np.zeros((6 * statics.free_count, 3))
+    np.add.at(columns, (found.row, found.column), found.value)
     force = np.zeros((statics.corner_count, 3))
     for column, (at, along) in enumerate(zip(corner, direction, strict=True)):
         force[:] = 0.0
@@ -51,7 +53,9 @@ def test_friction_turns_with_the_slide():
 
     moved = statics.displacement(motion)
     held = size / np.linalg.norm(moved[:, 1:], axis=1)
-    slope = turned_friction(statics, moved, corner, held) @ change.ravel()
+    turned = turned_friction(statics, moved, corner, held)
+    slope = np.zeros(6 * statics.free_count)
+    np.add.at(slope, turned.row, turned.value * change.ravel()[turned.column])
     step = 1e-6
     found = (wrench(motion + step * change) - wrench(motion - step * change)) / (2.0 * step)
     assert slope == pytest.approx(found, rel=1e-5, abs=1e-7)
