@@ -101,6 +101,7 @@ class Model(Card):
         density: float | None = None,
         load: Any = None,
         detection: DetectionOptions | None = None,
+        anyway: bool = False,
     ) -> Model:
         """The model of an assembly, its contacts found here.
 
@@ -119,6 +120,13 @@ class Model(Card):
             See :class:`Model`.
         detection
             Tolerances of the contact search.
+        anyway
+            Accept blocks that overlap by more than a tenth of the smaller one.
+
+        Raises
+        ------
+        InputError
+            Two blocks share more than a tenth of the smaller one.
         """
         notes: list[str] = []
         of_type(assembly, Assembly, "the assembly of a model")
@@ -131,6 +139,8 @@ class Model(Card):
             friction=DEFAULT_FRICTION if friction is None else friction,
             options=detection,
         )
+        if not anyway:
+            found.report.require_apart()
         contacts = found.contacts
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)

@@ -43,6 +43,7 @@ class Finding:
     edges: options.Edges = None
     find_contacts: options.FindContacts = False
     split: options.Split = False
+    anyway: options.Anyway = False
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,12 @@ FindContacts: TypeAlias = Annotated[
     bool,
     typer.Option("--find-contacts", help="Find contacts anew where the file brings some."),
 ]
+Anyway: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--anyway", help="Accept blocks that overlap by more than a tenth of the smaller one."
+    ),
+]
 Html: TypeAlias = Annotated[
     str | None, typer.Option("--html", help="Write a page to look at the answer in a browser.")
 ]

@@ -35,6 +35,7 @@ def prepare(
     edges: str | None = None,
     find_contacts: bool = False,
     split: bool = False,
+    anyway: bool = False,
     loads: Sequence[str] | None = None,
     seismic: str | None = None,
     cases: Sequence[str] | None = None,
@@ -69,6 +70,7 @@ def prepare(
         units=units,
         split=split,
         search=find_contacts,
+        anyway=anyway,
         progress=lambda stage, *_: waiting.stage(*stages[stage]),
     )
     assembly = model.assembly
@@ -108,8 +110,6 @@ def require_support(assembly: Assembly, path: str) -> None:
 
 def warnings_of(report: ContactReport) -> list[str]:
     """What a user must hear of the contact search even when he did not ask for its report."""
-    from drystone.detection.report.advice import millimetres  # the commands start fast
-
     names = report.names
     said = []
     if report.isolated:
@@ -117,14 +117,10 @@ def warnings_of(report: ContactReport) -> list[str]:
         more = len(report.isolated) - LISTED
         said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
         said += report.suggestions()
-    deepest = sorted(report.penetrations, key=lambda pair: -pair.depth)
-    said += [
-        f"blocks '{names[pair.block_a]}' and '{names[pair.block_b]}' stand"
-        f" {millimetres(pair.depth)} mm in each other"
-        for pair in deepest[:LISTED]
-    ]
-    if len(deepest) > LISTED:
-        said.append(f"and {len(deepest) - LISTED} more pairs of blocks stand in each other")
+    overlap = report.overlap_lines()
+    said += overlap[:LISTED]
+    if len(overlap) > LISTED:
+        said.append(f"and {len(overlap) - LISTED} more pairs of blocks overlap")
     return said
 
 

@@ -13,10 +13,10 @@ from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.freeform.shortfall import Shortfall, shortfalls
 from drystone.detection.options import DetectionOptions, EdgeContacts
+from drystone.detection.report.block_overlaps import block_overlaps
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.edgemisses import edge_misses
 from drystone.detection.report.misses import dropped, judge, misses
-from drystone.detection.report.penetration import penetrations
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import (
     Pairs,
@@ -185,7 +185,9 @@ def _report(
     touched = np.zeros(len(assembly), dtype=bool)
     touched[found.block_a] = touched[found.block_b] = True
     a, b = pairs
-    together = np.isin(a * len(assembly) + b, found.block_a * len(assembly) + found.block_b)
+    plane = found.area > 0.0
+    key = found.block_a[plane] * len(assembly) + found.block_b[plane]
+    together = np.isin(a * len(assembly) + b, key)
     most = np.maximum.reduceat(most_slack(patches, options), patches.first_patch[:-1])
     tolerance = options.gap * np.minimum(patches.size[a], patches.size[b]) + most[a] + most[b]
     return ContactReport(
@@ -207,7 +209,7 @@ def _report(
         undirected=tuple((a, b) for a, b in undirected.tolist()),
         near_undirected=tuple((a, b) for a, b in near_undirected.tolist()),
         isolated=tuple(np.flatnonzero(~touched).tolist()),
-        penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(together), tolerance),
+        overlaps=block_overlaps(assembly, patches, pairs, np.flatnonzero(together), tolerance),
         duplicates=_duplicates(assembly, patches, pairs),
         parts=_parts(assembly, patches),
         repairs=tuple(

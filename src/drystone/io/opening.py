@@ -41,6 +41,7 @@ class How(TypedDict, total=False):
     up: str
     split: bool
     search: bool
+    anyway: bool
 
 
 @checked_call
@@ -56,6 +57,7 @@ def read(
     up: str = "z",
     split: bool = False,
     search: bool = False,
+    anyway: bool = False,
     progress: Progress | None = None,
 ) -> Model:
     """Read a model that is ready to be checked.
@@ -84,6 +86,8 @@ def read(
         Separate parts of a block become blocks of their own.
     search
         Search the contacts although the file has some.
+    anyway
+        Accept blocks that overlap by more than a tenth of the smaller one.
     progress
 
     Raises
@@ -91,7 +95,8 @@ def read(
     FormatError
         The file cannot be read, or something in it is wrong: file, place and remedy are named.
     InputError
-        A unit, an axis or a support is not known.
+        A unit, an axis or a support is not known; or two blocks overlap by more than a tenth of
+        the smaller one.
     MissingDependency
         The format needs an extra.
 
@@ -132,6 +137,7 @@ def read(
             density=density,
             load=load,
             detection=detection,
+            anyway=anyway,
         )
         contacts, report = model.contacts, model.report
         assembly, load, notes = model.assembly, model.load, [*notes, *model.notes]
@@ -178,7 +184,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
             f"{shortened(repr(given), 60)} cannot be analysed",
             remedy="give a Model, an Assembly or the path of a file",
         )
-    _refuse(how, ("units", "up", "split", "search", "detection", "density"), "a model")
+    _refuse(how, ("units", "up", "split", "search", "anyway", "detection", "density"), "a model")
     model = given
     if how.get("supports") is not None:
         model = model.with_supports(how["supports"])  # type: ignore[arg-type]

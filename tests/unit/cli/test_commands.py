@@ -83,7 +83,10 @@ def test_blocks_that_interpenetrate_are_warned_of_with_the_depth(
 ) -> None:
     model = boxes(base=(0, 0, 0), on=(0, 0, 1), deep=(0, 0, 1.8))
     _, told = answer(capsys, "check", file(tmp_path, model))
-    (note,) = [note for note in told["notes"] if "in each other" in note]
+    assert told["error"]["what"].startswith("overlap: they share 0.2 m3 (20 % of the smaller one)")
+    assert told["error"]["where"] == "blocks 'on' and 'deep'"
+    _, told = answer(capsys, "check", file(tmp_path, model), "--anyway")
+    (note,) = [note for note in told["notes"] if "overlap" in note]
     assert "'on' and 'deep'" in note
     assert "200 mm" in note
 

@@ -301,7 +301,7 @@ def test_a_surface_may_come_as_near_to_itself_as_it_is_thick(gap):
             bent(60)(spiral, (0.0, 3.0 * np.pi))
     else:
         shell = bent(60)(spiral, (0.0, 3.0 * np.pi))
-        assert find_contacts(shell.assembly).report.penetrations == ()
+        assert find_contacts(shell.assembly).report.overlaps == ()
 
 
 def test_a_patch_may_not_cross_another():

@@ -13,9 +13,10 @@ from drystone.arrays import Bools, Floats, Ints
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.options import DetectionOptions
 from drystone.detection.report.advice import SHOWN, counted, listed, millimetres, suggestions
-from drystone.detection.report.penetration import Penetration
+from drystone.detection.report.block_overlaps import REFUSED, Overlap
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.display import Card
+from drystone.errors import InputError
 from drystone.table import Table
 
 KINDS = {3: "area", 2: "line", 1: "point"}
@@ -57,8 +58,8 @@ class ContactReport(Card):
         Pairs whose parallel edges or corners are near each other, beyond the gap.
     isolated
         Blocks that touch nothing.
-    penetrations
-        Blocks that stand in each other.
+    overlaps
+        Pairs of blocks that share volume, deeper than is tolerated.
     duplicates
         Pairs of blocks that are the same solid in the same place.
     parts
@@ -85,7 +86,7 @@ class ContactReport(Card):
     undirected: tuple[tuple[int, int], ...]
     near_undirected: tuple[tuple[int, int], ...]
     isolated: tuple[int, ...]
-    penetrations: tuple[Penetration, ...]
+    overlaps: tuple[Overlap, ...]
     duplicates: tuple[tuple[int, int], ...]
     parts: tuple[tuple[int, int], ...]
     repairs: tuple[tuple[int, str], ...]
@@ -103,7 +104,7 @@ class ContactReport(Card):
         return (
             f"{counted(len(self.names), 'block')}, {counted(len(self.area), 'interface')} in "
             f"{counted(self.pair_count, 'pair')}, {counted(apart, 'pair')} missed, "
-            f"{counted(len(self.penetrations), 'overlap')}"
+            f"{counted(len(self.overlaps), 'overlap')}"
         )
 
     @property
@@ -164,14 +165,7 @@ class ContactReport(Card):
                 f" {'touches' if len(self.isolated) == 1 else 'touch'} nothing:"
                 f" {listed([self.names[i] for i in self.isolated])}"
             )
-        deepest = sorted(self.penetrations, key=lambda pair: -pair.depth)
-        lines += _first(
-            [
-                f"blocks '{self.names[deep.block_a]}' and '{self.names[deep.block_b]}'"
-                f" stand {millimetres(deep.depth)} mm in each other"
-                for deep in deepest
-            ]
-        )
+        lines += _first(self.overlap_lines())
         lines += _first(
             [
                 f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
@@ -183,6 +177,33 @@ class ContactReport(Card):
         )
         lines += _first([f"block '{self.names[i]}': {what}" for i, what in self.repairs])
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
+
+    def overlap_lines(self) -> list[str]:
+        """A sentence for each pair of blocks that overlap, the largest share first."""
+        worst = sorted(self.overlaps, key=lambda pair: (-pair.share, -pair.depth))
+        return [f"{self._pair(pair)} overlap: they share {_shared(pair)}" for pair in worst]
+
+    def require_apart(self) -> None:
+        """Raise where two blocks share more than a tenth of the smaller one.
+
+        Raises
+        ------
+        InputError
+            The pair that shares most is named.
+        """
+        if not self.overlaps or max(pair.share for pair in self.overlaps) <= REFUSED:
+            return
+        worst = max(self.overlaps, key=lambda pair: (pair.share, pair.depth))
+        others = sum(pair.share > REFUSED for pair in self.overlaps) - 1
+        more = f", and {counted(others, 'more pair')} overlap as much" if others else ""
+        raise InputError(
+            f"overlap: they share {_shared(worst)}{more}",
+            where=self._pair(worst),
+            remedy="move them apart in the model; anyway (--anyway) accepts them as they are",
+        )
+
+    def _pair(self, pair: Overlap) -> str:
+        return f"blocks '{self.names[pair.block_a]}' and '{self.names[pair.block_b]}'"
 
     def _missed_lines(self) -> list[str]:
         apart: dict[Reason, dict[tuple[int, int], Missed]] = {}
@@ -276,15 +297,26 @@ class ContactReport(Card):
             "undirected": [[name[a], name[b]] for a, b in self.undirected],
             "near_undirected": [[name[a], name[b]] for a, b in self.near_undirected],
             "isolated": [name[i] for i in self.isolated],
-            "penetrations": [
-                {"blocks": [name[p.block_a], name[p.block_b]], "depth": p.depth}
-                for p in self.penetrations
+            "overlaps": [
+                {
+                    "blocks": [name[pair.block_a], name[pair.block_b]],
+                    "depth": pair.depth,
+                    "volume": pair.volume,
+                    "share": pair.share,
+                }
+                for pair in self.overlaps
             ],
             "duplicates": [[name[a], name[b]] for a, b in self.duplicates],
             "parts": [{"block": name[i], "count": count} for i, count in self.parts],
             "repairs": [{"block": name[i], "what": what} for i, what in self.repairs],
             "suggestions": list(self.suggestions()),
         }
+
+
+def _shared(pair: Overlap) -> str:
+    """The volume that two blocks share, and how deep they are in each other."""
+    share = f"{100.0 * pair.share:.2g} % of the smaller one"
+    return f"{pair.volume:.3g} m3 ({share}), {millimetres(pair.depth)} mm deep"
 
 
 def _beyond(miss: Missed) -> float:
@@ -312,4 +344,4 @@ def _first(lines: list[str]) -> list[str]:
     return lines[:SHOWN] + more
 
 
-__all__ = ["ContactReport", "Missed", "Penetration", "Reason"]
+__all__ = ["ContactReport", "Missed", "Overlap", "Reason"]
