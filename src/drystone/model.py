@@ -12,6 +12,7 @@ from drystone.arrays import Bools, Floats, of_type
 from drystone.assembly import Assembly, Blocks
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
+from drystone.detection.report.block_overlaps import overlap_lines
 from drystone.display import Card
 from drystone.errors import InputError, counted
 from drystone.loads import LoadCase
@@ -144,6 +145,7 @@ class Model(Card):
         contacts = found.contacts
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)
+        notes += overlap_lines(assembly.names, found.report.overlaps)
         return cls(assembly, contacts, load, found.report, tuple(notes))
 
     def with_load(self, load: Any) -> Model:

@@ -62,7 +62,9 @@ FindContacts: TypeAlias = Annotated[
 Anyway: TypeAlias = Annotated[
     bool,
     typer.Option(
-        "--anyway", help="Accept blocks that overlap by more than a tenth of the smaller one."
+        "--anyway",
+        help="Go on where blocks overlap by more than a tenth of the smaller one; plan also where "
+        "the complete model does not stand.",
     ),
 ]
 Html: TypeAlias = Annotated[

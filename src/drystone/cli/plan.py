@@ -92,9 +92,6 @@ def plan(
     best: Annotated[
         bool, typer.Option("--best", help="Search until no order with fewer props is left.")
     ] = False,
-    anyway: Annotated[
-        bool, typer.Option("--anyway", help="Plan even if the complete model does not stand.")
-    ] = False,
     thorough: Annotated[
         bool,
         typer.Option("--thorough", help="Let stages stand that are sensitive to joint stiffness."),
@@ -141,7 +138,10 @@ def plan(
 
         waiting.stage("plan", "planning")
         chosen = sequence.PlanOptions(
-            rules=rules, exact=exact, patience=float("inf") if best else None, anyway=anyway
+            rules=rules,
+            exact=exact,
+            patience=float("inf") if best else None,
+            anyway=finding.anyway,
         )
         check = sequence.check_thoroughly if thorough else None
 

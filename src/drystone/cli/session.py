@@ -117,10 +117,6 @@ def warnings_of(report: ContactReport) -> list[str]:
         more = len(report.isolated) - LISTED
         said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
         said += report.suggestions()
-    overlap = report.overlap_lines()
-    said += overlap[:LISTED]
-    if len(overlap) > LISTED:
-        said.append(f"and {len(overlap) - LISTED} more pairs of blocks overlap")
     return said
 
 

@@ -1,6 +1,6 @@
 """From an assembly to its contacts, with a report of what was found, left out and why."""
 
-from drystone.detection.find import Detection, find_contacts
+from drystone.detection.find import Detection, find_contacts, find_overlaps
 from drystone.detection.freeform.given import contacts_from_mesh
 from drystone.detection.freeform.regroup import regroup
 from drystone.detection.freeform.shortfall import Shortfall
@@ -22,6 +22,7 @@ __all__ = [
     "Shortfall",
     "contacts_from_mesh",
     "find_contacts",
+    "find_overlaps",
     "gap_sweep",
     "regroup",
 ]

@@ -10,7 +10,8 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.detection import DetectionOptions
+from drystone.detection import DetectionOptions, find_overlaps
+from drystone.detection.report.block_overlaps import overlap_lines, require_apart
 from drystone.display import shortened
 from drystone.errors import InputError, counted
 from drystone.files import PathLike
@@ -148,6 +149,10 @@ def read(
         contacts = contacts if friction is None else contacts.with_friction(friction)
         verb = "is" if contacts.count == 1 else "are"
         notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
+        overlaps = find_overlaps(assembly, detection)
+        if not anyway:
+            require_apart(assembly.names, overlaps)
+        notes += overlap_lines(assembly.names, overlaps)
     if case:
         notes.append(f"the load case '{contents.loads[0].name}' of the file is used")
     return Model(assembly, contacts, load, report, tuple(notes), contents.loads)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drystone.arrays import Floats, Ints
 from drystone.assembly import Assembly
+from drystone.detection.report.advice import SHOWN, counted, millimetres
 from drystone.detection.search.candidates import Pairs, block_boxes
 from drystone.detection.search.patches import Patches
 from drystone.display import OneLine
+from drystone.errors import InputError
 from drystone.geometry.body.shared_volume import shared_volumes
 
 REFUSED = 0.1
@@ -70,4 +73,41 @@ def block_overlaps(
     return tuple(Overlap(*each) for each in zip(*columns, strict=True))
 
 
-__all__ = ["REFUSED", "Overlap", "block_overlaps"]
+def overlap_lines(names: Sequence[str], overlaps: Sequence[Overlap]) -> list[str]:
+    """A sentence for each pair of blocks that overlap, the largest share first; a few at most."""
+    worst = sorted(overlaps, key=lambda pair: (-pair.share, -pair.depth))
+    lines = [f"{_named(names, pair)} overlap: they share {_shared(pair)}" for pair in worst[:SHOWN]]
+    more = len(worst) - SHOWN
+    return lines + ([f"{counted(more, 'more pair')} of blocks overlap"] if more > 0 else [])
+
+
+def require_apart(names: Sequence[str], overlaps: Sequence[Overlap]) -> None:
+    """Refuse blocks that share more than a tenth of the smaller one.
+
+    Raises
+    ------
+    InputError
+        There are such blocks; the pair that shares most is named.
+    """
+    refused = [pair for pair in overlaps if pair.share > REFUSED]
+    if not refused:
+        return
+    worst = max(refused, key=lambda pair: (pair.share, pair.depth))
+    more = f"; {counted(len(refused) - 1, 'more pair')} of blocks overlap by more than a tenth"
+    raise InputError(
+        f"overlap: they share {_shared(worst)}{more if len(refused) > 1 else ''}",
+        where=_named(names, worst),
+        remedy="move them apart in the model, or accept them with --anyway (anyway=True in Python)",
+    )
+
+
+def _named(names: Sequence[str], pair: Overlap) -> str:
+    return f"blocks '{names[pair.block_a]}' and '{names[pair.block_b]}'"
+
+
+def _shared(pair: Overlap) -> str:
+    share = f"{100.0 * pair.share:.2g} % of the smaller one"
+    return f"{pair.volume:.3g} m3 ({share}), {millimetres(pair.depth)} mm deep"
+
+
+__all__ = ["REFUSED", "Overlap", "block_overlaps", "overlap_lines", "require_apart"]

@@ -13,10 +13,9 @@ from drystone.arrays import Bools, Floats, Ints
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.options import DetectionOptions
 from drystone.detection.report.advice import SHOWN, counted, listed, millimetres, suggestions
-from drystone.detection.report.block_overlaps import REFUSED, Overlap
+from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.display import Card
-from drystone.errors import InputError
 from drystone.table import Table
 
 KINDS = {3: "area", 2: "line", 1: "point"}
@@ -165,7 +164,7 @@ class ContactReport(Card):
                 f" {'touches' if len(self.isolated) == 1 else 'touch'} nothing:"
                 f" {listed([self.names[i] for i in self.isolated])}"
             )
-        lines += _first(self.overlap_lines())
+        lines += overlap_lines(self.names, self.overlaps)
         lines += _first(
             [
                 f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
@@ -178,32 +177,15 @@ class ContactReport(Card):
         lines += _first([f"block '{self.names[i]}': {what}" for i, what in self.repairs])
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
 
-    def overlap_lines(self) -> list[str]:
-        """A sentence for each pair of blocks that overlap, the largest share first."""
-        worst = sorted(self.overlaps, key=lambda pair: (-pair.share, -pair.depth))
-        return [f"{self._pair(pair)} overlap: they share {_shared(pair)}" for pair in worst]
-
     def require_apart(self) -> None:
-        """Raise where two blocks share more than a tenth of the smaller one.
+        """Refuse blocks that share more than a tenth of the smaller one.
 
         Raises
         ------
         InputError
-            The pair that shares most is named.
+            There are such blocks; the pair that shares most is named.
         """
-        if not self.overlaps or max(pair.share for pair in self.overlaps) <= REFUSED:
-            return
-        worst = max(self.overlaps, key=lambda pair: (pair.share, pair.depth))
-        others = sum(pair.share > REFUSED for pair in self.overlaps) - 1
-        more = f", and {counted(others, 'more pair')} overlap as much" if others else ""
-        raise InputError(
-            f"overlap: they share {_shared(worst)}{more}",
-            where=self._pair(worst),
-            remedy="move them apart in the model; anyway (--anyway) accepts them as they are",
-        )
-
-    def _pair(self, pair: Overlap) -> str:
-        return f"blocks '{self.names[pair.block_a]}' and '{self.names[pair.block_b]}'"
+        require_apart(self.names, self.overlaps)
 
     def _missed_lines(self) -> list[str]:
         apart: dict[Reason, dict[tuple[int, int], Missed]] = {}
@@ -311,12 +293,6 @@ class ContactReport(Card):
             "repairs": [{"block": name[i], "what": what} for i, what in self.repairs],
             "suggestions": list(self.suggestions()),
         }
-
-
-def _shared(pair: Overlap) -> str:
-    """The volume that two blocks share, and how deep they are in each other."""
-    share = f"{100.0 * pair.share:.2g} % of the smaller one"
-    return f"{pair.volume:.3g} m3 ({share}), {millimetres(pair.depth)} mm deep"
 
 
 def _beyond(miss: Missed) -> float:
