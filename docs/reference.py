@@ -2,10 +2,11 @@
 
 import enum
 import inspect
+import textwrap
 from importlib import import_module
 from pathlib import Path
 
-from typer.main import get_command
+import click
 
 from drystone.cli.application import app
 
@@ -66,20 +67,23 @@ def api(folder: Path) -> list[str]:
 
 
 def commands(folder: Path) -> None:
-    """One page with the help of every command, as the program prints it."""
-    group = get_command(app)
-    context = group.make_context("drystone", ["--help"], resilient_parsing=True)
+    """One page with the help of every command, as ``--help-all`` prints it."""
     text = titled("Commands and their options")
-    for name in sorted(group.list_commands(context)):
-        command = group.get_command(context, name)
-        text += titled(f"drystone {name}", "-") + f"{command.help or ''}\n\n"
-        for option in command.params:
-            if getattr(option, "hidden", False):
-                continue
-            names = ", ".join(f"``{one}``" for one in (*option.opts, *option.secondary_opts))
-            told = " ".join((getattr(option, "help", None) or "").split())
-            text += f"{names}\n   {told or 'See the text above.'}\n\n"
+    for words, command in every(app, "drystone"):
+        context = click.Context(command, info_name=words)
+        context.meta["drystone.everything"] = True
+        told = textwrap.indent(command.get_help(context), "   ")
+        text += f"{titled(words, '-')}::\n\n{told}\n\n"
     (folder / "commands.rst").write_text(text, "utf-8")
+
+
+def every(group: click.Group, words: str) -> list[tuple[str, click.Command]]:
+    """Every command of a group and of the groups in it, with its words."""
+    found: list[tuple[str, click.Command]] = []
+    for name, one in sorted(group.commands.items()):
+        here = f"{words} {name}"
+        found += every(one, here) if isinstance(one, click.Group) else [(here, one)]
+    return found
 
 
 def write_reference(folder: Path) -> None:
