@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import anyio
 from anyio import to_process
@@ -38,7 +38,7 @@ Loads = Annotated[
 class Subject(BaseModel):
     """A model, its supports, materials and loads."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config: ClassVar[ConfigDict] = {"extra": "forbid"}
 
     file: str | None = Field(None, description="Name of a model file in the folder.")
     content: dict[str, Any] | None = Field(
