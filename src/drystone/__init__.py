@@ -87,7 +87,7 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
-_ROOMS = ("limits", "models", "sequence", "shells", "view")
+_ROOMS = ("limits", "models", "sequence", "settlement", "shells", "view")
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)

@@ -17,7 +17,7 @@ from drystone.errors import InputError
 if TYPE_CHECKING:
     from drystone.files import Job
     from drystone.model import Model
-    from drystone.settlement import Settlement
+    from drystone.settlement import SupportResponse
 
 LISTED = 12
 """Rows shown of a table; --json has all."""
@@ -52,12 +52,12 @@ def settle(
             raise InputError(
                 "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
             )
-        from drystone.settlement import SettlementOptions  # work is imported when there is some
-        from drystone.settlement import settle as solve
+        # work is imported when there is some
+        from drystone.settlement import SupportResponseOptions, support_response
 
         waiting.stage("solve", "settling")
-        chosen = SettlementOptions(compliance=compliance)
-        answer = solve(prepared, options=chosen)
+        chosen = SupportResponseOptions(compliance=compliance)
+        answer = support_response(prepared, options=chosen)
         rows, said = tables.of(answer.result)
         written = verdict.write([*_pictures(answer, files), *rows], waiting)
     data = _content(answer, prepared, subject.model)
@@ -71,7 +71,7 @@ def settle(
     return verdict.exit_code(answer.result, strict=False)
 
 
-def _pictures(answer: Settlement, files: verdict.Files) -> list[Job]:
+def _pictures(answer: SupportResponse, files: verdict.Files) -> list[Job]:
     if not files.written():
         return []
     from drystone import view  # as above
@@ -83,7 +83,7 @@ def _pictures(answer: Settlement, files: verdict.Files) -> list[Job]:
     )
 
 
-def _content(answer: Settlement, prepared: Model, model: str) -> dict[str, Any]:
+def _content(answer: SupportResponse, prepared: Model, model: str) -> dict[str, Any]:
     """The answer as plain values: forces in N, lengths in m, rotations in rad."""
     import numpy as np  # as above
 
