@@ -73,6 +73,7 @@ def values(folder: Path) -> Iterator[object]:
     settled = drystone.settle(tower(2))
     yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
     stack = Model.of(tower(3), friction=0.6)
+    yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)
     yield limits.tilt_sweep(stack, 2, options=coarse)
     yield limits.limit_friction(stack, options=limits.LimitOptions(width=0.2))

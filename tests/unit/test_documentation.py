@@ -103,7 +103,8 @@ def test_the_demo_answers_and_leaves_a_page_and_a_figure(tmp_path: Path) -> None
     run = drystone("demo", tmp_path)
     assert run.returncode == 0
     assert run.stdout.startswith("STABLE")
-    assert {path.name for path in tmp_path.iterdir()} == {"drystone-demo.html", "drystone-demo.png"}
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {f"drystone-demo.{suffix}" for suffix in ("json", "html", "png")}
 
 
 def test_bad_input_is_one_line_and_exit_code_two(tmp_path: Path) -> None:
@@ -189,3 +190,10 @@ def test_every_example_is_run_by_a_test() -> None:
     names = {path.stem for path in (ROOT / "examples").glob("*.py")}
     assert names
     assert [name for name in names if not re.search(rf'"{name}(\.py)?"', tests)] == []
+
+
+def test_the_drawings_show_the_layers_that_are_enforced_and_every_one_of_them() -> None:
+    drawn = runpy.run_path(str(ROOT / "examples" / "diagrams.py"))
+    assert drawn["house"]() == (ROOT / "docs" / "images" / "house.svg").read_text("utf-8")
+    assert drawn["signs"]() == (ROOT / "docs" / "images" / "signs.svg").read_text("utf-8")
+    assert {name for floor in drawn["FLOORS"].values() for name in floor} >= set(drawn["layers"]())

@@ -7,7 +7,7 @@ from drystone.settlement.first_order import (
     support_forces,
     support_response,
 )
-from drystone.settlement.settle import settle
+from drystone.settlement.analysis import settle
 from drystone.settlement.types import Outcome, Settlement, SettlementOptions, SettlementPath
 
 __all__ = [

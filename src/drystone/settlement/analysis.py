@@ -67,15 +67,16 @@ def settle(
 
     Examples
     --------
-    A wedge that no uniform contact stiffness holds slides by 0.6 % of its size, turns, and jams:
+    A wedge that no uniform contact stiffness holds slides by half a percent of its size, turns, and jams:
 
     >>> import drystone
     >>> from drystone.models import wedge
+    >>> from drystone.settlement import SettlementOptions
     >>> tilted = drystone.LoadCase.tilt(wedge("b"), (1.0, 0.0, 0.0), 50.0)
     >>> model = drystone.Model.of(wedge("b"), friction=0.84, load=tilted)
-    >>> settled = drystone.settle(model, options=drystone.SettlementOptions(carrier="moving"))
+    >>> settled = drystone.settle(model, options=SettlementOptions(carrier="moving"))
     >>> settled.outcome, round(settled.way, 3)
-    (<Outcome.RESTS: 'comes to rest'>, 0.006)
+    (<Outcome.RESTS: 'comes to rest'>, 0.005)
     """
     chosen = SettlementOptions.of(options)
     model = as_model(given, **how)
