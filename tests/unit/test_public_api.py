@@ -23,7 +23,11 @@ MODULES = sorted(
 )
 
 
+<<<<<<< HEAD
 ROOMS = ["limits", "models", "sequence", "settlement", "shells", "view"]
+=======
+ROOMS = ["design", "limits", "models", "sequence", "shells", "view"]
+>>>>>>> main
 
 
 def source(module: str) -> str:

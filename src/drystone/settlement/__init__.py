@@ -1,5 +1,6 @@
 """Blocks followed by finite steps to rest or into a fall, and what moving supports cause."""
 
+from drystone.settlement.analysis import settle
 from drystone.settlement.corners import Carrier
 from drystone.settlement.first_order import (
     SupportResponse,
@@ -7,7 +8,6 @@ from drystone.settlement.first_order import (
     support_forces,
     support_response,
 )
-from drystone.settlement.analysis import settle
 from drystone.settlement.types import Outcome, Settlement, SettlementOptions, SettlementPath
 
 __all__ = [

@@ -67,7 +67,7 @@ def settle(
 
     Examples
     --------
-    A wedge that no uniform contact stiffness holds slides by half a percent of its size, turns, and jams:
+    A wedge that no uniform stiffness holds slides by half a percent of its size, turns and jams:
 
     >>> import drystone
     >>> from drystone.models import wedge
