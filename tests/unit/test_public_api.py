@@ -23,11 +23,7 @@ MODULES = sorted(
 )
 
 
-<<<<<<< HEAD
-ROOMS = ["limits", "models", "sequence", "settlement", "shells", "view"]
-=======
-ROOMS = ["design", "limits", "models", "sequence", "shells", "view"]
->>>>>>> main
+ROOMS = ["design", "limits", "models", "sequence", "settlement", "shells", "view"]
 
 
 def source(module: str) -> str:
