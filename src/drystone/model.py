@@ -131,6 +131,7 @@ class Model(Card):
         """
         notes: list[str] = []
         of_type(assembly, Assembly, "the assembly of a model")
+        of_type(anyway, bool, "anyway")
         if supports is not None:
             assembly = supported(assembly, supports)
         if density is not None:

@@ -9,6 +9,7 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 
 import numpy as np
 
+from drystone.arrays import of_type
 from drystone.assembly import Assembly
 from drystone.detection import DetectionOptions, find_overlaps
 from drystone.detection.report.block_overlaps import overlap_lines, require_apart
@@ -114,6 +115,7 @@ def read(
     """
     if not isinstance(up, str) or up not in UP:
         raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
+    of_type(anyway, bool, "anyway")
     if progress is not None:
         progress("read", 0, 2)
     contents = read_file(path, units=units, split=split)

@@ -86,7 +86,7 @@ def test_blocks_that_overlap_are_refused_or_told_with_the_depth(
     said = capsys.readouterr().err
     assert "blocks 'on' and 'deep': overlap: they share 0.2 m3 (20 % of the smaller one)" in said
     _, told = answer(capsys, "check", file(tmp_path, model), "--anyway")
-    (note,) = [note for note in told["notes"] if "overlap" in note]
+    (note,) = [note for note in told["notes"] if "they share" in note]
     assert "'on' and 'deep'" in note
     assert "200 mm" in note
 

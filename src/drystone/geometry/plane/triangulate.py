@@ -45,7 +45,7 @@ def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
     --------
     >>> dart = np.array([[2.0, 0, 0], [0.5, 0.5, 0], [0, 2, 0], [0, 0, 0]])
     >>> triangulate(dart, np.array([0, 4]))[0].tolist()
-    [[1, 2, 3], [1, 3, 0]]
+    [[3, 1, 2], [1, 3, 0]]
     """
     count = np.diff(start)
     if len(count) == 0:
