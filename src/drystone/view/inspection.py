@@ -41,10 +41,10 @@ def inspection_scene(assembly: Assembly, found: Detection, bare: Sequence[Floats
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     count = f"{len(assembly)} blocks, {found.contacts.count} interfaces"
     layers = (
-        *interface_layers(found.contacts, visible=True),
+        *interface_layers(found.contacts),
         *_edge_layers(found),
         *missed_layers(found.report),
-        *_polygon_layer("defects", "faces at holes", "tension", bare),
+        *_polygon_layer("defects", "faces at holes", "help", bare),
     )
     count_line, *rest = found.report.summary()
     advice = [f"suggestion: {text}" for text in found.report.suggestions()]

@@ -61,7 +61,8 @@ class Frame(OneLine):
     def _repr_html_(self) -> str:
         page = html.escape(page_text(self.scene))
         style = f"width:100%;height:{self.height}px;border:0"
-        return f'<iframe srcdoc="{page}" sandbox="allow-scripts" style="{style}"></iframe>'
+        allowed = "allow-scripts allow-downloads"
+        return f'<iframe srcdoc="{page}" sandbox="{allowed}" style="{style}"></iframe>'
 
 
 def thumbnail(value: object) -> str:

@@ -11,7 +11,6 @@ import numpy as np
 
 from drystone.arrays import Floats, Ints
 from drystone.assembly import Block
-from drystone.contacts import Contacts
 from drystone.files import write_bytes
 from drystone.model import Model
 from drystone.results import Result
@@ -19,8 +18,8 @@ from drystone.sequence.plans import Plan, Status, Step
 from drystone.sequence.stage.stages import Answer, members
 from drystone.view.figure import draw
 from drystone.view.palette import State
-from drystone.view.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.staging import force_layers, interface_layers
+from drystone.view.scene import Scene, Stage
+from drystone.view.staging import force_layers, help_layer, interface_layers
 
 MOST_ARROWS = 200_000
 """Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
@@ -155,7 +154,7 @@ def _stage(
     prop = np.zeros((len(model.assembly), 6))
     for block, wrench in answer.reaction.items():
         prop[block] = wrench
-    layers = interface_layers(contacts.select(shown), visible=False) + _prop_layer(plan, answer)
+    layers = interface_layers(contacts, shown) + help_layer(model.assembly, prop, "props and hands")
     headline = "Stands" if answer.stands else answer.verdict.value.capitalize()
     if not forces or not len(answer.corner):
         return Stage(label, headline, message, state, answer.verdict, prop=prop, layers=layers)
@@ -164,27 +163,10 @@ def _stage(
     whole = Result("plan", answer.verdict, Model(model.assembly, contacts, model.load), force=force)
     resultants = whole.resultants
     return Stage(
-        label, headline, message, state, answer.verdict, None, prop,
-        resultants.normal, resultants.tangential, whole.utilisation,
-        layers + force_layers(_part(whole, shown, force)),
+        label, headline, message, state, answer.verdict, prop=prop, force=force,
+        normal=resultants.normal, tangential=resultants.tangential, utilisation=whole.utilisation,
+        pressure_centre=resultants.position, layers=layers + force_layers(whole, shown),
     )  # fmt: skip
-
-
-def _part(whole: Result, shown: np.ndarray, force: Floats) -> Result:
-    """The result with only the interfaces that are shown, so that no arrow stands for nothing."""
-    contacts: Contacts = whole.contacts.select(shown)
-    kept = force[shown[whole.contacts.interface]]
-    return Result("plan", whole.verdict, whole.model.with_contacts(contacts), force=kept)
-
-
-def _prop_layer(plan: Plan, answer: Answer) -> tuple[Layer, ...]:
-    """What props and hands supply, as an arrow on each block."""
-    if not answer.reaction:
-        return ()
-    blocks = list(answer.reaction)
-    force = np.array([answer.reaction[b][:3] for b in blocks])
-    at = plan.model.assembly.centroid[blocks]
-    return (Layer("props", "props and hands", LayerKind.ARROWS, "missed", at, force, width=2.2),)
 
 
 def _summary(plan: Plan) -> Stage:
@@ -193,7 +175,7 @@ def _summary(plan: Plan) -> Stage:
     message = plan.message
     if impossible:
         message += f"; cannot be put in: {', '.join(impossible)}"
-    layers = interface_layers(plan.model.contacts, visible=False)
+    layers = interface_layers(plan.model.contacts)
     verdict = plan.verdict
     return Stage("all steps", _counts(plan), message, state, verdict, layers=layers)
 
@@ -255,7 +237,7 @@ def _numbered_drawing(plan: Plan) -> str:
     # what the summary says stands above the drawing
     bare = replace(_summary(plan), headline="", message="")
     scene = Scene(plan.model.assembly, plan.model.contacts, (bare,), "plan")
-    figure = draw(scene, scene.toward, (9.0, 6.5), (), 1.0, 0)
+    figure = draw(scene, (9.0, 6.5), layers=())
     axes = figure.axes[0]
     right = np.cross([0.0, 0.0, 1.0], scene.toward)
     right /= np.linalg.norm(right)

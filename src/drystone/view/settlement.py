@@ -14,10 +14,7 @@ from drystone.geometry.frames import rotation_about
 from drystone.settlement import Settlement
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.staging import stage_of
-
-PLAYED = 0.3
-"""Largest motion of a block in pictures, by the median size of the blocks; chosen by eye."""
+from drystone.view.staging import PLAYED, stage_of
 
 
 def settlement_scene(settlement: Settlement) -> Scene:
@@ -40,6 +37,7 @@ def settlement_scene(settlement: Settlement) -> Scene:
             headline=_headline(settlement),
             message=f"{after.message}; the motion is enlarged",
             motion=_enlarged(result.assembly, result.displacement)[0],
+            motion_name="Settlement, enlarged",
             layers=(*after.layers, *_openings(settlement)),
         )
     title = f"drystone: {after.headline.lower()}"
@@ -91,7 +89,7 @@ def _openings(settlement: Settlement) -> tuple[Layer, ...]:
     gaps = contacts.select(opens)
     return (
         Layer(
-            "opening", "joints that open", LayerKind.POLYGONS, "tension", gaps.point,
+            "opening", "joints that open", LayerKind.POLYGONS, "help", gaps.point,
             start=gaps.start,
         ),
     )  # fmt: skip
