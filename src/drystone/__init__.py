@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOME = {
     "Assembly": "assembly",

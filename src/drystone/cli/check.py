@@ -37,8 +37,13 @@ def check(
     with Waiting() as waiting:
         prepared = subject.prepared(waiting, finding, seismic=seismic)
         result = verdict.solve(prepared, waiting, time_limit)
-        rows, said = tables.of(result)
-        written = verdict.write([*files.of(result), *rows], waiting)
+        waiting.stage("tables", "joints")
+        try:
+            rows, said = tables.of(result)
+            written = verdict.write([*files.of(result), *rows], waiting)
+        except KeyboardInterrupt:  # the verdict is known: it is told
+            waiting.interrupted = True
+            written, said = [], [f"interrupted: {waiting.left()}"]
     data = verdict.content(result, waiting.time_s, subject.model, files)
     data["files"] = written
     data["notes"] += said

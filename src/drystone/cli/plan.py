@@ -143,11 +143,11 @@ def plan(
         chosen = sequence.PlanOptions(
             rules=rules, exact=exact, patience=float("inf") if best else None, anyway=anyway
         )
-        judge = sequence.check_thoroughly if thorough else sequence.check_once
+        check = sequence.check_thoroughly if thorough else None
 
         def plan_at(model: Model, saved: str | None = None) -> Plan:
             return sequence.plan(
-                model, options=chosen, check=judge,
+                model, options=chosen, check=check,
                 executor=executor, checkpoint=saved, progress=waiting,
             )  # fmt: skip
 
@@ -172,7 +172,7 @@ def plan(
             output.console().print(f"not written: {', '.join(files.wanted)}")
     counts = found.counts
     helped = counts["propped"] + counts["impossible"]
-    return 0 if found.steps and found.verdict.value == "stable" and not helped else 1
+    return 0 if found.steps and found.verdict == "stable" and not helped else 1
 
 
 def _rules(

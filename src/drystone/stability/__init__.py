@@ -8,8 +8,12 @@ from drystone.stability.options import CheckOptions
 from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
 from drystone.stability.rbe import RBEOptions, solve_rbe
 from drystone.stability.resting import try_rest
+from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
 
 __all__ = [
+    "PATIENT",
+    "QUICK",
+    "SMOOTH",
     "CRAOptions",
     "CheckOptions",
     "FrictionCone",
@@ -17,6 +21,7 @@ __all__ = [
     "Objective",
     "PenaltyOptions",
     "RBEOptions",
+    "Screening",
     "Weights",
     "check",
     "solve_cra",

@@ -66,7 +66,7 @@ class _State:
     displacement: Floats
     residuals: Residuals
     slide: float
-    spread: float
+    stiffness_ratio: float
     iterations: int
 
 
@@ -142,7 +142,7 @@ def solve_cra(
         displacement=best.displacement,
         residuals=best.residuals,
         eta=best.slide,
-        spread=None if base.spread is None else best.spread,
+        stiffness_ratio=None if base.stiffness_ratio is None else best.stiffness_ratio,
         stopped=clock.reason,
         options=chosen,
         solver="equal-overlap path",
@@ -172,7 +172,7 @@ def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -
         motion = statics.scaled_motion(base.displacement, statics.mean_length)
         found = improve(statics, motion, stop=clock.late)
         yield _examined(problem, found.motion, found.force, found.iterations)
-    for found in Search(problem, clock).level_states():
+    for found in Search(problem, clock).equal_overlap_states():
         yield _examined(problem, found.motion, found.force, found.iterations)
 
 

@@ -79,7 +79,7 @@ class Search:
     first: Sequence[Floats] = ()
     iterations: int = 0
 
-    def states(self, spread: float) -> Iterator[CompatibleState]:
+    def states(self, ratio: float) -> Iterator[CompatibleState]:
         """On joints whose stiffnesses differ by no more than a factor, and as little as steps lead.
 
         More starts lead to joints that differ more, and from there it is not far.
@@ -87,19 +87,19 @@ class Search:
         statics = self.problem.statics
         enough = BALANCED * float(np.linalg.norm(statics.load))
         for motion in self._starts():
-            wide = self._counted(settle(statics, motion, WIDER * spread, stop=self.clock.late))
+            wide = self._counted(settle(statics, motion, WIDER * ratio, stop=self.clock.late))
             if wide.unbalanced <= enough:
-                content = min(ALIKE, spread)
+                content = min(ALIKE, ratio)
                 state = self._counted(evened(statics, wide, content, stop=self.clock.late))
-                if spread_of(statics, state) <= spread * ROUNDING:
+                if spread_of(statics, state) <= ratio * ROUNDING:
                     yield state
 
-    def level_states(self) -> Iterator[CompatibleState]:
+    def equal_overlap_states(self) -> Iterator[CompatibleState]:
         """With equal overlaps, as eq. 5.6 asks: the end of the steps from every start."""
         for motion in chain(self._starts(), self._more_starts()):
-            yield self.levelled(motion)
+            yield self.equal_overlap(motion)
 
-    def levelled(self, motion: Floats) -> CompatibleState:
+    def equal_overlap(self, motion: Floats) -> CompatibleState:
         """The steps from one start, with equal overlaps."""
         return self._counted(improve(self.problem.statics, motion, stop=self.clock.late))
 
