@@ -9,7 +9,8 @@ from drystone.view.polar import save_polar
 from drystone.view.presets import PRESETS, Preset
 from drystone.view.report import save_report
 from drystone.view.scene import Layer, LayerKind, Scene, Shape, Stage
-from drystone.view.staging import scene_of, stage_of
+from drystone.view.staging import stage_of
+from drystone.view.subject import scene_of
 
 __all__ = [
     "PRESETS",

@@ -21,7 +21,7 @@ from drystone.view.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_
 from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
 from drystone.view.presets import PRESETS, first_preset, is_shown
 from drystone.view.scene import Layer, LayerKind, Scene, Shape, Stage
-from drystone.view.staging import Subject, scene_of
+from drystone.view.subject import Subject, scene_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,7 +56,8 @@ def save_figure(
     Parameters
     ----------
     subject
-        A result, a model, an assembly, or a scene put together by hand.
+        A result, a model, an assembly, a limit, a plan, a settlement, or a scene put together by
+        hand.
     path
         Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
     contacts

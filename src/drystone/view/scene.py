@@ -213,6 +213,8 @@ class Scene(OneLine):
         What was asked, by name: file, blocks, mass, friction, density, load, supports.
     number : (n,)
         A number to write on each block, 0 for none: the order of assembly.
+    panels
+        HTML for the panel beside the model, put there as it is.
     preset
         The picture that is shown at first: a key of :data:`drystone.view.presets.PRESETS`; left
         empty, one that suits the first stage.
@@ -224,6 +226,7 @@ class Scene(OneLine):
     title: str = "drystone"
     facts: Mapping[str, str] = field(default_factory=dict)
     number: Ints | None = None
+    panels: tuple[str, ...] = ()
     preset: str = ""
 
     def __post_init__(self) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 
@@ -12,15 +10,12 @@ from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
 from drystone.checks import block_speed, moving_joints
 from drystone.contacts import Contacts
-from drystone.errors import InputError
 from drystone.joints import HINGED, corner_pressure, force_network, hinged
 from drystone.model import Model
 from drystone.results import Result
 from drystone.view.header import directions, facts_of, sentence
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Shape, Stage
-
-Subject: TypeAlias = Result | Model | Assembly | Scene
 
 NEGLIGIBLE = 1e-3
 """A prop force below this share of the largest load is the softness of the numerical ground, and is
@@ -36,46 +31,26 @@ they would be most of the markers of a large model."""
 VIRTUAL = "Virtual displacement"
 
 
-def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "") -> Scene:
-    """The scene of a result, of a model, of an assembly, or the scene itself.
-
-    Parameters
-    ----------
-    subject
-    contacts
-        Of an assembly; everything else has its own.
-    source
-        The file that the model came from, for the head of the picture.
-
-    Raises
-    ------
-    InputError
-        Contacts were given that are not those of the result, or that name other blocks.
-    """
-    if isinstance(subject, Assembly):
-        found = contacts if contacts is not None else Contacts.empty()
-        return _bare_scene(subject, found, facts_of(subject, found, source=source))
-    if contacts is not None and contacts is not subject.contacts:
-        raise InputError(
-            "contacts other than those of the result", remedy="leave them out: a result has its own"
-        )
-    if isinstance(subject, Scene):
-        return subject
-    model = subject if isinstance(subject, Model) else subject.model
+def result_scene(result: Result, source: str = "") -> Scene:
+    """The scene of one result."""
+    model = result.model
+    stage = stage_of(result)
     facts = facts_of(model.assembly, model.contacts, model.load, source, model.notes)
-    if isinstance(subject, Model):
-        return _bare_scene(model.assembly, model.contacts, facts)
-    stage = stage_of(subject)
     title = f"drystone: {stage.headline.lower()}"
-    return Scene(subject.assembly, subject.contacts, (stage,), title, facts)
+    return Scene(result.assembly, result.contacts, (stage,), title, facts)
 
 
-def _bare_scene(assembly: Assembly, contacts: Contacts, facts: Mapping[str, str]) -> Scene:
+def bare_scene(
+    assembly: Assembly, contacts: Contacts | None, model: Model | None = None, source: str = ""
+) -> Scene:
     """Blocks and their interfaces, before anything was computed."""
+    found = contacts if contacts is not None else Contacts.empty()
+    load, notes = (None, ()) if model is None else (model.load, model.notes)
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
-    count = f"{len(assembly)} blocks, {contacts.count} interfaces"
-    stage = Stage("model", "", count, state, layers=interface_layers(contacts))
-    return Scene(assembly, contacts, (stage,), f"drystone: {count}", facts)
+    count = f"{len(assembly)} blocks, {found.count} interfaces"
+    stage = Stage("model", "", count, state, layers=interface_layers(found))
+    facts = facts_of(assembly, found, load, source, notes)
+    return Scene(assembly, found, (stage,), f"drystone: {count}", facts)
 
 
 def stage_of(result: Result, label: str = "result") -> Stage:
