@@ -255,8 +255,8 @@ def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants
     >>> from drystone.models import tower
     >>> result = drystone.check(tower(3))
     >>> made = force_network(result.assembly, result.contacts, result.resultants)
-    >>> made.end[:, 2].tolist()  # in the middle block: halfway, weighted with the forces
-    [1.333..., 1.333..., 2.5]
+    >>> made.end[:, 2].round(3).tolist()  # the lower joint carries twice as much
+    [1.333, 1.333, 2.5]
     """
     normal = resultants.normal
     pressed = np.flatnonzero(normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300))

@@ -213,8 +213,8 @@ def test_a_large_model_is_not_drawn_unasked(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_a_frame_holds_the_page_and_a_still_picture_is_smaller() -> None:
     stack = Model.of(tower(3))
-    page = view.page_text(view.scene_of(stack.assembly, stack.contacts))
-    shown = view.Frame(stack)._repr_html_()
+    frame = view.Frame(stack)
+    page, shown = view.page_text(frame.scene), frame._repr_html_()
     assert html.unescape(shown.split('"')[1]) == page
     assert len(notebook.thumbnail(stack)) < len(page)
     assert notebook.thumbnail(42) == ""

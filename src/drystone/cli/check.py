@@ -40,7 +40,7 @@ def check(
         waiting.stage("tables", "joints")
         try:
             rows, said = tables.of(result)
-            written = verdict.write([*files.of(result), *rows], waiting)
+            written = verdict.write([*files.of(result, subject.model), *rows], waiting)
         except KeyboardInterrupt:  # the verdict is known: it is told
             waiting.interrupted = True
             written, said = [], [f"interrupted: {waiting.left()}"]

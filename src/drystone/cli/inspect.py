@@ -65,7 +65,7 @@ def inspect(
             detection = find_contacts(assembly, options=detection_options(gap, angle, edges))
             report = detection.report
             swept = _swept(assembly, waiting) if sweep else None
-            written = _draw(assembly, detection, swept, built.bare, files, waiting)
+            written = _draw(assembly, detection, swept, built.bare, files, waiting, model)
     blocks = [block for block in built.blocks if block is not None]
     held = (
         set()
@@ -152,16 +152,16 @@ def _draw(
     bare: Sequence[Floats],
     files: verdict.Files,
     waiting: Waiting,
+    source: str,
 ) -> list[str]:
     """Write the page and the figure that were asked for."""
     if not files.written():
         return []
     from drystone import view
 
-    page = partial(view.save_inspection, assembly, found, sweep=swept, bare=bare)
-    scene = view.inspection_scene(assembly, found, bare)
-    shown = [layer.key for layer in scene.stages[0].layers]
-    figure = partial(view.save_figure, scene, layers=shown)
+    page = partial(view.save_inspection, assembly, found, sweep=swept, bare=bare, source=source)
+    scene = view.inspection_scene(assembly, found, bare, source)
+    figure = partial(view.save_figure, scene)
     return verdict.write(files.jobs(page, figure), waiting)
 
 

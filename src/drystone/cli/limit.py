@@ -46,10 +46,6 @@ def tilt(
     """The largest angle by which a model can be turned; --polar in all directions."""
     if axis is not None and polar is not None:
         raise InputError("--axis and --polar contradict each other", remedy="give one of them")
-    if png is not None and polar is None:
-        raise InputError("is a plot of a sweep", where="--png", remedy="add --polar 16")
-    if html is not None and polar is not None:
-        raise InputError("shows one fall", where="--html", remedy="give an --axis, not --polar")
     files = verdict.Files.checked(html, png)
     search.options()
     with Waiting() as waiting:

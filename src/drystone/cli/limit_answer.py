@@ -51,7 +51,7 @@ def tell(
     falling = found.best.falling
     state = falling if falling is not None else found.best.standing
     if state is not None:
-        files.write(state, waiting)
+        files.write(found, waiting, model)
         data["files"] += files.written()
     if as_json:
         output.emit(data)
@@ -66,11 +66,12 @@ def tell_sweep(
     """Print a polar sweep and write its plot."""
     data = {"model": model, **sweep.to_dict(), "notes": list(prepared.notes), "files": []}
     data["time_s"] = dict(waiting.time_s)
-    if files.png is not None and sweep.limits:
-        from drystone.view.polar import save_polar  # pictures are imported when asked for
+    if files.written() and sweep.limits:
+        from drystone import view  # pictures are imported when asked for
 
-        draw = partial(save_polar, sweep, title=Path(model).stem)
-        data["files"] += write([(files.png, draw)], waiting)
+        page = partial(view.save_page, sweep, source=model)
+        plot = partial(view.save_polar, sweep, title=Path(model).stem)
+        data["files"] += write(files.jobs(page, plot), waiting)
     if as_json:
         output.emit(data)
     else:

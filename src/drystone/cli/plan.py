@@ -38,7 +38,9 @@ class Files:
         """Names of those that were asked for."""
         return [str(one) for one in (self.html, self.print, self.csv) if one is not None]
 
-    def write(self, plan: Plan, margins: Margins | None, waiting: Waiting) -> list[str]:
+    def write(
+        self, plan: Plan, margins: Margins | None, waiting: Waiting, source: str
+    ) -> list[str]:
         """Write them, all or none, and name them."""
         if not plan.steps:
             return []
@@ -47,10 +49,10 @@ class Files:
         jobs: list[Job] = []
         if self.html is not None or self.print is not None:
             from drystone.view import save_page
-            from drystone.view.sequence import plan_scene, save_instructions
+            from drystone.view.instructions import save_instructions
 
             if self.html is not None:
-                jobs.append((self.html, partial(save_page, plan_scene(plan))))
+                jobs.append((self.html, partial(save_page, plan, source=source)))
             if self.print is not None:
                 jobs.append((self.print, partial(save_instructions, plan)))
         if self.csv is not None:
@@ -155,7 +157,7 @@ def plan(
         waiting.stage("margins", "margins")
         measured = sequence.margins(found, progress=waiting) if margins and found.steps else None
         swept = sequence.sweep_friction(prepared, frictions, plan_at) if frictions else None
-        written = files.write(found, measured, waiting)
+        written = files.write(found, measured, waiting, subject.model)
     data = found.to_dict() | {
         "model": subject.model,
         "notes": list(prepared.notes),

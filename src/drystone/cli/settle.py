@@ -59,7 +59,8 @@ def settle(
         chosen = SettlementOptions(compliance=compliance)
         answer = solve(prepared, options=chosen)
         rows, said = tables.of(answer.result)
-        written = verdict.write([*_pictures(answer, files), *rows], waiting)
+        pictures = _pictures(answer, files, subject.model)
+        written = verdict.write([*pictures, *rows], waiting)
     data = _content(answer, prepared, subject.model)
     data["notes"] += said
     data["files"] = written
@@ -71,15 +72,15 @@ def settle(
     return verdict.exit_code(answer.result, strict=False)
 
 
-def _pictures(answer: Settlement, files: verdict.Files) -> list[Job]:
+def _pictures(answer: Settlement, files: verdict.Files, source: str) -> list[Job]:
     if not files.written():
         return []
     from drystone import view  # as above
     from drystone.view.settlement import moved_scene, settlement_scene
 
     return files.jobs(
-        partial(view.save_page, settlement_scene(answer)),
-        partial(view.save_figure, moved_scene(answer)),
+        partial(view.save_page, settlement_scene(answer, source)),
+        partial(view.save_figure, moved_scene(answer, source)),
     )
 
 

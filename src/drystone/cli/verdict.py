@@ -17,6 +17,7 @@ from drystone.errors import counted
 
 if TYPE_CHECKING:
     from drystone.files import Job
+    from drystone.limits import Limit, TiltSweep
     from drystone.model import Model
     from drystone.results import Result
 
@@ -51,17 +52,22 @@ class Files:
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
-    def of(self, result: Result) -> list[Job]:
-        """The pictures of a result."""
+    def of(self, subject: Result | Limit | TiltSweep, source: str = "") -> list[Job]:
+        """The pictures of an answer about the model of a file."""
         if self.html is None and self.png is None:
             return []
         from drystone import view  # the program starts fast: pictures are imported when asked for
 
-        return self.jobs(partial(view.save_page, result), partial(view.save_figure, result))
+        return self.jobs(
+            partial(view.save_page, subject, source=source),
+            partial(view.save_figure, subject, source=source),
+        )
 
-    def write(self, result: Result, waiting: Waiting) -> None:
-        """Write the pictures of a result, all or none."""
-        write(self.of(result), waiting)
+    def write(
+        self, subject: Result | Limit | TiltSweep, waiting: Waiting, source: str = ""
+    ) -> None:
+        """Write the pictures of an answer, all or none."""
+        write(self.of(subject, source), waiting)
 
     def written(self) -> list[str]:
         """Their names."""

@@ -34,14 +34,12 @@ The format (``format`` "drystone-page", ``version`` 2):
 from __future__ import annotations
 
 import base64
-import datetime as dt
 import json
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-import drystone
 from drystone.arrays import Floats, Ints
 from drystone.contacts import Contacts
 from drystone.geometry.body.polyhedron import Faces
@@ -100,7 +98,7 @@ def encode(scene: Scene) -> dict[str, Any]:
         "half": (0.5 * (scene.bounds[1] - scene.bounds[0])).tolist(),
         "blockSize": scene.block_size,
         "facts": list(scene.facts.items()),
-        "made": made(),
+        "made": scene.made,
         "states": {
             str(int(state)): {
                 "label": label,
@@ -134,12 +132,6 @@ def to_text(data: dict[str, Any]) -> str:
     """JSON that is harmless inside a ``<script>`` element, whatever the names are."""
     text = json.dumps(data, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-def made() -> str:
-    """When and with what a picture was made."""
-    day = dt.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
-    return f"{day}, drystone {drystone.__version__}"
 
 
 def _contacts(contacts: Contacts, origin: Floats, blobs: Blobs) -> dict[str, Any]:

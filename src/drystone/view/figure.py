@@ -47,7 +47,7 @@ def save_figure(
     layers: Collection[str] | None = None,
     opacity: float | None = None,
     arrow_scale: float = 1.0,
-    stage: int = 0,
+    stage: int | None = None,
     dark: bool = False,
     source: str = "",
 ) -> None:
@@ -79,7 +79,8 @@ def save_figure(
     arrow_scale
         Makes arrows longer (above 1) or shorter.
     stage
-        Of a scene with several.
+        Of a scene with several; left out, of a limit the state that falls, of a plan the complete
+        structure, else the first.
     dark
         Draw on a dark ground.
     source
@@ -141,12 +142,13 @@ def draw(
     layers: Collection[str] | None = None,
     opacity: float | None = None,
     arrow_scale: float = 1.0,
-    stage: int = 0,
+    stage: int | None = None,
     theme: str = "light",
 ) -> Figure:
     """The matplotlib figure of one stage; no state of pyplot is touched."""
     from matplotlib.figure import Figure  # heavy, and only figures need it
 
+    stage = scene.still if stage is None else stage
     if not -len(scene.stages) <= stage < len(scene.stages):
         raise InputError(f"there is no stage {stage}", remedy=f"{len(scene.stages)} exist")
     if preset is not None and preset not in PRESETS:

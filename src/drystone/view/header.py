@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import PurePath
 
 import numpy as np
 
@@ -51,7 +52,7 @@ def facts_of(
     density = np.array([block.density for block in assembly.blocks])
     free = ~assembly.fixed
     facts = {
-        "File": source,
+        "File": PurePath(source).name,
         "Blocks": f"{len(assembly):,}",
         "Interfaces": f"{contacts.count:,}",
         "Supports": _supports(assembly),

@@ -12,6 +12,7 @@ import numpy as np
 from drystone.arrays import Floats
 from drystone.assembly import Assembly
 from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.errors import counted
 from drystone.files import write_bytes
 from drystone.view.header import facts_of
 from drystone.view.page import page_text
@@ -57,7 +58,9 @@ def inspection_scene(
     message = "; ".join([count_line, *advice, *(line for line in rest if line not in advice)])
     missed = sum(not miss.joined for miss in found.report.missed)
     near = f", {counted(missed, 'near miss', 'near misses')}" if missed else ""
-    headline = f"{counted(len(assembly), 'block')}, {counted(found.contacts.count, 'interface')}{near}"
+    headline = (
+        f"{counted(len(assembly), 'block')}, {counted(found.contacts.count, 'interface')}{near}"
+    )
     stage = Stage("contacts", headline, message, state, layers=layers)
     facts = facts_of(assembly, found.contacts, source=source)
     return Scene(assembly, found.contacts, (stage,), f"drystone: {count}", facts)

@@ -19,7 +19,7 @@ WIDTH, HEIGHT = 280.0, 120.0
 LEFT, RIGHT, TOP, BOTTOM = 12.0, 12.0, 14.0, 30.0
 """[px] of the drawing, and its margins."""
 
-NAMED_AXES = {(1, 0, 0): "x", (0, 1, 0): "y", (-1, 0, 0): "-x", (0, -1, 0): "-y"}
+NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
 
 
 def limit_scene(limit: Limit, source: str = "") -> Scene:
@@ -38,7 +38,7 @@ def limit_scene(limit: Limit, source: str = "") -> Scene:
     >>> from drystone.models import tower
     >>> limit = drystone.limit_tilt(tower(3), "y", friction=0.9)
     >>> [stage.headline for stage in limit_scene(limit).stages]
-    ['Stands up to 18.4 degrees about y', 'Falls at 18.5 degrees about y']
+    ['Stands up to 26.5 degrees about y', 'Falls at 26.6 degrees about y']
     """
     best = limit.best
     states = [
@@ -60,7 +60,7 @@ def limit_scene(limit: Limit, source: str = "") -> Scene:
     asked = {name: text for name, text in facts.items() if name not in ("Load", "Friction")}
     title = f"drystone: {_summary(limit, last)}"
     panels = (evaluations_panel(limit),)
-    return Scene(model.assembly, model.contacts, stages, title, asked, panels=panels)
+    return Scene(model.assembly, model.contacts, stages, title, asked, panels=panels, still=-1)
 
 
 def sweep_scene(sweep: TiltSweep, source: str = "") -> Scene:
@@ -137,9 +137,9 @@ def _about(state: Result) -> str:
     if size < 1e-9 * float(np.linalg.norm(total)):
         return ""
     axis = axis / size
-    known = NAMED_AXES.get(tuple(int(x) for x in axis.round(6)))
-    if known and np.allclose(axis, axis.round(), atol=1e-6):
-        return f" about {known}"
+    for name, along in NAMED_AXES.items():
+        if np.allclose(axis, along, atol=1e-6):
+            return f" about {name}"
     towards = float(np.rad2deg(np.arctan2(axis[1], axis[0]))) - 90.0
     return f" towards {towards % 360.0:.4g} degrees from x"
 

@@ -64,7 +64,7 @@ def thumbnail(value: object) -> str:
         return ""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "thumbnail.png"
-        save_figure(scene, path, size=SIZE, dpi=DPI, stage=-1)
+        save_figure(scene, path, size=SIZE, dpi=DPI)
         data = base64.b64encode(path.read_bytes()).decode("ascii")
     return f'<img alt="{html.escape(scene.title)}" src="data:image/png;base64,{data}">'
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+import drystone
 from drystone.arrays import Floats, Ints, frozen
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
@@ -25,6 +27,12 @@ COMMON = 0.97
 
 THIN = 0.25
 """A model whose plan is narrower than this share of its length is shown almost from the front."""
+
+
+def now() -> str:
+    """The time and the version of drystone."""
+    day = dt.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
+    return f"{day}, drystone {drystone.__version__}"
 
 
 def round_up(value: float) -> float:
@@ -215,6 +223,10 @@ class Scene(OneLine):
         A number to write on each block, 0 for none: the order of assembly.
     panels
         HTML for the panel beside the model, put there as it is.
+    made
+        When and with what it was made.
+    still
+        The stage that a figure shows.
     preset
         The picture that is shown at first: a key of :data:`drystone.view.presets.PRESETS`; left
         empty, one that suits the first stage.
@@ -227,6 +239,8 @@ class Scene(OneLine):
     facts: Mapping[str, str] = field(default_factory=dict)
     number: Ints | None = None
     panels: tuple[str, ...] = ()
+    made: str = field(default_factory=now)
+    still: int = 0
     preset: str = ""
 
     def __post_init__(self) -> None:

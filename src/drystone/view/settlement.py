@@ -44,7 +44,9 @@ def settlement_scene(settlement: Settlement, source: str = "") -> Scene:
         )
     title = f"drystone: {after.headline.lower()}"
     before = stage_of(settlement.before, "before")
-    return Scene(result.assembly, result.contacts, (after, before), title, _facts(settlement, source))
+    return Scene(
+        result.assembly, result.contacts, (after, before), title, _facts(settlement, source)
+    )
 
 
 def moved_scene(settlement: Settlement, source: str = "") -> Scene:
