@@ -103,7 +103,8 @@ def test_the_demo_answers_and_leaves_a_page_and_a_figure(tmp_path: Path) -> None
     run = drystone("demo", tmp_path)
     assert run.returncode == 0
     assert run.stdout.startswith("STABLE")
-    assert {path.name for path in tmp_path.iterdir()} == {"drystone-demo.html", "drystone-demo.png"}
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {f"drystone-demo.{suffix}" for suffix in ("json", "html", "png")}
 
 
 def test_bad_input_is_one_line_and_exit_code_two(tmp_path: Path) -> None:

@@ -6,82 +6,127 @@ Exit codes: 0 answered and stable, 1 answered and not stable, 2 bad input, 3 som
 
 from __future__ import annotations
 
+import difflib
 import os
 import sys
 import traceback
 from collections.abc import Sequence
 from typing import Any
 
-import typer
-from typer.core import TyperGroup
+import click
 
-from drystone.cli import output
+from drystone.cli import kinds, output
 from drystone.cli.check import check
+from drystone.cli.command import SETTINGS, Command, write_examples
 from drystone.cli.convert import convert
 from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
-from drystone.cli.limit import limit
+from drystone.cli.limit import friction, load, shrink, tilt
+from drystone.cli.limit_models import thickness, tolerance
 from drystone.cli.plan import plan
 from drystone.cli.reproduce import reproduce
 from drystone.cli.settle import settle
 from drystone.cli.shell import shell
 from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY
-from drystone.errors import DrystoneError, MissingDependency
+from drystone.errors import DrystoneError
 
-USAGE_ERROR: Any = typer.BadParameter.__bases__[0]
-"""The base of typer's errors about the command line; its home moved between releases."""
-BAD_INPUT, MISSING, FAULT = 2, 3, 70
+SHELLS = ("bash", "zsh", "fish")
+"""For which click writes completion."""
 
 
 class Interrupted(Exception):
     """Ctrl-C ended a command before it had an answer; says what is left of it."""
 
 
-class Program(TyperGroup):
-    """The commands. Typer would make an exit code of Ctrl-C, and forget what is said about it."""
+class Program(click.Group):
+    """Commands by name; without one, the help."""
 
-    def invoke(self, ctx: Any) -> Any:
-        """Run the command that is asked for."""
-        UNDER_WAY.set(None)
+    examples: tuple[str, ...] = ()
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command that is asked for. Click would forget what is said about Ctrl-C."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as error:
             work = UNDER_WAY.get()
             raise Interrupted(NOTHING if work is None else work.left()) from error
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """The command that is asked for; without one, the help and the exit code of bad input."""
+        if not args and not ctx.resilient_parsing:
+            output.say(ctx.get_help())
+            ctx.exit(output.BAD_INPUT)
+        return super().parse_args(ctx, args)
 
-app = typer.Typer(
-    name="drystone",
-    cls=Program,
-    help="Does a structure of loose blocks stand by contact and friction alone?",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode="rich",
-    context_settings={"help_option_names": ["-h", "--help"]},
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command of that name."""
+        if args[0] not in self.commands and not args[0].startswith("-"):
+            raise output.UsageFault(
+                f"there is no command '{args[0]}'", remedy=_meant(args[0], self.commands, ctx)
+            )
+        return super().resolve_command(ctx, args)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """The examples, a line each."""
+        write_examples(self.examples, formatter)
+
+
+def _group(name: str, text: str, commands: Sequence[click.Command], *examples: str) -> Program:
+    made = Program(name, help=text, short_help=text, context_settings=SETTINGS)
+    for one in commands:
+        made.add_command(one)
+    made.examples = examples
+    return made
+
+
+limit = _group(
+    "limit",
+    "By how much does it stand: largest tilt, least friction and so on.",
+    (friction, load, shrink, thickness, tilt, tolerance),
+    "drystone limit tilt arch.json",
+    "drystone limit thickness arch",
+)
+app = _group(
+    "drystone",
+    "Does a structure of loose blocks stand by contact and friction alone?",
+    (check, convert, demo, inspect, limit, plan, reproduce, settle, shell),
+    "drystone demo",
+    "drystone check arch.json --html arch.html",
 )
 
 
-def _version(asked: bool) -> None:
+def _version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
     if asked:
         from drystone import __version__
 
         output.say(f"drystone {__version__}")
-        raise typer.Exit
+        ctx.exit()
 
 
-@app.callback()
-def _program(
-    version: bool = typer.Option(
-        False, "--version", callback=_version, is_eager=True, help="Show the version and exit."
+def _completion(ctx: click.Context, _: click.Parameter, shell: str | None) -> None:
+    if shell is not None:
+        from click.shell_completion import get_completion_class
+
+        kind = get_completion_class(shell)
+        if kind is not None:
+            output.say(kind(app, {}, "drystone", "_DRYSTONE_COMPLETE").source())
+        ctx.exit()
+
+
+app.params += [
+    click.Option(
+        ["--version"],
+        is_flag=True, is_eager=True, expose_value=False, callback=_version,
+        help="Show the version and exit.",
     ),
-) -> None:
-    """Does a structure of loose blocks stand by contact and friction alone?"""
-
-
-for _command in (check, inspect, convert, demo, settle, shell, plan, reproduce):
-    app.command()(_command)
-app.add_typer(limit, name="limit")
+    click.Option(
+        ["--completion"],
+        type=kinds.one_of(SHELLS), is_eager=True, expose_value=False, callback=_completion,
+        help="Print what makes a shell complete commands and options, and exit.",
+    ),
+]  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -94,35 +139,49 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     as_json = "--json" in given
+    UNDER_WAY.set(None)
     try:
-        code = app(args=given, prog_name="drystone", standalone_mode=False)
-    except MissingDependency as error:
-        return output.fail(error, MISSING, as_json)
+        return int(app.main(args=given, prog_name="drystone", standalone_mode=False) or 0)
     except DrystoneError as error:
-        return output.fail(error, BAD_INPUT, as_json)
-    except USAGE_ERROR as error:
-        return _usage(error, as_json)
-    except Interrupted as error:
-        return output.fail(KeyboardInterrupt(f"interrupted; {error}"), INTERRUPTED, as_json)
-    except (KeyboardInterrupt, typer.Abort):
-        return output.fail(KeyboardInterrupt(f"interrupted; {NOTHING}"), INTERRUPTED, as_json)
+        return output.fail(error, output.code_of(error), as_json)
+    except click.UsageError as error:
+        return output.fail(_in_our_words(error), output.BAD_INPUT, as_json)
+    except (Interrupted, KeyboardInterrupt, click.Abort) as error:
+        left = error if isinstance(error, Interrupted) else NOTHING
+        return output.fail(KeyboardInterrupt(f"interrupted; {left}"), INTERRUPTED, as_json)
     except BrokenPipeError:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115  # for exit
         return 1
     except OSError as error:
-        return output.fail(error, BAD_INPUT, as_json)
+        return output.fail(error, output.BAD_INPUT, as_json)
     except Exception as error:  # the edge of the program: a fault of ours, told in one line
         if os.environ.get("DRYSTONE_TRACEBACK"):
             traceback.print_exc()
-        return output.fail(error, FAULT, as_json)
-    return int(code or 0)
+        return output.fail(error, output.FAULT, as_json)
 
 
-def _usage(error: Any, as_json: bool) -> int:
-    """A wrong option or argument; without any argument, the help."""
-    if type(error).__name__ == "NoArgsIsHelpError":
-        output.say(error.format_message())
-        return BAD_INPUT
-    hint = f"see '{error.ctx.command_path} --help'" if error.ctx is not None else ""
-    wording = error.format_message().rstrip(".")
-    return output.fail(output.UsageFault(wording, remedy=hint), BAD_INPUT, as_json)
+def _in_our_words(error: click.UsageError) -> output.UsageFault:
+    """A wrong option or argument, from what the parser knows of it."""
+    ctx = error.ctx
+    if isinstance(error, click.NoSuchOption):
+        what = f"there is no option '{error.option_name}'"
+        known = [] if ctx is None else [name for one in ctx.command.params for name in one.opts]
+        return output.UsageFault(what, remedy=_meant(error.option_name, known, ctx))
+    if isinstance(error, click.MissingParameter):
+        return output.UsageFault(
+            "is missing", where=kinds.named(error.param), remedy=kinds.see(ctx)
+        )
+    if isinstance(error, click.BadOptionUsage):
+        params = [] if ctx is None else ctx.command.params
+        flags = [name for one in params if getattr(one, "is_flag", False) for name in one.opts]
+        what = "takes no value" if error.option_name in flags else "needs a value"
+        return output.UsageFault(what, where=error.option_name, remedy=kinds.see(ctx))
+    return output.UsageFault(error.message, remedy=kinds.see(ctx))
+
+
+def _meant(given: str, known: Any, ctx: click.Context | None) -> str:
+    close = difflib.get_close_matches(given, list(known), n=1)
+    return f"did you mean '{close[0]}'? {kinds.see(ctx)}" if close else kinds.see(ctx)
+
+
+__all__ = ["Command", "Interrupted", "Program", "app", "limit", "main"]

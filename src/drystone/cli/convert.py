@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from drystone.cli import options, output
-from drystone.cli.session import warnings_of
+from drystone.cli import kinds, options
+from drystone.cli.answer import Answer
+from drystone.cli.command import CONTACTS, OUTPUT, Argument, Option, command
+from drystone.cli.output import Screen
+from drystone.cli.subject import warnings_of
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
@@ -16,36 +19,36 @@ if TYPE_CHECKING:
     from drystone.io.formats import Format
 
 
+@command(
+    "drystone convert arch.json arch.obj",
+    "drystone convert arch.obj again.json --supports lowest --contacts",
+)
 def convert(
+    *,
     model: options.ModelArgument,
     target: Annotated[
-        str, typer.Argument(metavar="TARGET", help="File to write; its suffix tells the format.")
+        str, Argument("TARGET", "File to write; its suffix tells the format.", kinds.FILE)
     ],
-    to: Annotated[
-        str | None,
-        typer.Option(
-            help="Format by name, where several share a suffix: drystone, drystone-npz, "
-            "compas-assembly, compas-dem."
-        ),
-    ] = None,
     supports: options.Supports = None,
+    friction: options.Friction = None,
     units: options.Units = None,
     split: options.Split = False,
-    contacts: Annotated[
-        bool, typer.Option("--contacts", help="Find the contacts and write them too.")
-    ] = False,
-    friction: options.Friction = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Write over the model itself.")
-    ] = False,
-    as_json: options.Json = False,
-) -> int:
+    contacts: Annotated[bool, Option("Find the contacts and write them too.", CONTACTS)] = False,
+    to: Annotated[
+        str | None,
+        Option(
+            "Format by name, where several share a suffix: drystone, drystone-npz, "
+            "compas-assembly, compas-dem.",
+            OUTPUT,
+            metavar="FORMAT",
+        ),
+    ] = None,
+    overwrite: Annotated[bool, Option("Write over the model itself.", OUTPUT)] = False,
+    waiting: Waiting,
+) -> Answer:
     """Write a model in another format, and say what that format has no place for."""
-    from dataclasses import replace
-
     from drystone import io  # the program starts fast: work is imported when there is some
-    from drystone.model import Model
-    from drystone.supports import select as select_supports
+    from drystone.model import Model, supported
 
     chosen = io.format_of(target, to)
     _refuse_other_suffix(target, chosen)
@@ -55,44 +58,34 @@ def convert(
             where=f"'{target}'",
             remedy="name another file, or add --overwrite",
         )
-    with Waiting() as waiting:
-        waiting.stage("read", f"reading {model}")
-        read = io.read_file(model, units=units, split=split)
-        notes = list(read.notes)
-        if supports is not None:
-            read = replace(
-                read, assembly=select_supports(read.assembly, supports), results=(), loads=()
-            )
-        if contacts:
-            waiting.stage("detect", "finding contacts")
-            made = Model.of(read.assembly, friction=friction)
-            notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
-            read = replace(read, contacts=made.contacts, results=())
-        waiting.stage("write", f"writing {target}")
-        io.write(read, target, format=to)
-        waiting.wrote.append(target)
+    waiting.stage("read", f"reading {model}")
+    read = io.read_file(model, units=units, split=split)
+    notes = list(read.notes)
+    if supports is not None:
+        read = replace(read, assembly=supported(read.assembly, supports), results=(), loads=())
+    if contacts:
+        waiting.stage("detect", "finding contacts")
+        made = Model.of(read.assembly, friction=friction)
+        notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
+        read = replace(read, contacts=made.contacts, results=())
+    waiting.stage("write", f"writing {target}")
+    io.write(read, target, format=to)
     data = {
         "model": model,
-        "files": [target],
         "format": chosen.name,
         "blocks": len(read.assembly),
         "fixed": int(read.assembly.fixed.sum()),
         "interfaces": None if read.contacts is None else read.contacts.count,
-        "notes": notes,
         "loses": chosen.loses,
-        "time_s": dict(waiting.time_s),
     }
-    if as_json:
-        output.emit(data)
-        return 0
+    told = f"{len(read.assembly)} blocks, {chosen.title}"
+    return Answer(data, partial(_show, told, chosen.loses), notes=notes, written=[target])
 
-    console = output.console()
-    console.print(f"wrote {output.safe(target)}: {data['blocks']} blocks, {chosen.title}")
-    for note in notes:
-        console.print(f"[yellow]note:[/] {output.safe(note)}")
-    if chosen.loses:
-        console.print(f"[dim]this format has no place for {chosen.loses}[/]")
-    return 0
+
+def _show(told: str, loses: str, screen: Screen) -> None:
+    screen.line(told)
+    if loses:
+        screen.dim(f"this format has no place for {loses}")
 
 
 def _refuse_other_suffix(target: str, chosen: Format) -> None:

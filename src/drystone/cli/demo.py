@@ -2,38 +2,47 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from drystone.cli import options, output, verdict
+from drystone.cli import options, verdict
+from drystone.cli.answer import Answer
+from drystone.cli.command import OUTPUT, Option, command
+from drystone.cli.kinds import output_path
 from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures
+
+if TYPE_CHECKING:
+    from drystone.cli.answer import Files
+
+NAME = "drystone-demo"
 
 
+@command("drystone demo", "drystone demo --friction 0.3 --folder .")
 def demo(
+    *,
     friction: options.Friction = None,
-    folder: Annotated[
-        str, typer.Option(help="Folder for drystone-demo.html and drystone-demo.png.")
-    ] = ".",
-    as_json: options.Json = False,
-) -> int:
-    """Check a built-in vault; write drystone-demo.html and drystone-demo.png."""
-    files = verdict.Files.checked(
-        str(Path(folder) / "drystone-demo.html"), str(Path(folder) / "drystone-demo.png")
-    )
-    from drystone.model import Model
-    from drystone.models import (
-        vault,
-    )  # the program starts fast: work is imported when there is some
+    folder: Annotated[str, Option("Folder for the model, the page and the figure.", OUTPUT)] = ".",
+    waiting: Waiting,
+) -> Answer:
+    """Check a built-in vault, and write its model, a page and a figure.
 
-    with Waiting() as waiting:
-        waiting.stage("read", "building the vault")
-        result = verdict.solve(Model.of(vault(), friction=friction), waiting, None)
-        files.write(result, waiting)
-    data = verdict.content(result, waiting.time_s, "built-in vault", files)
-    if as_json:
-        output.emit(data)
-    else:
-        verdict.show(data)
-    return waiting.exit_code(verdict.exit_code(result, strict=False))
+    The files are drystone-demo.json, drystone-demo.html and drystone-demo.png.
+    """
+    model_path, page, figure = (
+        output_path(str(Path(folder) / f"{NAME}{suffix}"), (suffix,))
+        for suffix in (".json", ".html", ".png")
+    )
+    from drystone import io  # the program starts fast: work is imported when there is some
+    from drystone.model import Model
+    from drystone.models import vault
+
+    waiting.stage("read", "building the vault")
+    model = Model.of(vault(), friction=friction)
+    result = verdict.solve(model, waiting, None)
+
+    def files() -> Files:
+        return [(model_path, partial(io.write, model)), *Pictures(page, figure).of(result)[0]], []
+
+    return verdict.answer(result, waiting, "built-in vault", files)

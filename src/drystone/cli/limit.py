@@ -5,140 +5,154 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from drystone.cli import limit_answer, loading, options, verdict
-from drystone.cli.groups import Subject, expanded
-from drystone.cli.limit_models import thickness, tolerance
+from drystone.cli import kinds, limit_answer, loading
+from drystone.cli.answer import Answer
+from drystone.cli.command import Argument, Option, command
 from drystone.cli.limit_options import Search
+from drystone.cli.options import vector
+from drystone.cli.subject import Subject
 from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
     from drystone.limits import Limit
     from drystone.model import Model
 
-limit = typer.Typer(
-    help="By how much does it stand: largest tilt or load, least friction, thickness, joint size.",
-    no_args_is_help=True,
+
+def _axis(text: str) -> Any:
+    from drystone.limits.limits import axis_vector
+
+    return axis_vector(vector(text, "0,1,0") if "," in text else text)
+
+
+@command(
+    "drystone limit tilt arch.json --axis y",
+    "drystone limit tilt arch.json --polar 4 --png polar.png",
 )
-limit.command()(thickness)
-limit.command()(tolerance)
-
-
-@limit.command()
-@expanded
 def tilt(
     *,
     axis: Annotated[
-        str | None, typer.Option(help="Turned counter-clockwise about: x, y, -x, -y or X,Y,Z (x).")
+        Any,
+        Option(
+            "Turned counter-clockwise about: x, y, -x, -y or a vector (x).",
+            kind=kinds.Kind("AXIS|X,Y,Z", _axis),
+        ),
     ] = None,
     polar: Annotated[
-        int | None, typer.Option(help="Number of directions to lean towards, instead of an axis.")
+        int | None, Option("Number of directions to lean towards, instead of an axis.")
     ] = None,
-    upper: Annotated[float, typer.Option(help="Angle at which the search ends.")] = 180.0,
+    upper: Annotated[float, Option("Angle at which the search ends (180).")] = 180.0,
     subject: Subject,
     search: Search,
-    html: options.Html = None,
-    png: options.Png = None,
-    as_json: options.Json = False,
-) -> int:
-    """The largest angle by which a model can be turned; --polar in all directions."""
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """The largest angle by which a model can be turned; --polar in all directions.
+
+    The page shows both sides of the limit, in the weakest direction of --polar; the figure of
+    --polar is a plot of all directions.
+    """
     if axis is not None and polar is not None:
         raise InputError("--axis and --polar contradict each other", remedy="give one of them")
-    files = verdict.Files.checked(html, png)
-    search.options()
-    with Waiting() as waiting:
-        from drystone import limits
+    from drystone import limits
 
-        direction = _axis(axis)
-        prepared = subject.prepared(waiting)
-        with search.under_way(waiting) as common:
-            if polar is not None:
-                sweep = limits.tilt_sweep(prepared, polar, upper=upper, **common)
-            else:
-                found = limits.limit_tilt(prepared, direction, upper=upper, **common)
-    if polar is not None:
-        return limit_answer.tell_sweep(sweep, subject.model, prepared, files, waiting, as_json)
-    return limit_answer.tell(found, subject.model, prepared.notes, files, waiting, as_json)
+    model = subject.prepared(waiting)
+    with search.under_way(waiting) as common:
+        if polar is None:
+            about = "x" if axis is None else axis
+            found = limits.limit_tilt(model, about, upper=upper, **common)
+        else:
+            sweep = limits.tilt_sweep(model, polar, upper=upper, **common)
+    if polar is None:
+        return limit_answer.answer(found, subject.model, model.notes, pictures, waiting)
+    return limit_answer.sweep_answer(sweep, subject.model, model.notes, pictures)
 
 
-@limit.command(name="friction")
-@expanded
-def friction_(
+@command(
+    "drystone limit friction arch.json",
+    "drystone limit friction arch.json --seismic 0.1 --html fall.html",
+)
+def friction(
     *,
     upper: Annotated[
-        float | None, typer.Option(help="Coefficient at which the search starts (--friction).")
+        float | None,
+        Option("Coefficient at which the search starts (--friction).", kind=kinds.COEFFICIENT),
     ] = None,
-    scaled: Annotated[
-        bool, typer.Option("--scaled", help="Search the share of each joint's own coefficient.")
-    ] = False,
+    scaled: Annotated[bool, Option("Search the share of each joint's own coefficient.")] = False,
     subject: Subject,
     seismic: loading.Seismic = None,
     search: Search,
-    html: options.Html = None,
-    as_json: options.Json = False,
-) -> int:
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
     """The least friction coefficient at which a model stands."""
 
-    def find(prepared: Model, common: dict[str, Any]) -> Limit:
+    def find(model: Model, common: dict[str, Any]) -> Limit:
         from drystone.limits import limit_friction  # work is imported when there is some
 
-        return limit_friction(prepared, upper=upper, scaled=scaled, **common)
+        return limit_friction(model, upper=upper, scaled=scaled, **common)
 
-    return _answer(subject, search, seismic, find, html, as_json)
+    return _answer(subject, search, seismic, find, pictures, waiting)
 
 
-@limit.command()
-@expanded
+@command(
+    "drystone limit load arch.json voussoir-10:1kN",
+    "drystone limit load arch.json seismic:1,0 --html fall.html",
+)
 def load(
     *,
-    case: Annotated[
+    subject: Subject,
+    live: Annotated[
         str,
-        typer.Argument(
-            metavar="CASE",
-            help="The load that grows: the name of a load case of the file, seismic:KX,KY, or "
-            "BLOCK:FX,FY,FZ[@X,Y,Z] (also BLOCK:80kg, BLOCK:m=MX,MY,MZ).",
+        Argument(
+            "CASE",
+            "The load that grows: a load case of the file by name, seismic:KX,KY, or "
+            "BLOCK:WHAT[@X,Y,Z] as for --load.",
         ),
     ],
-    upper: Annotated[float, typer.Option(help="Factor at which the search ends.")] = 1000.0,
-    subject: Subject,
+    upper: Annotated[
+        float, Option("Factor at which the search ends (1000).", kind=kinds.POSITIVE)
+    ] = 1000.0,
     seismic: loading.Seismic = None,
     search: Search,
-    html: options.Html = None,
-    as_json: options.Json = False,
-) -> int:
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
     """The largest factor of a load on top of the weight and of --load."""
     notes: list[str] = []
 
-    def find(prepared: Model, common: dict[str, Any]) -> Limit:
+    def find(model: Model, common: dict[str, Any]) -> Limit:
         from drystone.limits import limit_load  # as above
 
-        live = loading.chosen_case(case, prepared.assembly, prepared.cases)
-        notes.extend(live.notes)
-        return limit_load(prepared, live, upper=upper, **common)
+        growing = loading.chosen_case(live, model.assembly, model.cases, subject.gravity)
+        notes.extend(growing.notes)
+        return limit_load(model, growing, upper=upper, **common)
 
-    return _answer(subject, search, seismic, find, html, as_json, notes)
+    return _answer(subject, search, seismic, find, pictures, waiting, notes)
 
 
-@limit.command()
-@expanded
+@command(
+    "drystone limit shrink arch.json",
+    "drystone limit shrink arch.json --seismic 0.05 --html fall.html",
+)
 def shrink(
     *,
     subject: Subject,
     seismic: loading.Seismic = None,
     search: Search,
-    html: options.Html = None,
-    as_json: options.Json = False,
-) -> int:
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
     """The least share of the size of all joints; its inverse is a geometric safety factor."""
 
-    def find(prepared: Model, common: dict[str, Any]) -> Limit:
+    def find(model: Model, common: dict[str, Any]) -> Limit:
         from drystone.limits import limit_shrink  # as above
 
-        return limit_shrink(prepared, **common)
+        return limit_shrink(model, **common)
 
-    return _answer(subject, search, seismic, find, html, as_json, more=limit_answer.safety_factor)
+    more = limit_answer.safety_factor
+    return _answer(subject, search, seismic, find, pictures, waiting, more=more)
 
 
 def _answer(
@@ -146,33 +160,17 @@ def _answer(
     search: Search,
     seismic: str | None,
     find: Callable[[Model, dict[str, Any]], Limit],
-    html: str | None,
-    as_json: bool,
+    pictures: Pictures,
+    waiting: Waiting,
     notes: list[str] | None = None,
-    more: Callable[[Limit], dict[str, float]] | None = None,
-) -> int:
-    """Prepare the model, find the limit, tell it.
+    more: Callable[[Limit], dict[str, float]] = lambda _: {},
+) -> Answer:
+    """Prepare the model and find the limit.
 
     What ``find`` adds to the notes is told too, and the figures of ``more``.
     """
-    files = verdict.Files.checked(html, None)
-    search.options()  # refused before the model is read
-    with Waiting() as waiting:
-        prepared = subject.prepared(waiting, seismic=seismic)
-        with search.under_way(waiting) as common:
-            found = find(prepared, common)
-    told = (*prepared.notes, *(notes or ()))
-    others = {} if more is None else more(found)
-    return limit_answer.tell(found, subject.model, told, files, waiting, as_json, others)
-
-
-def _axis(text: str | None) -> Any:
-    from drystone.limits.limits import axis_vector
-
-    given = "x" if text is None else text
-    try:
-        return axis_vector(options.vector(given, "--axis") if "," in given else given)
-    except InputError as error:
-        if error.where:
-            raise
-        raise InputError(error.what, where="--axis", remedy=error.remedy) from error
+    model = subject.prepared(waiting, seismic=seismic)
+    with search.under_way(waiting) as common:
+        found = find(model, common)
+    told = (*model.notes, *(notes or ()))
+    return limit_answer.answer(found, subject.model, told, pictures, waiting, more(found))

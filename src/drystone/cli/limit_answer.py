@@ -1,20 +1,21 @@
-"""Limits on the terminal, as JSON, and as pictures."""
+"""What a limit answers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from drystone.cli import output
-from drystone.cli.verdict import Files, write
+from drystone.cli.answer import Answer
+from drystone.cli.output import LISTED, Screen, listed
 from drystone.cli.waiting import Waiting
+from drystone.cli.written import Pictures
 
 if TYPE_CHECKING:
+    from drystone.cli.answer import Files
     from drystone.limits import Limit, TiltSweep
-    from drystone.model import Model
 
 TITLES = {
     "equilibrium": "some forces balance the loads",
@@ -22,8 +23,6 @@ TITLES = {
     "uniform": "stands for uniform contact stiffness",
 }
 NOTHING: Mapping[str, float] = MappingProxyType({})
-NAMED = 12
-"""Blocks named on the terminal; --json has all."""
 
 
 def safety_factor(found: Limit) -> dict[str, float]:
@@ -32,110 +31,84 @@ def safety_factor(found: Limit) -> dict[str, float]:
     return {} if not stands else {"geometric safety factor": 1.0 / stands}
 
 
-def tell(
+def answer(
     found: Limit,
     model: str,
-    notes: Iterable[str],
-    files: Files,
+    notes: Sequence[str],
+    pictures: Pictures,
     waiting: Waiting,
-    as_json: bool,
     more: Mapping[str, float] = NOTHING,
-) -> int:
-    """Print a limit and write its page; 0 when there is one, 1 when it never stood.
+) -> Answer:
+    """A limit and the pictures of its fall; exit code 1 when it never stood.
 
     ``more`` are figures that follow from the limit, by their names.
     """
     others = {name.replace(" ", "_"): value for name, value in more.items()}
-    data = {"model": model, **found.to_dict(), **others, "notes": list(notes), "files": []}
+    data = {"model": model, **found.to_dict(), **others}
     data["time_s"] = {**waiting.time_s, **data["time_s"]}
-    falling = found.best.falling
-    state = falling if falling is not None else found.best.standing
-    if state is not None:
-        files.write(found, waiting, model)
-        data["files"] += files.written()
-    if as_json:
-        output.emit(data)
-    else:
-        _show(data, more)
-    return waiting.exit_code(0 if found.best.stands is not None else 1)
+    code = 0 if found.best.stands is not None else 1
+    return Answer(
+        data, partial(_show, data, more), code, notes, partial(_both, found, pictures, model)
+    )
 
 
-def tell_sweep(
-    sweep: TiltSweep, model: str, prepared: Model, files: Files, waiting: Waiting, as_json: bool
-) -> int:
-    """Print a polar sweep and write its plot."""
-    data = {"model": model, **sweep.to_dict(), "notes": list(prepared.notes), "files": []}
-    data["time_s"] = dict(waiting.time_s)
-    if files.written() and sweep.limits:
-        from drystone import view  # pictures are imported when asked for
+def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: Pictures) -> Answer:
+    """A polar sweep, its plot and the fall in its weakest direction."""
+    data = {"model": model, **sweep.to_dict()}
+    code = 0 if all(limit.best.stands is not None for limit in sweep.limits) else 1
 
-        page = partial(view.save_page, sweep, source=model)
-        plot = partial(view.save_polar, sweep, title=Path(model).stem)
-        data["files"] += write(files.jobs(page, plot), waiting)
-    if as_json:
-        output.emit(data)
-    else:
-        _show_sweep(data)
-    stand = all(limit.best.stands is not None for limit in sweep.limits)
-    return waiting.exit_code(0 if stand else 1)
+    def files() -> Files:
+        if not sweep.limits:
+            return [], []
+        from drystone.view import save_page, save_polar  # pictures are imported when asked for
+
+        plot = partial(save_polar, sweep, title=Path(model).stem)
+        page = partial(save_page, sweep, source=model)
+        return pictures.jobs(page, plot), []
+
+    return Answer(data, partial(_show_sweep, data), code, notes, files)
 
 
-def _show(data: dict[str, Any], more: Mapping[str, float]) -> None:
-    from rich.markup import escape
-    from rich.table import Table
+def _both(found: Limit, pictures: Pictures, source: str) -> Files:
+    """Pictures of the states on either side, where there are any."""
+    known = found.best.falling is not None or found.best.standing is not None
+    return pictures.of(found, source) if known else ([], [])
 
-    console = output.console()
+
+def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> None:
     unit = f" [{data['unit']}]" if data["unit"] else ""
-    title = escape(f"limit of {data['parameter']}{unit}")
-    console.print(f"[bold]{title}[/]  {escape(data['model'])}")
-    table = Table("", "stands at", "falls at", box=None)
-    for key, title in TITLES.items():
-        bracket = data[key]
-        if bracket is not None:
-            table.add_row(
-                title, _value(bracket["stands"], "nowhere"), _value(bracket["falls"], "-")
-            )
-    console.print(table)
+    screen.line(data["model"], f"limit of {data['parameter']}{unit}")
+    rows = [
+        (title, _value(data[key]["stands"], "nowhere"), _value(data[key]["falls"], "-"))
+        for key, title in TITLES.items()
+        if data[key] is not None
+    ]
+    screen.table(("", "stands at", "falls at"), rows)
     for name, figure in more.items():
-        console.print(f"{name}: {figure:.4g}")
+        screen.line(f"{name}: {figure:.4g}")
     for low, high in data["islands"]:
-        console.print(f"[yellow]island:[/] it stands again from {low:.6g} to {high:.6g}")
+        screen.line(f"it stands again from {low:.6g} to {high:.6g}", "island:", "yellow", " ")
     if data["falling"]:
-        names = ", ".join(data["falling"][:NAMED])
-        others = len(data["falling"]) - NAMED
-        console.print(f"falls: {escape(names)}" + (f" and {others} more" if others > 0 else ""))
-        console.print(escape(data["message"]))
-    _show_end(console, data)
+        screen.line(f"falls: {listed(data['falling'], LISTED)}")
+        screen.line(data["message"])
+    _show_stopped(data, screen)
 
 
-def _show_sweep(data: dict[str, Any]) -> None:
-    from rich.markup import escape
-    from rich.table import Table
-
-    console = output.console()
-    title = escape("largest tilt [deg] towards each direction")
-    console.print(f"[bold]{title}[/]  {escape(data['model'])}")
-    table = Table("direction", "balances up to", "stands up to", box=None)
+def _show_sweep(data: dict[str, Any], screen: Screen) -> None:
+    screen.line(data["model"], "largest tilt [deg] towards each direction")
+    rows = []
     for azimuth, limit in zip(data["azimuth"], data["limits"], strict=True):
         rest = limit["rest"] or limit["equilibrium"]
         mark = "  weakest" if azimuth == data["weakest_azimuth"] else ""
         balances = _value(limit["equilibrium"]["stands"], "nowhere")
-        table.add_row(f"{azimuth:g}", balances, _value(rest["stands"], "nowhere") + mark)
-    console.print(table)
-    _show_end(console, data)
+        rows.append((f"{azimuth:g}", balances, _value(rest["stands"], "nowhere") + mark))
+    screen.table(("direction", "balances up to", "stands up to"), rows, listed=len(rows))
+    _show_stopped(data, screen)
 
 
-def _show_end(console: Any, data: dict[str, Any]) -> None:
-    from rich.markup import escape
-
+def _show_stopped(data: dict[str, Any], screen: Screen) -> None:
     if data["stopped"]:
-        console.print(f"[bold yellow]not finished:[/] {data['stopped']}")
-    for note in data["notes"]:
-        console.print(f"[yellow]note:[/] {escape(note)}")
-    times = ", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items())
-    console.print(f"[dim]{times}[/]")
-    for name in data["files"]:
-        console.print(f"wrote {escape(name)}")
+        screen.line(data["stopped"], "not finished:", "bold yellow", " ")
 
 
 def _value(value: float | None, none: str) -> str:

@@ -7,16 +7,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
-
-from drystone.cli.options import positive
+from drystone.cli import kinds
+from drystone.cli.command import Option
 from drystone.cli.waiting import Waiting, end_workers
-from drystone.errors import InputError
 
 if TYPE_CHECKING:
     from drystone.limits import LimitOptions
 
-Workers: TypeAlias = Annotated[int, typer.Option(help="Processes that work side by side.")]
+Workers: TypeAlias = Annotated[
+    int, Option("Processes that work side by side (1).", kind=kinds.whole(1), expert=True)
+]
 
 
 @dataclass(frozen=True)
@@ -24,41 +24,38 @@ class Search:
     """How to search for a limit."""
 
     width: Annotated[
-        float | None, typer.Option(help="Width of the brackets, in the unit of the limit.")
+        float | None,
+        Option("Width of the brackets, in the unit of the limit.", kind=kinds.POSITIVE),
     ] = None
     scan: Annotated[
-        int, typer.Option(help="Steps of the scan for islands before the limit is bisected.")
+        int,
+        Option(
+            "Steps of the scan for islands before the limit is bisected (6).",
+            kind=kinds.whole(1),
+            expert=True,
+        ),
     ] = 6
     cone: Annotated[
-        str, typer.Option(help="Friction of the equilibrium limit: exact, or octagon as published.")
+        str,
+        Option(
+            "Friction of the equilibrium limit: exact, or octagon as published (exact).",
+            kind=kinds.one_of(("exact", "octagon")),
+            expert=True,
+        ),
     ] = "exact"
-    equilibrium_only: Annotated[
-        bool, typer.Option("--equilibrium-only", help="Leave out the full verdict.")
-    ] = False
+    equilibrium_only: Annotated[bool, Option("Leave out the full verdict.", expert=True)] = False
     workers: Workers = 1
 
     def options(self) -> LimitOptions:
-        """The same as the library takes it.
-
-        Raises
-        ------
-        InputError
-        """
-        positive(self.width, "--width")
-        if self.scan < 1:
-            raise InputError(f"is {self.scan}", where="--scan", remedy="give one step or more")
+        """The same as the library takes it."""
         from drystone.limits import LimitOptions
         from drystone.stability import FrictionCone
 
-        cones = {"exact": FrictionCone.exact, "octagon": FrictionCone.octagon}
-        if self.cone not in cones:
-            raise InputError(
-                f"is '{self.cone}'", where="--cone", remedy=f"one of {', '.join(cones)}"
-            )
+        exact = self.cone == "exact"
         return LimitOptions(
             width=self.width,
             scan=self.scan,
-            cone=cones[self.cone](),
+            cone=FrictionCone.exact() if exact else FrictionCone.octagon(),
             full=not self.equilibrium_only,
         )
 
@@ -77,8 +74,6 @@ def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
 
     Answers of other processes come a scan at a time, so that Ctrl-C ends those without one.
     """
-    if workers < 1:
-        raise InputError(f"is {workers}", where="--workers", remedy="give one or more")
     if workers == 1:
         with waiting.stoppable() as stop:
             yield {"executor": None, "progress": waiting, "stop": stop}

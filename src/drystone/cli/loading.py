@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
-import typer
-
+from drystone import units
+from drystone.cli.command import LOADS, Option
 from drystone.cli.options import vector
 from drystone.errors import InputError
 
@@ -15,41 +14,46 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly
     from drystone.loads import LoadCase
 
+Direction: TypeAlias = tuple[float, float, float]
+
 Loads: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--load",
+    tuple[str, ...],
+    Option(
+        "A load at the centroid of a block or at a point in m: a force such as 0,0,-500 in N, 2kN "
+        "along gravity, a mass 80kg, a moment m=0,0,25 in N m. Can be given several times.",
+        LOADS,
         metavar="BLOCK:WHAT[@X,Y,Z]",
-        help="A load on a block, at its centroid or at a point in m: a force FX,FY,FZ in N, a mass "
-        "such as 80kg, or a moment m=MX,MY,MZ in N m. Can be given several times.",
     ),
 ]
 Seismic: TypeAlias = Annotated[
     str | None,
-    typer.Option(metavar="KX,KY", help="Horizontal forces as shares of the weight, along x and y."),
+    Option("Horizontal forces as shares of the weight, along x and y.", LOADS, metavar="KX,KY"),
 ]
 Cases: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--case",
+    tuple[str, ...],
+    Option(
+        "A load case of the file instead of the weight, such as 1.35*dead. Can be given several "
+        "times: they add up.",
+        LOADS,
         metavar="[FACTOR*]NAME",
-        help="A load case of the file instead of the weight, such as 1.35*dead. Can be given "
-        "several times: they add up.",
+        expert=True,
     ),
 ]
 Moves: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--move",
+    tuple[str, ...],
+    Option(
+        "Motion of a support: a translation in m, and a small rotation vector in rad about its "
+        "centroid. Can be given several times.",
+        LOADS,
         metavar="BLOCK:DX,DY,DZ[,RX,RY,RZ]",
-        help="Motion of a support: a translation in m, and a small rotation vector in rad about "
-        "its centroid. Can be given several times.",
     ),
 ]
-MASS = re.compile(r"(?P<mass>[^@,=]+)kg")
+EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
-def parsed_load(text: str, assembly: Assembly, where: str = "--load") -> LoadCase:
+def parsed_load(
+    text: str, assembly: Assembly, where: str = "--load", gravity: Direction | None = None
+) -> LoadCase:
     """A load case from ``BLOCK:WHAT[@X,Y,Z]``.
 
     Raises
@@ -60,26 +64,46 @@ def parsed_load(text: str, assembly: Assembly, where: str = "--load") -> LoadCas
     from drystone.loads import LoadCase
 
     block, colon, rest = text.rpartition(":")
-    what, at_sign, place = rest.partition("@")
+    what, at_sign, place = (part.strip() for part in rest.partition("@"))
     if not colon or not block:
         raise InputError(
             f"'{text}' names no block", where=where, remedy="write BLOCK:FX,FY,FZ[@X,Y,Z]"
         )
-    at = vector(place, where, "0,0,1.2") if at_sign else None
-    mass = MASS.fullmatch(what.strip())
+    down = (0.0, 0.0, -1.0) if gravity is None else gravity
     try:
-        if mass is not None:
-            return LoadCase.extra_mass(assembly, block, _number(mass["mass"], where), at)
+        at = vector(place, "0,0,1.2") if at_sign else None
         if what.startswith("m="):
             if at is not None:
                 raise InputError("a moment acts at no point", remedy="leave out what follows @")
-            return LoadCase.moment(assembly, block, vector(what[2:], where, "m=0,0,25"))
-        force = vector(what, where, "a force 0,0,-500, a mass 80kg or a moment m=0,0,25")
-        return LoadCase.point_load(assembly, block, force, at)
+            moment = _components(what[2:], units.MOMENTS, "m=0,0,25")
+            return LoadCase.moment(assembly, block, moment)
+        if "," in what:
+            force = _components(what, units.FORCES, EXAMPLE)
+            return LoadCase.point_load(assembly, block, force, at)
+        if any(what.endswith(unit) for unit in units.FORCES):
+            size = (
+                units.measured(what, units.FORCES, what="force") / sum(x * x for x in down) ** 0.5
+            )
+            return LoadCase.point_load(assembly, block, [size * x for x in down], at)
+        if any(what.endswith(unit) for unit in units.MASSES):
+            mass = units.measured(what, units.MASSES, what="mass")
+            return LoadCase.extra_mass(assembly, block, mass, at, direction=down)
+        raise InputError(f"'{what}' is not a load", remedy=f"write {EXAMPLE}")
     except InputError as error:
-        if error.where:
-            raise
-        raise InputError(error.what, where=where, remedy=error.remedy) from error
+        raise InputError(error.what, where=error.where or where, remedy=error.remedy) from error
+
+
+def _components(text: str, known: dict[str, float], example: str) -> list[float]:
+    """Three numbers; a unit behind the last one holds for all that have none."""
+    parts = text.split(",")
+    last = next((unit for unit in reversed(known) if parts[-1].strip().endswith(unit)), "")
+    try:
+        values = [units.measured(part, known, known[last] if last else 1.0) for part in parts]
+    except InputError as error:
+        raise InputError(f"'{text}' is not X,Y,Z", remedy=f"write {example}") from error
+    if len(values) != 3:
+        raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
+    return values
 
 
 def parsed_move(text: str, assembly: Assembly) -> LoadCase:
@@ -120,11 +144,12 @@ def loaded(
     loads: Iterable[str] | None,
     seismic: str | None,
     moves: Iterable[str] | None = None,
+    gravity: Direction | None = None,
 ) -> LoadCase:
     """The base load with those of the options on top."""
     total = base
     for text in loads or ():
-        total = total + parsed_load(text, assembly)
+        total = total + parsed_load(text, assembly, gravity=gravity)
     if seismic is not None:
         total = total + parsed_seismic(seismic, assembly)
     for text in moves or ():
@@ -155,7 +180,12 @@ def combined(texts: Iterable[str], cases: Iterable[LoadCase]) -> LoadCase:
     return LoadCase.combine(parts, " + ".join(texts))
 
 
-def chosen_case(text: str, assembly: Assembly, cases: Iterable[LoadCase]) -> LoadCase:
+def chosen_case(
+    text: str,
+    assembly: Assembly,
+    cases: Iterable[LoadCase],
+    gravity: Direction | None = None,
+) -> LoadCase:
     """A load case of the file by its name, ``seismic:KX,KY``, or ``BLOCK:WHAT[@X,Y,Z]``.
 
     Raises
@@ -176,7 +206,7 @@ def chosen_case(text: str, assembly: Assembly, cases: Iterable[LoadCase]) -> Loa
             where="CASE",
             remedy=f"the file has {names}; or write seismic:KX,KY or BLOCK:FX,FY,FZ[@X,Y,Z]",
         )
-    return parsed_load(text, assembly, "CASE")
+    return parsed_load(text, assembly, "CASE", gravity)
 
 
 def _number(text: str, where: str) -> float:

@@ -7,16 +7,96 @@ import math
 import os
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from drystone.errors import InputError
+from drystone.errors import InputError, MissingDependency
 
-if TYPE_CHECKING:
-    from rich.console import Console
+BAD_INPUT, MISSING, FAULT = 2, 3, 70
+"""Exit codes of errors."""
+LISTED = 12
+"""Rows shown of a table; --json has all."""
+NAMED = 3
+"""Names shown of equal rows."""
 
 
 class UsageFault(InputError):
     """An option or argument that the command does not take."""
+
+
+class Screen:
+    """Where a person reads the answer.
+
+    Every text is made safe: names come from files, and a terminal obeys control characters.
+    """
+
+    def __init__(self) -> None:
+        from rich.console import Console  # slow to import
+
+        self._console = Console(highlight=False, soft_wrap=True)
+
+    def line(self, text: str, head: str = "", style: str = "bold", gap: str = "  ") -> None:
+        """A line, with a coloured word before it."""
+        from rich.text import Text
+
+        made = Text(clean(head), style) if head else Text()
+        made.append(f"{gap if head and text else ''}{clean(text)}", "default")
+        self._console.print(made)
+
+    def note(self, text: str) -> None:
+        """A remark."""
+        self.line(text, "note:", "yellow", " ")
+
+    def dim(self, text: str) -> None:
+        """What few want to know."""
+        if text:
+            self.line("", text, "dim")
+
+    def table(
+        self,
+        head: Sequence[str],
+        rows: Sequence[Sequence[str]],
+        listed: int = LISTED,
+        styles: Sequence[str] = (),
+        more: str = "--json lists all",
+    ) -> None:
+        """A table of the first rows, with the number of the others."""
+        from rich.table import Table
+        from rich.text import Text
+
+        made = Table(*head, box=None)
+        for i, row in enumerate(rows[:listed]):
+            cells = [Text(clean(cell)) for cell in row]
+            made.add_row(*cells, style=styles[i] if styles else None)
+        if rows:
+            self._console.print(made)
+        if len(rows) > listed:
+            self.dim(f"and {len(rows) - listed} more ({more})")
+
+
+def grouped(rows: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Rows that differ in their first cell only made one, in the order of the first of each.
+
+    Examples
+    --------
+    >>> grouped([["a", "1"], ["b", "2"], ["c", "1"]])
+    [['a, c', '1'], ['b', '2']]
+    """
+    names: dict[tuple[str, ...], list[str]] = {}
+    for first, *others in rows:
+        names.setdefault(tuple(others), []).append(first)
+    return [[listed(firsts), *others] for others, firsts in names.items()]
+
+
+def listed(names: Sequence[str], most: int = NAMED) -> str:
+    """The first names, and how many more there are.
+
+    Examples
+    --------
+    >>> listed(["a", "b", "c", "d", "e"])
+    'a, b, c and 2 more'
+    """
+    rest = len(names) - most
+    return ", ".join(names[:most]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def say(text: str) -> None:
@@ -29,35 +109,23 @@ def clean(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
-def safe(text: str) -> str:
-    """Text from a file for printing with rich: neither control characters nor markup."""
-    from rich.markup import escape  # slow to import
-
-    return escape(clean(text))
-
-
-def number(value: float) -> str:
-    """A quantity of any size: one decimal where that says enough, else four digits."""
-    if value == 0.0:
-        return "0"
-    return f"{value:,.1f}" if 1.0 <= abs(value) < 1e7 else f"{value:.4g}"
-
-
-def vector(values: Sequence[float]) -> str:
-    """Components, those that are only rounding told as 0."""
-    largest = max(map(abs, values), default=0.0)
-    return ", ".join(number(x if abs(x) > 1e-6 * largest else 0.0) for x in values)
-
-
 def emit(data: dict[str, Any]) -> None:
     """Print one JSON object on stdout; what is not finite becomes null."""
     print(json.dumps(_finite(data), ensure_ascii=True, allow_nan=False))
 
 
-def fail(error: BaseException, code: int, as_json: bool) -> int:
-    """Print an error as one line on stderr, with --json as an object on stdout too."""
+def code_of(error: BaseException) -> int:
+    """The exit code of an error that is not a fault of drystone."""
+    return MISSING if isinstance(error, MissingDependency) else BAD_INPUT
+
+
+def fail(error: BaseException, code: int, as_json: bool, data: dict[str, Any] | None = None) -> int:
+    """Print an error as one line on stderr, with --json as an object on stdout too.
+
+    ``data`` is an answer that was found all the same.
+    """
     message = clean(" ".join(str(error).split())) or type(error).__name__
-    if code == 70:
+    if code == FAULT:
         message = f"a fault in drystone, please report it: {type(error).__name__}: {message}"
     if as_json:
         told = {"type": type(error).__name__, "message": message}
@@ -65,18 +133,11 @@ def fail(error: BaseException, code: int, as_json: bool) -> int:
             if getattr(error, part, None):
                 told[part] = getattr(error, part)
         try:
-            emit({"error": told, "exit_code": code})
+            emit({**(data or {}), "error": told, "exit_code": code})
         except OSError:  # nobody reads stdout, or it is full: the line on stderr is left
             sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
     print(f"drystone: {message}", file=sys.stderr)
     return code
-
-
-def console() -> Console:
-    """Where a person reads the answer."""
-    from rich.console import Console  # slow to import
-
-    return Console(highlight=False, soft_wrap=True)
 
 
 def _finite(value: Any) -> Any:

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from drystone.cli import options, output
+from drystone.cli.answer import Answer
+from drystone.cli.command import OUTPUT, Argument, Option, command
+from drystone.cli.output import Screen
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from drystone.reproduce import Case
 
 
+@command("drystone reproduce 6.2", "drystone reproduce 6.2 --out .")
 def reproduce(
+    *,
     section: Annotated[
         str | None,
-        typer.Argument(help="Section of Kao 2023, such as 7.2.4; all of them when left out."),
+        Argument("SECTION", "Section of Kao 2023, such as 7.2.4; all of them when left out."),
     ] = None,
     out: Annotated[
-        str | None, typer.Option(help="Folder for the pages and figures; none without it.")
+        str | None, Option("Folder for the pages and figures; none without it.", OUTPUT)
     ] = None,
-    as_json: options.Json = False,
-) -> int:
+    waiting: Waiting,
+) -> Answer:
     """Compute the case studies of the source again, each beside its published figures.
 
     Exit code 0: no line disagrees. 1: some do. 2: bad input.
@@ -33,37 +38,32 @@ def reproduce(
         raise InputError("there is no such folder", where="--out", remedy="make it first")
     from drystone import reproduce as cases  # the program starts fast
 
-    chosen = list(cases.SECTIONS) if section is None else [section]
-    found, written = [], []
-    with Waiting() as waiting:
-        for name in chosen:
-            waiting.stage("solve", f"section {name}")
-            case = cases.reproduce(name)
-            found.append(case)
-            written += [] if out is None else cases.save_case(case, out)
-            if not as_json:
-                _show(case)
-    if as_json:
-        sections = [
-            {
-                "section": case.section,
-                "title": case.title,
-                "agrees": case.agrees,
-                "lines": [line.to_dict() for line in case.lines],
-            }
-            for case in found
-        ]
-        output.emit({"sections": sections, "files": written, "time_s": dict(waiting.time_s)})
-    else:
-        for path in written:
-            output.say(f"wrote {path}")
-    return 0 if all(case.agrees for case in found) else 1
+    found: list[Case] = []
+    written: list[str] = []
+    for name in cases.SECTIONS if section is None else [section]:
+        waiting.stage("solve", f"section {name}")
+        found.append(cases.reproduce(name))
+        written += [] if out is None else cases.save_case(found[-1], out)
+        waiting.wrote = written
+    sections = [
+        {
+            "section": case.section,
+            "title": case.title,
+            "agrees": case.agrees,
+            "lines": [line.to_dict() for line in case.lines],
+        }
+        for case in found
+    ]
+    code = 0 if all(case.agrees for case in found) else 1
+    return Answer({"sections": sections}, partial(_show, found), code, written=written)
 
 
-def _show(case: Case) -> None:
+def _show(found: Sequence[Case], screen: Screen) -> None:
     """A line per claim: published / found."""
-    output.say(f"{case.section} {case.title}")
-    for line in case.lines:
-        mark = {True: "agrees", False: "DIFFERS", None: "-"}[line.agrees]
-        note = f" ({line.note})" if line.note else ""
-        output.say(f"  {line.what}: {line.published or '-'} / {line.found}  {mark}{note}")
+    for case in found:
+        screen.line(case.title, case.section, gap=" ")
+        for line in case.lines:
+            mark = {True: "agrees", False: "DIFFERS", None: "-"}[line.agrees]
+            note = f" ({line.note})" if line.note else ""
+            told = f"{line.published or '-'} / {line.found}"
+            screen.line(f"  {line.what}: {told}  {mark}{note}")

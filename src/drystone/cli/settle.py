@@ -7,84 +7,76 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from drystone.cli import loading, options, output, verdict
-from drystone.cli.groups import Finding, Subject, Written, expanded
+from drystone import units
+from drystone.cli import kinds, loading, verdict
+from drystone.cli.answer import Answer
+from drystone.cli.command import Option, command
+from drystone.cli.output import Screen
+from drystone.cli.subject import Finding, Subject
 from drystone.cli.waiting import Waiting
+from drystone.cli.written import Written
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
-    from drystone.files import Job
-    from drystone.model import Model
+    from drystone.cli.answer import Files
     from drystone.settlement import Settlement
 
-LISTED = 12
-"""Rows shown of a table; --json has all."""
 
-
-@expanded
+@command(
+    "drystone settle arch.json --move springer-right:0.01,0,0",
+    "drystone settle arch.json --move springer-right:0,0,-0.02 --html settled.html",
+)
 def settle(
     *,
-    moves: loading.Moves = None,
+    move: loading.Moves = (),
     subject: Subject,
     seismic: loading.Seismic = None,
     finding: Finding,
     compliance: Annotated[
         float,
-        typer.Option(
-            help="Overlap of a corner under the mean weight of a block, as a share of the motion: "
-            "small for stiff blocks."
+        Option(
+            "Overlap of a corner under the mean weight of a block, as a share of the motion: small "
+            "for stiff blocks (0.001).",
+            kind=kinds.POSITIVE,
+            expert=True,
         ),
     ] = 1e-3,
     wanted: Written,
-    as_json: options.Json = False,
-) -> int:
+    waiting: Waiting,
+) -> Answer:
     """Which joints open, and how the forces change, when supports move a little.
 
     Exit code 0: the blocks come to rest. 1: that was not found. 2: bad input.
     """
-    files, tables = wanted.checked()
-    options.positive(compliance, "--compliance")
-    with Waiting() as waiting:
-        prepared = subject.prepared(waiting, finding, seismic=seismic, moves=moves, settling=True)
-        if prepared.load.motion is None:
-            raise InputError(
-                "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
-            )
-        from drystone.settlement import SettlementOptions  # work is imported when there is some
-        from drystone.settlement import settle as solve
+    model = subject.prepared(waiting, finding, seismic, move, settling=True)
+    if model.load.motion is None:
+        raise InputError(
+            "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
+        )
+    from drystone.settlement import SettlementOptions  # work is imported when there is some
+    from drystone.settlement import settle as solve
 
-        waiting.stage("solve", "settling")
-        chosen = SettlementOptions(compliance=compliance)
-        answer = solve(prepared, options=chosen)
-        rows, said = tables.of(answer.result)
-        pictures = _pictures(answer, files, subject.model)
-        written = verdict.write([*pictures, *rows], waiting)
-    data = _content(answer, prepared, subject.model)
-    data["notes"] += said
-    data["files"] = written
-    data["time_s"] = dict(waiting.time_s)
-    if as_json:
-        output.emit(data)
-    else:
-        _show(data)
-    return verdict.exit_code(answer.result, strict=False)
+    waiting.stage("solve", "settling")
+    found = solve(model, options=SettlementOptions(compliance=compliance))
+    data = _content(found, subject.model)
+    code = verdict.exit_code(found.result, strict=False)
+    files = partial(_files, found, wanted, subject.model)
+    return Answer(data, partial(_show, data), code, model.notes, files)
 
 
-def _pictures(answer: Settlement, files: verdict.Files, source: str) -> list[Job]:
-    if not files.written():
-        return []
+def _files(found: Settlement, wanted: Written, source: str) -> Files:
+    tables, said = wanted.tables(found.result)
+    if wanted.html is None and wanted.png is None:
+        return tables, said
     from drystone import view  # as above
     from drystone.view.settlement import moved_scene, settlement_scene
 
-    return files.jobs(
-        partial(view.save_page, settlement_scene(answer, source)),
-        partial(view.save_figure, moved_scene(answer, source)),
-    )
+    page = partial(view.save_page, settlement_scene(found, source))
+    figure = partial(view.save_figure, moved_scene(found, source))
+    return [*wanted.jobs(page, figure), *tables], said
 
 
-def _content(answer: Settlement, prepared: Model, model: str) -> dict[str, Any]:
+def _content(answer: Settlement, model: str) -> dict[str, Any]:
     """The answer as plain values: forces in N, lengths in m, rotations in rad."""
     import numpy as np  # as above
 
@@ -113,7 +105,6 @@ def _content(answer: Settlement, prepared: Model, model: str) -> dict[str, Any]:
         "supports": [],
         "joints": [],
         "residuals": dataclasses.asdict(result.residuals) if result.residuals else None,
-        "notes": list(prepared.notes),
     }
     if result.force is None or before.force is None:
         return data
@@ -149,79 +140,50 @@ def _content(answer: Settlement, prepared: Model, model: str) -> dict[str, Any]:
     return data
 
 
-def _show(data: Mapping[str, Any]) -> None:
+def _show(data: Mapping[str, Any], screen: Screen) -> None:
     """The answer for a person."""
-    console = output.console()
-    style = verdict.STYLE.get(data["verdict"], "bold")
     word = "SETTLED" if data["verdict"] == "stable" else data["verdict"].upper()
-    console.print(f"[{style}]{word}[/]  {output.safe(str(data['model']))}")
-    console.print(output.safe(data["message"]))
+    screen.line(str(data["model"]), word, verdict.STYLE.get(data["verdict"], "bold"))
+    screen.line(data["message"])
     for row in data["motion"]:
         turn = f", turned by {_plain(row['rotation'])} rad" if any(row["rotation"]) else ""
-        console.print(f"moved: {output.safe(row['block'])} by {_plain(row['translation'])} m{turn}")
+        screen.line(f"moved: {row['block']} by {_plain(row['translation'])} m{turn}")
     if data["joints"]:
-        _show_joints(console, data)
-    for note in data["notes"]:
-        console.print(f"[yellow]note:[/] {output.safe(note)}")
-    times = ", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items())
-    console.print(f"[dim]{times}[/]")
-    for name in data["files"]:
-        console.print(f"wrote {output.safe(name)}")
+        _show_joints(screen, data)
 
 
-def _show_joints(console: Any, data: Mapping[str, Any]) -> None:
+def _show_joints(screen: Screen, data: Mapping[str, Any]) -> None:
     for key, word in (("open", "joints that open"), ("sliding", "joints that slide")):
         rows = data[key]
-        console.print(f"{word}: {len(rows) or 'none'}")
-        if rows:
-            _table(
-                console,
-                ("joint", "by at most, mm"),
-                [(_between(row), f"{1e3 * row['distance']:.4g}") for row in rows],
-            )
+        screen.line(f"{word}: {len(rows) or 'none'}")
+        told = [(_between(row), units.quantity(row["distance"], "m")) for row in rows]
+        screen.table(("joint", "by at most"), told)
     joints = sorted(data["joints"], key=lambda row: -_length(row["change"]))
-    small = 1e-6 * max(abs(row["normal"]) for row in joints)
-
-    def shown(value: float) -> str:
-        return output.number(value if abs(value) > small else 0.0)
-
+    least = verdict.NEGLIGIBLE * max(abs(row["normal"]) for row in joints)
     supports = sorted(data["supports"], key=_support_change)
-    _table(
-        console,
-        ("support", "gives [N]", "after"),
+    screen.table(
+        ("support", "gives", "after"),
         [
-            (
-                output.safe(row["block"]),
-                *(", ".join(map(shown, row[key])) for key in ("before", "after")),
-            )
+            (row["block"], *(units.components(row[key], "N") for key in ("before", "after")))
             for row in supports
         ],
     )
     keys = ("normal_before", "normal", "tangential_before", "tangential")
-    _table(
-        console,
-        ("joint", "normal [N]", "after", "friction [N]", "after"),
-        [(_between(row), *(shown(row[key]) for key in keys)) for row in joints],
+    screen.table(
+        ("joint", "normal", "after", "friction", "after"),
+        [
+            (_between(row), *(units.quantity(row[key], "N", least) for key in keys))
+            for row in joints
+        ],
     )
 
 
-def _table(console: Any, head: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    from rich.table import Table  # slow to import
-
-    table = Table(*head, box=None)
-    for row in rows[:LISTED]:
-        table.add_row(*row)
-    console.print(table)
-    if len(rows) > LISTED:
-        console.print(f"[dim]and {len(rows) - LISTED} more (--json lists all)[/]")
-
-
 def _between(row: Mapping[str, Any]) -> str:
-    return output.safe(" - ".join(row["blocks"]))
+    return " - ".join(row["blocks"])
 
 
 def _plain(values: Sequence[float]) -> str:
-    return ", ".join(f"{value:g}" for value in values)
+    return ", ".join(f"{value + 0.0:g}" for value in values)
 
 
 def _length(values: Sequence[float]) -> float:

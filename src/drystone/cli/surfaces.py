@@ -5,11 +5,12 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from drystone.cli import options
+from drystone.cli import kinds
+from drystone.cli.command import MODEL, Argument, Option
 from drystone.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,17 +49,56 @@ USED = {
 
 @dataclass(frozen=True)
 class Wanted:
-    """What the command line says about the surface; None where it says nothing."""
+    """The surface that is asked for, and its size."""
 
-    surface: str
-    span: float | None
-    length: float | None
-    rise: float | None
-    eye: float | None
-    keystone: bool
-    supports: str | None
-    units: str | None
-    thickness: float | None
+    surface: Annotated[
+        str,
+        Argument(
+            "SURFACE",
+            "barrel, cross, pavilion or dome; free-edge or three-vaults, whose form is found; or "
+            "an open mesh file.",
+        ),
+    ]
+    span: Annotated[
+        float | None, Option("Span or diameter in m (6).", MODEL, kind=kinds.POSITIVE)
+    ] = None
+    length: Annotated[
+        float | None,
+        Option("Length of a barrel, depth of a free-edge plan, in m.", MODEL, kind=kinds.POSITIVE),
+    ] = None
+    rise: Annotated[
+        float | None,
+        Option("Rise of a barrel, height of a form found, in m.", MODEL, kind=kinds.POSITIVE),
+    ] = None
+    thickness: Annotated[
+        float | None,
+        Option("Thickness in m (0.075 of the span of a barrel, else the size by 30).", MODEL),
+    ] = None
+    eye: Annotated[
+        float | None,
+        Option(
+            "Diameter of the opening at the crown, in m (1).",
+            MODEL,
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = None
+    keystone: Annotated[bool, Option("Close the opening with one block.", MODEL, expert=True)] = (
+        False
+    )
+    supports: Annotated[
+        str | None,
+        Option(
+            "Sides that a mesh stands on: bottom, top, left, right; by commas (the bottom and "
+            "those as low).",
+            MODEL,
+            expert=True,
+        ),
+    ] = None
+    units: Annotated[
+        str | None, Option("Unit of length of a mesh file (m).", MODEL, kind=kinds.UNIT,
+                           expert=True)
+    ] = None  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -78,7 +118,7 @@ class Surface:
     notes: tuple[str, ...]
 
 
-def surface(wanted: Wanted) -> Surface:
+def surface_of(wanted: Wanted) -> Surface:
     """The surface asked for.
 
     Raises
@@ -108,7 +148,6 @@ def _refuse_unused(wanted: Wanted, kind: Kind | None) -> None:
         ("--rise", wanted.rise),
         ("--eye", wanted.eye),
     ):
-        options.positive(value, option)
         _refuse(option, value is not None, kind)
     _refuse("--keystone", wanted.keystone, kind)
     _refuse("--supports", wanted.supports is not None, kind)

@@ -4,86 +4,37 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.cli import options, output
+from drystone import units
+from drystone.cli.answer import Answer, Files
+from drystone.cli.output import Screen, grouped
 from drystone.cli.waiting import Waiting
 from drystone.errors import counted
 
 if TYPE_CHECKING:
-    from drystone.files import Job
-    from drystone.limits import Limit, TiltSweep
     from drystone.model import Model
     from drystone.results import Result
 
-LISTED = 12
-"""Rows shown of a table; --json has all."""
 STYLE = {"stable": "bold green", "unstable": "bold red", "undecided": "bold yellow"}
+NEGLIGIBLE = 1e-6
+"""Share of the largest force below which a force is rounding and told as 0."""
 
 
-@dataclass(frozen=True)
-class Files:
-    """The pictures that were asked for.
-
-    Attributes
-    ----------
-    html, png
-        Checked paths; ``None`` where none is wanted.
-    """
-
-    html: Path | None
-    png: Path | None
-
-    @classmethod
-    def checked(cls, html: str | None, png: str | None) -> Files:
-        """Refuse wrong suffixes and missing folders before the work begins."""
-        return cls(
-            None if html is None else options.output_path(html, "--html", (".html", ".htm")),
-            None if png is None else options.output_path(png, "--png", (".png", ".svg")),
-        )
-
-    def jobs(self, page: Callable[[Path], None], figure: Callable[[Path], None]) -> list[Job]:
-        """What :func:`drystone.files.write_together` is to write, from what writes each."""
-        both = ((self.html, page), (self.png, figure))
-        return [(path, write) for path, write in both if path is not None]
-
-    def of(self, subject: Result | Limit | TiltSweep, source: str = "") -> list[Job]:
-        """The pictures of an answer about the model of a file."""
-        if self.html is None and self.png is None:
-            return []
-        from drystone import view  # the program starts fast: pictures are imported when asked for
-
-        return self.jobs(
-            partial(view.save_page, subject, source=source),
-            partial(view.save_figure, subject, source=source),
-        )
-
-    def write(
-        self, subject: Result | Limit | TiltSweep, waiting: Waiting, source: str = ""
-    ) -> None:
-        """Write the pictures of an answer, all or none."""
-        write(self.of(subject, source), waiting)
-
-    def written(self) -> list[str]:
-        """Their names."""
-        return [str(path) for path in (self.html, self.png) if path is not None]
-
-
-def write(jobs: list[Job], waiting: Waiting) -> list[str]:
-    """Write files, all or none; their names."""
-    if not jobs:
-        return []
-    from drystone.files import write_together
-
-    waiting.stage("pictures", "writing")
-    written = write_together(jobs)
-    waiting.wrote += written
-    return written
+def answer(
+    result: Result,
+    waiting: Waiting,
+    model: str,
+    files: Callable[[], Files],
+    strict: bool = False,
+) -> Answer:
+    """What a command answers that checks a model."""
+    data = content(result, waiting.time_s, model)
+    code = exit_code(result, strict)
+    return Answer(data, partial(show, data), code, result.model.notes, files)
 
 
 def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
@@ -107,7 +58,7 @@ def exit_code(result: Result, strict: bool) -> int:
     return 0 if result.stable and (robust or not strict) else 1
 
 
-def content(result: Result, spent: Mapping[str, float], model: str, files: Files) -> dict[str, Any]:
+def content(result: Result, spent: Mapping[str, float], model: str) -> dict[str, Any]:
     """The answer as plain values: forces in N, moments in N m, lengths in m."""
     assembly, contacts = result.assembly, result.contacts
     inner = dict(result.time_s)
@@ -129,8 +80,6 @@ def content(result: Result, spent: Mapping[str, float], model: str, files: Files
         "samples": dataclasses.asdict(result.samples),
         "residuals": dataclasses.asdict(result.residuals) if result.residuals else None,
         "largest": largest(result),
-        "notes": list(result.model.notes),
-        "files": files.written(),
         "time_s": {
             "read": spent.get("read", 0.0),
             "detect": spent.get("detect", 0.0),
@@ -178,61 +127,47 @@ def largest(result: Result) -> dict[str, Any] | None:
     }
 
 
-def show(data: Mapping[str, Any]) -> None:
+def show(data: Mapping[str, Any], screen: Screen) -> None:
     """The answer for a person."""
-    from rich.table import Table
-
-    console = output.console()
     word = data["verdict"].upper() + (" (sensitive)" if data["sensitive"] else "")
-    console.print(
-        f"[{STYLE.get(data['verdict'], 'bold')}]{word}[/]  {output.safe(str(data['model']))}"
-    )
+    screen.line(str(data["model"]), word, STYLE.get(data["verdict"], "bold"))
     if data["message"]:
-        console.print(output.safe(data["message"]))
-    console.print(
-        f"{data['blocks']} blocks ({data['free_blocks']} free, {output.number(data['mass'])} kg), "
-        f"{counted(data['interfaces'], 'interface')}, {counted(data['corners'], 'corner')}"
+        screen.line(data["message"])
+    screen.line(
+        f"{counted(data['blocks'], 'block')} ({data['free_blocks']} free, "
+        f"{units.mass(data['mass'])}), {counted(data['interfaces'], 'interface')}, "
+        f"{counted(data['corners'], 'corner')}"
     )
     if data["falling"]:
-        _show_falling(console, data)
+        _show_falling(screen, data)
     if data["largest"] is not None:
-        table = Table("", "between", "normal [N]", "friction [N]", "utilisation", box=None)
+        rows = []
         for title, key in (("largest force", "force"), ("most friction used", "utilisation")):
             row = data["largest"][key]
-            used = row["utilisation"]
-            table.add_row(
-                title,
-                output.safe(" - ".join(row["blocks"])),
-                output.number(row["normal"]),
-                output.number(
-                    row["tangential"] if row["tangential"] > 1e-6 * row["normal"] else 0.0
-                ),
-                f"{used:.1%}" if np.isfinite(used) else "no capacity",
+            used, least = row["utilisation"], NEGLIGIBLE * abs(row["normal"])
+            rows.append(
+                [
+                    title,
+                    " - ".join(row["blocks"]),
+                    units.quantity(row["normal"], "N"),
+                    units.quantity(row["tangential"], "N", least),
+                    f"{used + 0.0:.1%}" if np.isfinite(used) else "no capacity",
+                ]
             )
-        console.print(table)
+        screen.table(("", "between", "normal", "friction", "utilisation"), rows)
     if data["samples"]["tried"]:
         tried, standing = data["samples"]["tried"], data["samples"]["standing"]
-        console.print(f"contact stiffnesses: stands for {standing} of {tried} tried")
-    for note in data["notes"]:
-        console.print(f"[yellow]note:[/] {output.safe(note)}")
-    times = ", ".join(f"{key} {value:.2f} s" for key, value in data["time_s"].items())
-    console.print(f"[dim]{times}[/]")
-    for name in data["files"]:
-        console.print(f"wrote {output.safe(name)}")
+        screen.line(f"contact stiffnesses: stands for {standing} of {tried} tried")
 
 
-def _show_falling(console: Any, data: Mapping[str, Any]) -> None:
-    from rich.table import Table
-
+def _show_falling(screen: Screen, data: Mapping[str, Any]) -> None:
     needs = {row["block"]: row for row in data["props"]}
-    rows = [*needs, *(name for name in data["falling"] if name not in needs)]
-    console.print(f"falls: {len(rows)} block{'s' if len(rows) > 1 else ''}")
-    table = Table("block", "prop force [N]", "prop moment [N m]", box=None)
-    for name in rows[:LISTED]:
+    names = [*needs, *(name for name in data["falling"] if name not in needs)]
+    screen.line(f"falls: {counted(len(names), 'block')}")
+    rows = []
+    for name in names:
         need = needs.get(name)
-        force = output.vector(need["force"]) if need else "-"
-        moment = output.vector(need["moment"]) if need else "-"
-        table.add_row(output.safe(name), force, moment)
-    console.print(table)
-    if len(rows) > LISTED:
-        console.print(f"[dim]and {len(rows) - LISTED} more (--json lists all)[/]")
+        parts = ("force", "N"), ("moment", "N m")
+        told = [units.components(need[key], unit) if need else "-" for key, unit in parts]
+        rows.append([name, *told])
+    screen.table(("block", "prop force", "prop moment"), grouped(rows))

@@ -2,11 +2,12 @@
 
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
+from drystone.solvers.program import ConicProgram
 from drystone.stability.check import check
 from drystone.stability.cra import CRAOptions, solve_cra
 from drystone.stability.options import CheckOptions
 from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
-from drystone.stability.rbe import RBEOptions, solve_rbe
+from drystone.stability.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
 from drystone.stability.resting import try_rest
 from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
 
@@ -16,6 +17,7 @@ __all__ = [
     "SMOOTH",
     "CRAOptions",
     "CheckOptions",
+    "ConicProgram",
     "FrictionCone",
     "FrictionRule",
     "Objective",
@@ -23,6 +25,8 @@ __all__ = [
     "RBEOptions",
     "Screening",
     "Weights",
+    "build_rbe",
+    "build_rbe_penalty",
     "check",
     "solve_cra",
     "solve_cra_penalty",

@@ -9,7 +9,7 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
-from drystone.formulations.stiffness_range import ROUNDING, spread_of
+from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -144,7 +144,7 @@ class Cascade:
             for state in look.states(self.options.stiffness_ratio):
                 candidate = self._answering(look, state)
                 if candidate is not None:
-                    self.stiffness_ratio = spread_of(self.problem.statics, state)
+                    self.stiffness_ratio = stiffness_ratio(self.problem.statics, state)
                     return self._with_equal_overlap(look, state) or candidate
         finally:
             self.iterations += look.iterations
@@ -163,7 +163,7 @@ class Cascade:
         Equal overlaps are no equal stiffnesses: those are as unlike as the forces.
         """
         equal = look.equal_overlap(state.motion)
-        ratio = spread_of(self.problem.statics, equal)
+        ratio = stiffness_ratio(self.problem.statics, equal)
         if ratio > self.options.stiffness_ratio * ROUNDING:
             return None
         candidate = self._answering(look, equal)

@@ -16,7 +16,7 @@ from drystone.formulations.improvement import CompatibleState, improve
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions
-from drystone.formulations.stiffness_range import spread_of
+from drystone.formulations.stiffness_range import stiffness_ratio
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Residuals, Result, Verdict
 from drystone.settings import Options, checked_call
@@ -192,6 +192,6 @@ def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) 
         displacement,
         replace(residuals, overlap=max(spread, deeper)),
         slide,
-        spread_of(problem.statics, CompatibleState(motion, force, 0.0, iterations)),
+        stiffness_ratio(problem.statics, CompatibleState(motion, force, 0.0, iterations)),
         iterations,
     )

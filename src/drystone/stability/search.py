@@ -18,12 +18,12 @@ from drystone.formulations.rest import compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.formulations.stiffness_range import (
-    ALIKE,
     BALANCED,
     ROUNDING,
-    evened,
-    settle,
-    spread_of,
+    SMALL_RATIO,
+    rest_within_ratio,
+    stiffness_ratio,
+    with_reduced_ratio,
 )
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem
@@ -87,11 +87,15 @@ class Search:
         statics = self.problem.statics
         enough = BALANCED * float(np.linalg.norm(statics.load))
         for motion in self._starts():
-            wide = self._counted(settle(statics, motion, WIDER * ratio, stop=self.clock.late))
+            wide = self._counted(
+                rest_within_ratio(statics, motion, WIDER * ratio, stop=self.clock.late)
+            )
             if wide.unbalanced <= enough:
-                content = min(ALIKE, ratio)
-                state = self._counted(evened(statics, wide, content, stop=self.clock.late))
-                if spread_of(statics, state) <= ratio * ROUNDING:
+                small = min(SMALL_RATIO, ratio)
+                state = self._counted(
+                    with_reduced_ratio(statics, wide, small, stop=self.clock.late)
+                )
+                if stiffness_ratio(statics, state) <= ratio * ROUNDING:
                     yield state
 
     def equal_overlap_states(self) -> Iterator[CompatibleState]:

@@ -17,7 +17,9 @@ def test_convert_writes_every_format_that_it_reads(
     source, target = tmp_path / "arch.json", tmp_path / f"out{suffix}"
     io.write(arch(), source)
     assert main(["convert", str(source), str(target)]) == 0
-    assert f"wrote {target}: {len(arch())} blocks" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert f"{len(arch())} blocks, " in out
+    assert f"wrote {target}\n" in out
     again = io.read(target).assembly
     assert again.names == arch().names
     assert again.volume == pytest.approx(arch().volume, rel=1e-5)

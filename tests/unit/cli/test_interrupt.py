@@ -237,6 +237,50 @@ def test_ctrl_c_while_the_answer_is_printed_names_the_files_that_are_there(
     assert page.exists()
 
 
+@pytest.mark.parametrize("as_json", [True, False])
+def test_ctrl_c_while_pictures_are_drawn_keeps_the_verdict(
+    as_json: bool,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def pressed(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("drystone.view.save_figure", pressed)
+    model, page = tmp_path / "tower.json", tmp_path / "page.html"
+    io.write(tower(2), model)
+    given = ["check", str(model), "--html", str(page), "--png", str(tmp_path / "figure.png")]
+    assert main([*given, "--json"] if as_json else given) == 130
+    out, err = capsys.readouterr()
+    note = "interrupted: nothing was written"
+    assert err == ""
+    if as_json:
+        told = json.loads(out)
+        assert (told["verdict"], told["files"], told["notes"]) == ("stable", [], [note])
+    else:
+        assert out.startswith("STABLE")
+        assert note in out
+    assert [path.name for path in tmp_path.iterdir()] == ["tower.json"]
+
+
+def test_an_answer_is_told_although_its_files_cannot_be_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("drystone.view.save_figure", full)
+    model, figure = tmp_path / "tower.json", tmp_path / "figure.png"
+    io.write(tower(2), model)
+    assert main(["check", str(model), "--png", str(figure), "--json"]) == 2
+    out, err = capsys.readouterr()
+    told = json.loads(out)
+    assert (told["verdict"], told["exit_code"]) == ("stable", 2)
+    assert "No space left" in told["error"]["message"]
+    assert "figure.png: cannot be written: No space left" in err
+
+
 def test_strict_wants_every_stiffness_tried() -> None:
     pair = tower(2)
     result = check(Model.of(pair))

@@ -52,16 +52,28 @@ def test_tilt_has_both_definitions_and_the_blocks_that_fall(model: str, capsys: 
 
 
 def test_a_sweep_writes_its_plot(model: str, tmp_path: Path, capsys: Capsys) -> None:
-    plot, page = tmp_path / "polar.png", tmp_path / "polar.html"
+    plot = tmp_path / "polar.png"
     code, told = answer(
-        capsys, "limit", "tilt", model, "--polar", "3", "--equilibrium-only", "--png", str(plot),
-        "--html", str(page),
-    )  # fmt: skip
+        capsys, "limit", "tilt", model, "--polar", "3", "--equilibrium-only", "--png", str(plot)
+    )
     assert code == 0
-    assert "the weakest of 3 directions" in page.read_text(encoding="utf-8")
     assert told["azimuth"] == [0.0, 120.0, 240.0]
     assert plot.read_bytes()[:4] == b"\x89PNG"
-    assert told["files"] == [str(page), str(plot)]
+    assert told["files"] == [str(plot)]
+
+
+def test_a_limit_and_a_sweep_write_a_page_and_a_figure_at_once(
+    model: str, tmp_path: Path, capsys: Capsys
+) -> None:
+    page, figure = tmp_path / "fall.html", tmp_path / "fall.svg"
+    files = ("--html", str(page), "--png", str(figure))
+    for more in (("--axis", "y"), ("--polar", "2", "--equilibrium-only")):
+        _, told = answer(capsys, "limit", "tilt", model, "--scan", "1", *more, *files)
+        assert told["files"] == [str(page), str(figure)]
+        assert page.read_text(encoding="utf-8").startswith("<!doctype html>")
+        assert "<svg" in figure.read_text(encoding="utf-8")
+        page.unlink()
+        figure.unlink()
 
 
 def test_friction_and_its_page(model: str, tmp_path: Path, capsys: Capsys) -> None:
@@ -210,9 +222,12 @@ def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -
         (["limit", "tolerance", "MODEL", "--turn", "nan"], "--turn: is nan"),
         (["limit", "friction", "MODEL", "--case", "wind"], "no load case is called 'wind'"),
         (["check", "MODEL", "--load", "block-1"], "names no block"),
-        (["check", "MODEL", "--load", "block-1:5kgs"], "write a force 0,0,-500, a mass 80kg"),
+        (
+            ["check", "MODEL", "--load", "block-1:5kgs"],
+            "write a force 0,0,-500 or 2kN, a mass 80kg",
+        ),
         (["check", "MODEL", "--load", "block-1:1,2"], "not three finite numbers"),
-        (["check", "MODEL", "--load", "block-1:xkg"], "'x' is not a number"),
+        (["check", "MODEL", "--load", "block-1:xkg"], "mass 'xkg' is not a number with a unit"),
         (["check", "MODEL", "--load", "block-1:m=1,0,0@0,0,0"], "acts at no point"),
         (["check", "MODEL", "--load", "block-0:1,0,0"], "'block-0' is fixed"),
         (["check", "MODEL", "--seismic", "1,2,3"], "not KX,KY"),

@@ -127,7 +127,7 @@ def test_a_person_reads_joints_supports_and_changes(model: str, capsys: Capsys) 
         (["--move", "0,0,1"], "--move: '0,0,1' names no block"),
         (["--move", "b:0,0,0"], "--move: no support moves"),
         ([], "--move: no support moves"),
-        ([*DROP, "--compliance", "0"], "--compliance: is 0.0"),
+        ([*DROP, "--compliance", "0"], "--compliance: is 0;"),
         ([*DROP, "--html", "nowhere/a.html"], "--html: there is no folder"),
     ],
 )

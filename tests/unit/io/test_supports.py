@@ -63,7 +63,7 @@ def test_names_may_hold_spaces_commas_and_brackets() -> None:
         ("block-0,", ["empty name"]),
         ("", ["empty name"]),
         ("below:-1", ["no block reaches down to -1 m", "0 m"]),
-        ("below:high", ["'high' is not a length"]),
+        ("below:high", ["height 'high' is not a number with a unit", "0.15"]),
         ("below:1yd", ["unit 'yd'"]),
     ],
 )

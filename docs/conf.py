@@ -1,0 +1,61 @@
+"""How the site is built: ``sphinx-build -W -n docs site`` after ``pip install ".[docs]"``."""
+
+import sys
+from pathlib import Path
+
+from docutils.nodes import SkipNode
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+
+import drystone
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+from reference import write_reference
+
+project = "drystone"
+author = "The drystone developers"
+version = release = drystone.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["reference.py"]
+myst_enable_extensions = ["dollarmath", "deflist"]
+myst_heading_anchors = 3
+
+autodoc_typehints = "none"  # the signature has them
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+
+suppress_warnings = ["ref.python"]  # attributes of two classes may have one name
+
+html_theme = "furo"
+html_title = f"drystone {version}"
+html_static_path: list[str] = []
+
+html_math_renderer = "mathml"  # read by every browser, without a script from elsewhere
+
+
+def inline_math(self, node):
+    """A formula in a line."""
+    self.body.append(tex2mathml(node.astext()))
+    raise SkipNode
+
+
+def display_math(self, node):
+    """A formula of its own."""
+    self.body.append(tex2mathml(node.astext(), as_block=True))
+    raise SkipNode
+
+
+def setup(app: Sphinx) -> None:
+    """What Sphinx calls when the site is built."""
+    app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
+    write_reference(HERE / "reference")

@@ -1,0 +1,149 @@
+"""Commands made of functions: groups of options, help, examples, completion."""
+
+import re
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import click
+import pytest
+
+from drystone import io
+from drystone.cli import main
+from drystone.cli.answer import Answer
+from drystone.cli.application import app
+from drystone.cli.command import MODEL, Argument, Command, Option, command
+from drystone.cli.waiting import Waiting
+from drystone.models import arch
+
+Capsys = pytest.CaptureFixture[str]
+
+
+@dataclass(frozen=True)
+class Stone:
+    quarry: Annotated[str, Argument("QUARRY", "Where it is from.")]
+    weight: Annotated[float, Option("Weight in kg.", MODEL)] = 1.0
+    wet: Annotated[bool, Option("Wet.", expert=True)] = False
+
+
+SEEN: list[tuple[Stone, str, int, tuple[str, ...]]] = []
+
+
+@command("lay north wall", "lay south wall --rows 2")
+def lay(
+    *,
+    rows: Annotated[int, Option("Rows.")] = 1,
+    stone: Stone,
+    place: Annotated[str, Argument("PLACE", "Where it goes.")],
+    tool: Annotated[tuple[str, ...], Option("Tools.")] = (),
+    waiting: Waiting,
+) -> Answer:
+    """Lay stones."""
+    assert isinstance(waiting, Waiting)
+    SEEN.append((stone, place, rows, tool))
+    return Answer({"laid": rows}, lambda screen: screen.line("laid"))
+
+
+def test_the_command_gets_its_groups_back(capsys: Capsys) -> None:
+    given = ["north", "wall", "--weight", "2.5", "--wet", "--rows", "3", "--tool", "a"]
+    assert lay.main([*given, "--tool", "b", "--json"], standalone_mode=False) == 0
+    assert SEEN.pop() == (Stone("north", 2.5, True), "wall", 3, ("a", "b"))
+    assert '"laid": 3' in capsys.readouterr().out
+    assert lay.main(["north", "wall"], standalone_mode=False) == 0
+    assert SEEN.pop() == (Stone("north"), "wall", 1, ())
+    assert "laid" in capsys.readouterr().out
+
+
+def test_help_shows_groups_and_examples_and_hides_expert_options(capsys: Capsys) -> None:
+    with pytest.raises(SystemExit):
+        lay.main(["--help"], prog_name="lay")
+    out = capsys.readouterr().out
+    for words in ("QUARRY", "Model:\n  --weight", "Analysis:\n  --rows", "Examples:\n  lay north"):
+        assert words in out
+    assert "--wet" not in out
+    assert "1 more option: lay --help-all" in out
+    with pytest.raises(SystemExit):
+        lay.main(["--help-all"], prog_name="lay")
+    assert "--wet" in capsys.readouterr().out
+
+
+def commands(group: click.Group = app, before: tuple[str, ...] = ()) -> dict[str, Command]:
+    """Every command by its words."""
+    found: dict[str, Any] = {}
+    for name, one in group.commands.items():
+        if isinstance(one, click.Group):
+            found |= commands(one, (*before, name))
+        else:
+            found[" ".join((*before, name))] = one
+    return found
+
+
+@pytest.mark.parametrize("name", commands())
+def test_the_help_of_every_command_has_two_examples_and_few_options(
+    name: str, capsys: Capsys
+) -> None:
+    assert main([*name.split(), "--help"]) == 0
+    out = capsys.readouterr().out
+    examples = out.partition("Examples:\n")[2].splitlines()
+    assert len(examples) == 2
+    assert all(
+        line.startswith(f"  drystone {name} ") for line in examples if line != "  drystone demo"
+    )
+    assert len(re.findall(r"^  --[a-z]", out, re.MULTILINE)) <= 16
+    assert max(map(len, out.splitlines())) <= 100
+
+
+@pytest.mark.parametrize("name", [name for name in commands() if name != "reproduce"])
+def test_the_examples_of_a_command_run(
+    name: str, tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside the file that they name."""
+    monkeypatch.chdir(tmp_path)
+    io.write(arch(), "arch.json")
+    for example in commands()[name].examples:
+        program, *given = shlex.split(example)
+        assert program == "drystone"
+        assert main(given) in (0, 1), example
+        assert capsys.readouterr().err == ""
+        named = [word for word in given if re.search(r"\.(html|png|csv|obj|json)$", word)]
+        assert all(Path(word).exists() for word in named), example
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_get_their_completion(shell: str, capsys: Capsys) -> None:
+    assert main(["--completion", shell]) == 0
+    assert "_DRYSTONE_COMPLETE" in capsys.readouterr().out
+
+
+def test_commands_options_and_choices_are_completed(
+    capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def completed(*words: str) -> list[str]:
+        monkeypatch.setenv("_DRYSTONE_COMPLETE", "bash_complete")
+        monkeypatch.setenv("COMP_WORDS", " ".join(("drystone", *words)))
+        monkeypatch.setenv("COMP_CWORD", str(len(words)))
+        with pytest.raises(SystemExit):
+            main([])
+        return [line.partition(",")[2] for line in capsys.readouterr().out.splitlines()]
+
+    assert completed("ins") == ["inspect"]
+    assert completed("check", "model.obj", "--fr") == ["--friction"]
+    assert completed("check", "model.obj", "--edges", "is") == ["isolated"]
+    assert completed("check", "--units", "m") == ["mm", "m"]
+
+
+def test_an_option_without_its_value_and_a_flag_with_one_are_told(capsys: Capsys) -> None:
+    for given, told in (
+        (["check", "x.json", "--friction"], "--friction: needs a value"),
+        (["check", "x.json", "--strict=3"], "--strict: takes no value"),
+        (["check"], "MODEL: is missing"),
+        (["check", "x.json", "y.json"], "'y.json' is one argument too many"),
+        (["check", "x.json", "--frction", "1"], "there is no option '--frction'; did you mean"),
+        (["limit", "tlit"], "there is no command 'tlit'; did you mean 'tilt'"),
+    ):
+        assert main(given) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert err.startswith(f"drystone: {told}")
+        assert err.count("\n") == 1
