@@ -25,8 +25,8 @@ for number in (3, 4): os.dup2(100 + number, number)
 os.execv(sys.argv[3], sys.argv[3:])
 """
 """Starts the browser with its pipes at the file descriptors 3 and 4, where it looks for them."""
-PATIENCE = 30.0
-"""[s] for an answer."""
+PATIENCE = 120.0
+"""[s] for an answer: a machine that does much else at the same time is slow to draw."""
 
 
 def executable() -> str | None:

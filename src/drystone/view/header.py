@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import PurePath
 
 import numpy as np
@@ -46,7 +46,6 @@ def facts_of(
     contacts: Contacts,
     load: LoadCase | None = None,
     source: str = "",
-    notes: Sequence[str] = (),
 ) -> Mapping[str, str]:
     """What was asked, by name; empty entries are left out."""
     density = np.array([block.density for block in assembly.blocks])
@@ -60,7 +59,7 @@ def facts_of(
         "Density": _range(density, " kg/m³"),
         "Friction": _range(contacts.friction, "") if contacts.count else "",
         "Load": "" if load is None else load.name,
-        "Notes": "; ".join([*notes, *(load.notes if load is not None else ())]),
+        "Notes": "" if load is None else "; ".join(load.notes),
     }
     return {name: text for name, text in facts.items() if text}
 

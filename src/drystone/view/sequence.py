@@ -21,7 +21,7 @@ MOST_ARROWS = 200_000
 """Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
 stays below 20 MB."""
 
-WAY = 1.5
+WAY = 1.0
 """Length of the way in that is shown, by the size of the block; chosen by eye."""
 
 STATE_OF = {
@@ -46,7 +46,7 @@ def plan_scene(plan: Plan, source: str = "") -> Scene:
     stages.append(summary_stage(plan))
     title = f"drystone plan: {counts_text(plan)}"
     asked = model.model
-    facts = facts_of(asked.assembly, asked.contacts, asked.load, source, asked.notes)
+    facts = facts_of(asked.assembly, asked.contacts, asked.load, source)
     number = np.zeros(len(model.assembly), dtype=np.intp)
     for block, position in block_numbers(plan).items():
         number[block] = position

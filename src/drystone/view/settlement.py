@@ -76,7 +76,7 @@ def moved_scene(settlement: Settlement, source: str = "") -> Scene:
 
 def _facts(settlement: Settlement, source: str) -> Mapping[str, str]:
     model = settlement.result.model
-    facts = facts_of(model.assembly, model.contacts, model.load, source, model.notes)
+    facts = facts_of(model.assembly, model.contacts, model.load, source)
     motion = model.load.motion
     moved = [] if motion is None else np.flatnonzero(motion.any(axis=1)).tolist()
     names = ", ".join(model.assembly.names[i] for i in moved)

@@ -35,7 +35,7 @@ def result_scene(result: Result, source: str = "") -> Scene:
     """The scene of one result."""
     model = result.model
     stage = stage_of(result)
-    facts = facts_of(model.assembly, model.contacts, model.load, source, model.notes)
+    facts = facts_of(model.assembly, model.contacts, model.load, source)
     title = f"drystone: {stage.headline.lower()}"
     return Scene(result.assembly, result.contacts, (stage,), title, facts)
 
@@ -48,8 +48,9 @@ def bare_scene(
     load, notes = (None, ()) if model is None else (model.load, model.notes)
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     count = f"{len(assembly)} blocks, {found.count} interfaces"
-    stage = Stage("model", "", count, state, layers=interface_layers(found))
-    facts = facts_of(assembly, found, load, source, notes)
+    message = "; ".join([count, *notes])
+    stage = Stage("model", "", message, state, layers=interface_layers(found))
+    facts = facts_of(assembly, found, load, source)
     return Scene(assembly, found, (stage,), f"drystone: {count}", facts)
 
 
@@ -62,8 +63,8 @@ def stage_of(result: Result, label: str = "result") -> Stage:
     needed = _needed(result)
     layers = [*interface_layers(contacts), *help_layer(assembly, needed)]
     stage = Stage(
-        label, sentence(result), result.message, state, result.verdict, prop=needed, up=up,
-        gravity=gravity,
+        label, sentence(result), "; ".join([result.message, *result.model.notes]), state,
+        result.verdict, prop=needed, up=up, gravity=gravity,
     )  # fmt: skip
     if result.falls:
         if result.mechanism is not None:

@@ -16,7 +16,7 @@ const known = new Set(data.known);
 const shownLayers = new Map();
 
 const page = {
-  stage: 0, preset: "", selected: -1, joint: -1, hovered: -1, time: 0, opacity: 1, stretch: 1,
+  stage: 0, preset: "", wanted: "", selected: -1, joint: -1, hovered: -1, time: 0, opacity: 1, stretch: 1,
   hidden: new Set(), section: { axis: -1, at: 0 }, measuring: null, printing: false,
 };
 let waiting = false;
@@ -50,7 +50,22 @@ function settle() {
   draw();
 }
 
-const camera = new Camera(data.blocks.point, data.half, data.toward, redraw);
+const camera = new Camera(allPlaces(), data.half, data.toward, redraw);
+
+// Corners of all blocks, and where blocks come from that are moved into their places.
+function allPlaces() {
+  const { point, centroid } = data.blocks;
+  const places = Array.from(thinned(point));
+  for (const one of data.stages) {
+    if (!one.arrives || !one.motion) continue;
+    for (let i = 0; i < data.count; i++) {
+      const way = one.motion.subarray(6 * i, 6 * i + 3);
+      if (vec.length(way) === 0) continue;
+      places.push(...vec.add(centroid.subarray(3 * i, 3 * i + 3), vec.scale(way, 1.3)));
+    }
+  }
+  return new Float32Array(places);
+}
 
 function sizeOf() {
   return { width: Math.max(1, canvas.clientWidth), height: Math.max(1, canvas.clientHeight) };
@@ -197,8 +212,13 @@ function setTime(value) {
 }
 
 function setStage(number) {
+  const before = page.stage;
   page.stage = Math.min(data.stages.length - 1, Math.max(0, number));
   setTime(inPlace());
+  // What falls has no forces to show: it is solid, and plays once.
+  const due = stage().plays ? "solid" : "forces";
+  if (page.wanted === "forces" && page.preset !== due) applyPreset(due);
+  if (before !== page.stage && stage().plays && !still.matches && !animation) play("motion");
   renderer?.setStage(stage(), page.hidden);
   camera.upward = stage().up;
   byId("stage").value = page.stage;
@@ -231,6 +251,12 @@ function refreshCard() {
 
 // A picture with a name; what no preset names keeps its own setting.
 function choosePreset(key) {
+  page.wanted = key;
+  applyPreset(key);
+  refreshPanels();
+}
+
+function applyPreset(key) {
   const preset = data.presets[key];
   page.preset = key;
   for (const layer of data.stages.flatMap((one) => one.layers)) {
@@ -247,7 +273,6 @@ function choosePreset(key) {
   for (const one of byId("presets").children) {
     one.setAttribute("aria-pressed", String(one.dataset.preset === key));
   }
-  refreshPanels();
 }
 
 function presetButtons() {
