@@ -23,6 +23,7 @@ from drystone import (
     limits,
     reproduce,
     sequence,
+    settlement,
     shells,
     stability,
     view,
@@ -71,7 +72,10 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], sunk)))
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
     yield gap_sweep(tower(3), [1e-4, 1e-3])
-    yield drystone.settle(arch(), {"springer-right": (0.01, 0.0, 0.0)}, friction=0.9)
+    moves = {"springer-right": (0.01, 0.0, 0.0)}
+    yield settlement.support_response(arch(), moves, friction=0.9)
+    settled = drystone.settle(tower(2))
+    yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
     stack = Model.of(tower(3), friction=0.6)
     yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)

@@ -12,14 +12,14 @@ from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan
-from drystone.settlement import Settlement
+from drystone.settlement import SupportResponse
 from drystone.view.limit import limit_scene, sweep_scene
 from drystone.view.scene import Scene
 from drystone.view.sequence import plan_scene
 from drystone.view.settlement import settlement_scene
 from drystone.view.staging import bare_scene, result_scene
 
-Subject: TypeAlias = Result | Model | Assembly | Limit | TiltSweep | Plan | Settlement | Scene
+Subject: TypeAlias = Result | Model | Assembly | Limit | TiltSweep | Plan | SupportResponse | Scene
 
 
 def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "") -> Scene:
@@ -59,7 +59,7 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
             return sweep_scene(subject, source)
         case Plan():
             return plan_scene(subject, source)
-        case Settlement():
+        case SupportResponse():
             return settlement_scene(subject, source)
         case _:
             raise InputError(
