@@ -23,6 +23,7 @@ from drystone import (
     limits,
     reproduce,
     sequence,
+    settlement,
     shells,
     stability,
     view,
@@ -30,6 +31,7 @@ from drystone import (
 from drystone.detection import ContactReport, Detection, DetectionOptions, Shortfall, gap_sweep
 from drystone.display import Card, shortened
 from drystone.io import FORMATS, read_file
+from drystone.joints import force_network
 from drystone.models import arch, box, burr, shelf, tower, vault
 from drystone.view import notebook
 
@@ -70,7 +72,10 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], sunk)))
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
     yield gap_sweep(tower(3), [1e-4, 1e-3])
-    yield drystone.settle(arch(), {"springer-right": (0.01, 0.0, 0.0)}, friction=0.9)
+    moves = {"springer-right": (0.01, 0.0, 0.0)}
+    yield settlement.support_response(arch(), moves, friction=0.9)
+    settled = drystone.settle(tower(2))
+    yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
     stack = Model.of(tower(3), friction=0.6)
     yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)
@@ -106,7 +111,8 @@ def values(folder: Path) -> Iterator[object]:
     grid = [(x, y, 0.1 * x * x) for y in range(3) for x in range(3)]
     quads = [(i, i + 1, i + 4, i + 3) for i in (0, 1, 3, 4)]
     yield shells.patch_from_mesh(grid, quads, control=(3, 3))
-    yield from (view.scene_of(stands), view.Frame(stands))
+    yield from (view.scene_of(stands), view.Frame(stands), view.PRESETS["forces"])
+    yield force_network(stands.assembly, stands.contacts, stands.resultants)
     drystone.write(stands.model, folder / "vault.json")
     yield from (*FORMATS, read_file(folder / "vault.json"))
     yield from (stability.CRAOptions(), stability.PenaltyOptions(), sequence.PlanOptions())
@@ -215,8 +221,8 @@ def test_a_large_model_is_not_drawn_unasked(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_a_frame_holds_the_page_and_a_still_picture_is_smaller() -> None:
     stack = Model.of(tower(3))
-    page = view.page_text(view.scene_of(stack.assembly, stack.contacts))
-    shown = view.Frame(stack)._repr_html_()
+    frame = view.Frame(stack)
+    page, shown = view.page_text(frame.scene), frame._repr_html_()
     assert html.unescape(shown.split('"')[1]) == page
     assert len(notebook.thumbnail(stack)) < len(page)
     assert notebook.thumbnail(42) == ""
