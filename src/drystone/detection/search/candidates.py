@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.arrays import Bools, Floats, Ints, dot
-from drystone.detection.options import DetectionOptions
+from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.patches import Patches
 from drystone.geometry import boxes
 from drystone.ragged import expand
