@@ -111,11 +111,11 @@ def cases() -> list[Case]:
              partial(tilt, arch(0.15), flat, "y")),
         Case("arch, t/R 0.22: least friction", "Cocchetti, Rizzi 2020", 0.309215, 1e-3,
              partial(least_friction, arch(0.22, 100), 0.6)),
-        Case("buttressed arch: least friction", "Whiting 2009: 0.31", 0.309, 2e-3,
+        Case("buttressed arch: least friction", "Whiting 2009; Kao 2023, 6.1.2: 0.31", 0.309, 2e-3,
              partial(least_friction, buttressed_arch(), 0.6)),
-        Case("buttressed arch: tilt [deg]", "Whiting 2009: 12", 12.12, 0.1,
+        Case("buttressed arch: tilt [deg]", "Whiting 2009; Kao 2023, 6.1.2: 12", 12.12, 0.1,
              partial(tilt, buttressed_arch(), 0.6, "y")),
-        Case("dome with oculus, eight-sided pyramid: tilt [deg]", "Kao 2022: 32", 32.0, 1.0,
+        Case("dome with oculus, eight-sided pyramid: tilt [deg]", "Kao 2023, 6.1.3: 32", 32.0, 1.0,
              partial(tilt, dome(), 0.6, "y", cone=octagon, full=False)),
         Case("dome with oculus, exact cone: tilt [deg]", "none", float("nan"), 0.0,
              partial(tilt, dome(), 0.6, "y", scan=2)),
@@ -236,12 +236,12 @@ decide. Values beyond the first fall at which it stands again are reported as is
     drystone limit load model.obj "keystone:0,0,-1000@0,0,1.2"
     drystone limit thickness arch --set voussoirs=36 --friction 1
     drystone limit shrink model.obj
-    drystone limit tolerance model.obj --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
+    drystone limit imperfections model.obj --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
 
 `shrink` finds the least share of the size of all joints that is needed; its inverse, which is told
-too, is a geometric safety factor. `tolerance` draws imperfect joints and gives the share that
+too, is a geometric safety factor. `imperfections` draws imperfect joints and gives the share that
 stands with a confidence interval. In Python these are `limit_tilt`, `tilt_sweep`, `limit_friction`,
-`limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and `tolerance` in
+`limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and `imperfections` in
 `drystone.limits`; each takes any check and any `concurrent.futures.Executor`, and those that search
 or draw a function that is asked whether to `stop` with what is known.
 """

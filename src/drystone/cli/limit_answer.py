@@ -61,8 +61,12 @@ def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: P
         from drystone.view.polar import save_polar  # pictures are imported when asked for
 
         plot = partial(save_polar, sweep, title=Path(model).stem)
-        page, said = _fall(sweep.limits[sweep.weakest], Pictures(pictures.html))
-        return [*page, *Pictures(png=pictures.png).jobs(plot, plot)], said
+        page: Files = ([], ["no page: the weakest direction is not known"])
+        if not sweep.missing:
+            page = _fall(sweep.limits[sweep.weakest], Pictures(pictures.html))
+        elif pictures.html is None:
+            page = ([], [])
+        return [*page[0], *Pictures(png=pictures.png).jobs(plot, plot)], page[1]
 
     return Answer(data, partial(_show_sweep, data), code, notes, files)
 
