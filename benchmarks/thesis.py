@@ -128,13 +128,8 @@ def measure(study: Study) -> Row:
 def axis_cell(study: Study) -> str:
     """Our name of the axis, with that of the source where it differs."""
     published = study.published_axis.split(",")[0]
-    if not published:
-        return study.axis_name
-    return (
-        f"{study.axis_name} (source: {published})"
-        if published != study.axis_name
-        else "-x (source: x)"
-    )
+    ours = "-x" if study.axis[0] == -1.0 else study.axis_name
+    return f"{ours} (source: {published})" if published else ours
 
 
 def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:

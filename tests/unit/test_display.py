@@ -19,9 +19,11 @@ from drystone import (
     InputError,
     LoadCase,
     Model,
+    design,
     limits,
     reproduce,
     sequence,
+    settlement,
     shells,
     stability,
     view,
@@ -61,13 +63,18 @@ def values(folder: Path) -> Iterator[object]:
     yield from (stands.resultants, stands.joints(), stands.contacts[0])
     yield drystone.check(arch(), friction=0.9).thrust_line()
     yield drystone.check(shelf(), friction=0.9)
+    yield from (drystone.diagnose(shelf(), friction=0.9), design.Ballast(1, 10.0))
+    yield design.DiagnosisOptions(regions=3)
     apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], sunk)))
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
     yield gap_sweep(tower(3), [1e-4, 1e-3])
-    yield drystone.settle(arch(), {"springer-right": (0.01, 0.0, 0.0)}, friction=0.9)
+    moves = {"springer-right": (0.01, 0.0, 0.0)}
+    yield settlement.support_response(arch(), moves, friction=0.9)
+    settled = drystone.settle(tower(2))
+    yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
     stack = Model.of(tower(3), friction=0.6)
     yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)

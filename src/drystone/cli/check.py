@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated
 
-from drystone.cli import loading, options, verdict
+from drystone.cli import loading, mend, options, verdict
 from drystone.cli.answer import Answer
 from drystone.cli.command import Option, command
 from drystone.cli.subject import Finding, Subject
@@ -36,4 +36,6 @@ def check(
     """
     model = subject.prepared(waiting, finding, seismic)
     result = verdict.solve(model, waiting, time_limit)
-    return verdict.answer(result, waiting, subject.model, partial(wanted.of, result), strict)
+    why = mend.short(result, waiting)
+    files = partial(wanted.of, result)
+    return verdict.answer(result, waiting, subject.model, files, strict, why)

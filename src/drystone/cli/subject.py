@@ -38,6 +38,7 @@ class Finding(Tolerances):
     """How the contacts of a model are found."""
 
     find_contacts: options.FindContacts = False
+    anyway: options.Anyway = False
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,7 @@ class Subject:
             units=self.units,
             split=self.split,
             search=finding.find_contacts,
+            anyway=finding.anyway,
             progress=lambda stage, *_: waiting.stage(*stages[stage]),
         )
         if not model.assembly.fixed.any():
@@ -116,8 +118,6 @@ class Subject:
 
 def warnings_of(report: ContactReport) -> list[str]:
     """What a user must hear of the contact search even when he did not ask for its report."""
-    from drystone.detection.report.advice import millimetres  # the commands start fast
-
     names = report.names
     said = []
     if report.isolated:
@@ -125,12 +125,4 @@ def warnings_of(report: ContactReport) -> list[str]:
         more = len(report.isolated) - PAIRS
         said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
         said += report.suggestions()
-    deepest = sorted(report.penetrations, key=lambda pair: -pair.depth)
-    said += [
-        f"blocks '{names[pair.block_a]}' and '{names[pair.block_b]}' stand"
-        f" {millimetres(pair.depth)} mm in each other"
-        for pair in deepest[:PAIRS]
-    ]
-    if len(deepest) > PAIRS:
-        said.append(f"and {len(deepest) - PAIRS} more pairs of blocks stand in each other")
     return said

@@ -9,8 +9,10 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 
 import numpy as np
 
+from drystone.arrays import of_type
 from drystone.assembly import Assembly
-from drystone.detection import DetectionOptions
+from drystone.detection import DetectionOptions, find_overlaps
+from drystone.detection.report.block_overlaps import overlap_lines, require_apart
 from drystone.display import shortened
 from drystone.errors import InputError, counted
 from drystone.files import PathLike
@@ -41,6 +43,7 @@ class How(TypedDict, total=False):
     up: str
     split: bool
     search: bool
+    anyway: bool
 
 
 @checked_call
@@ -56,6 +59,7 @@ def read(
     up: str = "z",
     split: bool = False,
     search: bool = False,
+    anyway: bool = False,
     progress: Progress | None = None,
 ) -> Model:
     """Read a model that is ready to be checked.
@@ -84,6 +88,8 @@ def read(
         Separate parts of a block become blocks of their own.
     search
         Search the contacts although the file has some.
+    anyway
+        Accept blocks that overlap by more than a tenth of the smaller one.
     progress
 
     Raises
@@ -91,7 +97,8 @@ def read(
     FormatError
         The file cannot be read, or something in it is wrong: file, place and remedy are named.
     InputError
-        A unit, an axis or a support is not known.
+        A unit, an axis or a support is not known; or two blocks overlap by more than a tenth of
+        the smaller one.
     MissingDependency
         The format needs an extra.
 
@@ -108,6 +115,7 @@ def read(
     """
     if not isinstance(up, str) or up not in UP:
         raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
+    of_type(anyway, bool, "anyway")
     if progress is not None:
         progress("read", 0, 2)
     contents = read_file(path, units=units, split=split)
@@ -132,6 +140,7 @@ def read(
             density=density,
             load=load,
             detection=detection,
+            anyway=anyway,
         )
         contacts, report = model.contacts, model.report
         assembly, load, notes = model.assembly, model.load, [*notes, *model.notes]
@@ -142,6 +151,10 @@ def read(
         contacts = contacts if friction is None else contacts.with_friction(friction)
         verb = "is" if contacts.count == 1 else "are"
         notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
+        overlaps = find_overlaps(assembly, detection)
+        if not anyway:
+            require_apart(assembly.names, overlaps)
+        notes += overlap_lines(assembly.names, overlaps)
     if case:
         notes.append(f"the load case '{contents.loads[0].name}' of the file is used")
     return Model(assembly, contacts, load, report, tuple(notes), contents.loads)
@@ -178,7 +191,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
             f"{shortened(repr(given), 60)} cannot be analysed",
             remedy="give a Model, an Assembly or the path of a file",
         )
-    _refuse(how, ("units", "up", "split", "search", "detection", "density"), "a model")
+    _refuse(how, ("units", "up", "split", "search", "anyway", "detection", "density"), "a model")
     model = given
     if how.get("supports") is not None:
         model = model.with_supports(how["supports"])  # type: ignore[arg-type]

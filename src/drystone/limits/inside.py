@@ -24,6 +24,7 @@ from drystone.limits.search import (
     Search,
     Stop,
     Stopped,
+    any_stiffness,
     one_stiffness,
     some_stiffness,
 )
@@ -164,12 +165,13 @@ def _in_two_steps(
         if large:
             farther = _farther(full, first, last, width)
         elif full.stands(first) is True:
-            return uniform, full.run(first, last, width=coarse, scan=scan, beyond=outer)
+            some = full.run(first, last, width=coarse, scan=scan, beyond=outer)
+            return uniform, _searched_once(family, some, outer, means)
         else:
             farther = None
     except Stopped:
-        some = full.so_far(first).bracket
-        inside = uniform.bracket if some.stands is None else some
+        so_far = full.so_far(first).bracket
+        inside = uniform.bracket if so_far.stands is None else so_far
         bracket = Bracket(inside.stands, outer.falls, inside.standing, outer.falling)
         return uniform, Found(bracket, uniform.islands, full.evaluations())
     if farther is None:
@@ -179,7 +181,31 @@ def _in_two_steps(
         bracket = farther
     if bracket.falling is None or bracket.falling.verdict is not Verdict.UNSTABLE:
         bracket = replace(bracket, falls=outer.falls, falling=outer.falling)
-    return uniform, Found(bracket, uniform.islands, full.evaluations())
+    found = Found(bracket, uniform.islands, full.evaluations())
+    return uniform, found if large else _searched_once(family, found, outer, means)
+
+
+def _searched_once(family: Family, found: Found, outer: Bracket, means: Means) -> Found:
+    """Confirm the first falling value by a search, where only samples were tried."""
+    bracket = found.bracket
+    value = bracket.falls
+    if value is None or value == outer.falls:
+        return found
+    if family(value).contacts.corner_count <= CONVEX_SEARCH:
+        return found
+    search = means.search(family, any_stiffness)
+    try:
+        stands = search.stands(value)
+    except Stopped:
+        stands = None
+    if stands is True:
+        bracket = replace(outer, computed=None, stands=value, standing=search.results[value])
+    elif stands is None:
+        bracket = replace(bracket, falls=outer.falls, falling=outer.falling)
+    else:
+        bracket = replace(bracket, falling=search.results[value])
+    tried = {one.value: one for one in (*found.evaluations, *search.evaluations())}
+    return replace(found, bracket=bracket, evaluations=tuple(tried[v] for v in sorted(tried)))
 
 
 def _farther(search: Search, first: float, last: float, width: float) -> Bracket | None:

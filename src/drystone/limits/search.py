@@ -33,7 +33,8 @@ SOME_STIFFNESS = stability.CheckOptions(reduce_ratio=False)
 SAMPLED = stability.CheckOptions(search=False)
 
 CONVEX_SEARCH = 200
-"""Corners up to which a limit also searches a rest state by convex steps. Measured on a wall of 46
+"""Corners up to which a rest state is also searched by convex steps at every value. Beyond, it is
+searched only where the samples fall first. Measured on a wall of 46
 blocks (408 corners): the search takes 5 s at every value beyond the limit, the samples 1 s."""
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
@@ -54,8 +55,14 @@ def some_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     corners = model.contacts.corner_count
     if corners > SEARCHED:
         return stability.try_rest(model, screening=OTHER, stop=stop)
-    chosen = SOME_STIFFNESS if corners <= CONVEX_SEARCH else SAMPLED
-    return stability.check(model, options=chosen, stop=stop)
+    if corners > CONVEX_SEARCH:
+        return stability.check(model, options=SAMPLED, stop=stop)
+    return any_stiffness(model, stop=stop)
+
+
+def any_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+    """The cascade of :func:`drystone.check` with its search, whatever it takes."""
+    return stability.check(model, options=SOME_STIFFNESS, stop=stop)
 
 
 def verdict(model: Model) -> Result:
