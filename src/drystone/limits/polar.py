@@ -83,7 +83,21 @@ class TiltSweep(OneLine):
                 "so the weakest one is not",
                 remedy="let the sweep run to its end, or look at 'rest'",
             )
+        return self.lowest
+
+    @property
+    def lowest(self) -> int:
+        """The known direction with the least tilt; the weakest one where all are known."""
+        if not self.limits:
+            raise InputError("no direction is known", remedy="let the sweep go on")
         return int(np.argmin(np.nan_to_num(self.rest, nan=-1.0).round(6)))
+
+    @property
+    def rank(self) -> str:
+        """What the lowest direction is called, for messages."""
+        if not self.missing:
+            return f"the weakest of {counted(self._asked, 'direction')}"
+        return f"the lowest of {len(self.limits)} known directions ({self._asked} were asked for)"
 
     def table(self) -> Table:
         """The limits by direction."""
