@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
+    from drystone.stability import build_rbe as build_rbe
+    from drystone.stability import build_rbe_penalty as build_rbe_penalty
     from drystone.stability import check as check
     from drystone.stability import solve_cra as solve_cra
     from drystone.stability import solve_cra_penalty as solve_cra_penalty
@@ -49,7 +51,7 @@ if TYPE_CHECKING:
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOME = {
     "Assembly": "assembly",
@@ -68,6 +70,8 @@ _HOME = {
     "Result": "results",
     "SolverError": "errors",
     "Verdict": "results",
+    "build_rbe": "stability",
+    "build_rbe_penalty": "stability",
     "check": "stability",
     "find_contacts": "detection",
     "limit_friction": "limits",

@@ -162,3 +162,9 @@ def dot(a: Floats, b: Floats) -> Floats:
     """Scalar products (...,) of rows."""
     product: Floats = np.einsum("...i,...i->...", a, b)
     return product
+
+
+def unit(vectors: Floats) -> tuple[Floats, Floats]:
+    """Directions (..., 3) of vectors, and their lengths (...,); zero vectors stay zero."""
+    length: Floats = np.linalg.norm(vectors, axis=-1)
+    return vectors / np.where(length > 0.0, length, 1.0)[..., None], length

@@ -22,6 +22,7 @@ from drystone.arrays import (
 from drystone.display import OneLine
 from drystone.errors import InputError, MissingDependency, counted
 from drystone.geometry.plane import polygon
+from drystone.ragged import Ragged
 
 if TYPE_CHECKING:
     import networkx
@@ -158,9 +159,14 @@ class Contacts(OneLine):
         return len(self.interface)
 
     @cached_property
+    def corners(self) -> Ragged:
+        """Which corners belong to which interface."""
+        return Ragged.from_owners(self.interface, self.count)
+
+    @property
     def start(self) -> Ints:
         """(m + 1,) interface i has the corners start[i] to start[i + 1]."""
-        return frozen(np.searchsorted(self.interface, np.arange(self.count + 1)).astype(np.intp))
+        return self.corners.start
 
     @cached_property
     def tributary(self) -> Floats:
@@ -170,16 +176,13 @@ class Contacts(OneLine):
     @cached_property
     def centroid(self) -> Floats:
         """(m, 3) [m], mean of each interface's corners, weighted with their tributary area."""
-        if self.count == 0:
-            return frozen(np.zeros((0, 3)))
         weight = np.where(self.area[self.interface] > 0.0, self.tributary, 1.0)
-        total = np.add.reduceat(weight, self.start[:-1])
-        summed = np.add.reduceat(weight[:, None] * self.point, self.start[:-1], axis=0)
-        return frozen(summed / total[:, None])
+        total = self.corners.sum(weight)
+        return frozen(self.corners.sum(weight[:, None] * self.point) / total[:, None])
 
     def polygon(self, interface: int) -> Floats:
         """Corners (c, 3) [m] of one interface."""
-        return self.point[self.start[interface] : self.start[interface + 1]]
+        return self.point[self.corners[interface]]
 
     def with_friction(self, friction: float | Sequence[float] | Floats) -> Contacts:
         """The same interfaces with another friction coefficient, one for all or one each."""

@@ -13,7 +13,8 @@ from drystone.assembly import Assembly, Blocks
 from drystone.contacts import Contacts
 from drystone.display import OneLine
 from drystone.errors import InputError, counted
-from drystone.geometry.plane.kern import edge_ratio, kern_ratio, peak_pressure
+from drystone.geometry.plane.kern import edge_ratio, kern_ratio
+from drystone.geometry.plane.pressure import peak_pressure
 from drystone.table import Table
 from drystone.virtual import joint_sections
 
@@ -130,11 +131,7 @@ def joint_table(
     has_area = made.area > 0.0
     mean = np.where(has_area, normal / np.where(has_area, made.area, 1.0), np.inf)
     mean = np.where(loaded, mean, 0.0)
-    # the largest rise of a linear pressure is the largest relief of a force on the other side
-    opposite = 2.0 * made.centroid - at
-    peak = mean * (1.0 + kern_ratio(made, corners, start, opposite))
-    for i in np.flatnonzero(loaded & has_area & (within > 1.0)):
-        peak[i] = peak_pressure(corners[start[i] : start[i + 1]], float(normal[i]), at[i])
+    peak = peak_pressure(made, corners, start, np.where(loaded, normal, 0.0), at)
     position = origin + np.einsum("mi,mij->mj", at, contacts.frame[:, 1:])
     columns = {
         "joint": np.arange(contacts.count),

@@ -29,7 +29,7 @@ from drystone.model import Model
 from drystone.table import Table
 
 
-class Verdict(enum.Enum):
+class Verdict(enum.StrEnum):
     """The answer to "does it stand?". It never guesses."""
 
     STABLE = "stable"
@@ -112,9 +112,9 @@ class Result(Card):
         Positions of the blocks that fall; in the penalty form those that need help, neediest first.
     eta
         Largest displacement of a corner by the common overlap, where eq. 5.6 is met.
-    spread
-        How many times as stiff as another a corner has to be, as far as the search could tell,
-        where none of the stiffnesses tried leads to rest.
+    stiffness_ratio
+        The largest contact stiffness by the smallest one in the state that was found, where none
+        of the stiffnesses tried leads to rest.
     stopped
         Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
         where nothing was left out.
@@ -133,7 +133,7 @@ class Result(Card):
     samples: Samples = field(default_factory=Samples)
     residuals: Residuals | None = None
     eta: float | None = None
-    spread: float | None = None
+    stiffness_ratio: float | None = None
     stopped: str = ""
     options: Any = None
     solver: str = ""
@@ -143,14 +143,14 @@ class Result(Card):
     def _summary(self) -> str:
         blocks, joints = len(self.assembly), self.contacts.count
         return (
-            f"{self.verdict.value}, {counted(blocks, 'block')}, {counted(joints, 'interface')}, "
+            f"{self.verdict}, {counted(blocks, 'block')}, {counted(joints, 'interface')}, "
             f"'{self.message}'"
         )
 
     def _facts(self) -> tuple[str, Mapping[str, object]]:
         forces = self.force is not None and len(self.contacts) > 0 and not self.falls
         normal, used = self.resultants.normal, self.utilisation
-        return f"{self.verdict.value}: {self.message}", {
+        return f"{self.verdict}: {self.message}", {
             "model": self.model._summary(),
             "falls": ", ".join(self.falling_names),
             "largest normal force": f"{normal.max():.4g} N" if forces else "",

@@ -21,6 +21,7 @@ from scipy import sparse
 from drystone.arrays import Bools, Floats, Ints
 from drystone.errors import InputError
 from drystone.model import Model
+from drystone.solvers.program import Entries
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +128,35 @@ class Statics:
         """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
         result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
         return result
+
+    def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
+        """Wrenches (6 n, c) of unit forces at some corners (c,).
+
+        Their transpose gives the displacement of each corner along the same direction.
+
+        Parameters
+        ----------
+        corner : (c,)
+        direction : (c, 3) or (3,) local n, u, v
+        """
+        freedom, value = self.wrenches_along(corner, direction)
+        meets = freedom >= 0
+        return Entries(freedom[meets], np.nonzero(meets)[0], value[meets])
+
+    def wrenches_along(self, corner: Ints, direction: Floats) -> tuple[Ints, Floats]:
+        """The same as rows (c, 12), negative for a fixed block, and values (c, 12)."""
+        freedom, transfer = self._corner_blocks
+        if direction.ndim == 1:
+            return freedom[corner], transfer[corner] @ direction
+        value: Floats = (transfer[corner] @ direction[:, :, None])[:, :, 0]
+        return freedom[corner], value
+
+    @cached_property
+    def _corner_blocks(self) -> tuple[Ints, Floats]:
+        """Rows (k, 12) of the equilibrium matrix at each corner, and their entries (k, 12, 3)."""
+        block = np.stack([self.block_a, self.block_b], axis=1)
+        freedom = 6 * block[:, :, None] + np.arange(6)
+        return freedom.reshape(-1, 12), np.concatenate([self.transfer_a, self.transfer_b], axis=1)
 
     def at_corners(self, corners: Bools) -> Statics:
         """The same blocks and loads with some of the corners (k,) only."""

@@ -69,6 +69,7 @@ def values(folder: Path) -> Iterator[object]:
     yield gap_sweep(tower(3), [1e-4, 1e-3])
     yield drystone.settle(arch(), {"springer-right": (0.01, 0.0, 0.0)}, friction=0.9)
     stack = Model.of(tower(3), friction=0.6)
+    yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)
     yield limits.tilt_sweep(stack, 2, options=coarse)
     yield limits.limit_friction(stack, options=limits.LimitOptions(width=0.2))

@@ -190,3 +190,10 @@ def test_every_example_is_run_by_a_test() -> None:
     names = {path.stem for path in (ROOT / "examples").glob("*.py")}
     assert names
     assert [name for name in names if not re.search(rf'"{name}(\.py)?"', tests)] == []
+
+
+def test_the_drawings_show_the_layers_that_are_enforced_and_every_one_of_them() -> None:
+    drawn = runpy.run_path(str(ROOT / "examples" / "diagrams.py"))
+    assert drawn["house"]() == (ROOT / "docs" / "images" / "house.svg").read_text("utf-8")
+    assert drawn["signs"]() == (ROOT / "docs" / "images" / "signs.svg").read_text("utf-8")
+    assert {name for floor in drawn["FLOORS"].values() for name in floor} >= set(drawn["layers"]())

@@ -127,39 +127,39 @@ def test_the_search_finds_rest_where_one_stiffness_has_none(
     assert sides(searched, model, 0.84, axis, below, above) == [Verdict.STABLE, Verdict.UNSTABLE]
 
 
-@pytest.mark.parametrize(("spread", "stands"), [(1.0, 44.0), (5.0, 53.0), (50.0, 57.0)])
+@pytest.mark.parametrize(("stiffness_ratio", "stands"), [(1.0, 44.0), (5.0, 53.0), (50.0, 57.0)])
 def test_a_wedge_stands_less_far_on_joints_that_are_more_alike(
-    spread: float, stands: float
+    stiffness_ratio: float, stands: float
 ) -> None:
     model = models.wedge("b")
     contacts = find_contacts(model, friction=0.84).contacts
-    options = CheckOptions(samples=0, spread=spread)
+    options = CheckOptions(samples=0, stiffness_ratio=stiffness_ratio)
     found = check(Model(model, contacts, LoadCase.tilt(model, X, stands)), options=options)
     beyond = check(Model(model, contacts, LoadCase.tilt(model, X, 58.0)), options=options)
     assert (found.verdict, beyond.verdict) == (Verdict.STABLE, Verdict.UNSTABLE)
-    assert found.spread is not None
-    assert found.spread <= 1.01 * spread
-    assert beyond.spread is None
+    assert found.stiffness_ratio is not None
+    assert found.stiffness_ratio <= 1.01 * stiffness_ratio
+    assert beyond.stiffness_ratio is None
 
 
-@pytest.mark.parametrize("spread", [200.0, 3.0])
-def test_joints_of_the_state_that_is_told_differ_as_told(spread: float) -> None:
+@pytest.mark.parametrize("ratio", [200.0, 3.0])
+def test_joints_of_the_state_that_is_told_differ_as_told(ratio: float) -> None:
     """Next to it is a state of eq. 5.6, whose joints are five times as unlike."""
     model = models.wedge("b")
     contacts = find_contacts(model, friction=0.695).contacts
     load = LoadCase.tilt(model, (-1.24, 0.121, 0.682), 54.1)
-    found = check(Model(model, contacts, load), options=CheckOptions(spread=spread))
+    found = check(Model(model, contacts, load), options=CheckOptions(stiffness_ratio=ratio))
     level = solve_cra(Model(model, contacts, load))
-    assert found.spread is not None
-    assert found.spread <= spread
-    assert ("5.6" in found.message) == (spread > 100.0)
+    assert found.stiffness_ratio is not None
+    assert found.stiffness_ratio <= ratio
+    assert ("5.6" in found.message) == (ratio > 100.0)
     for each in (found, level):
         assert each.force is not None
         assert each.displacement is not None
         overlap = -corner_motion(model, contacts, each.displacement)[:, 0]
         pressed = each.force[:, 0] > 1e-6 * each.force[:, 0].max()
         stiffness = each.force[pressed, 0] / overlap[pressed]
-        assert each.spread == pytest.approx(stiffness.max() / stiffness.min(), rel=1e-6)
+        assert each.stiffness_ratio == pytest.approx(stiffness.max() / stiffness.min(), rel=1e-6)
 
 
 @pytest.mark.parametrize(("height", "stands"), [("short", (60, 50, 70)), ("tall", (37, 34, 48))])
@@ -198,7 +198,7 @@ def test_hooked_plank_slides_out_well_above_the_published_angle(
     """Turned a little it jams between the walls beside it, but not on joints about alike."""
     model = models.concave(length)  # type: ignore[arg-type]
     contacts = find_contacts(model, friction=friction).contacts
-    options = CheckOptions(spread=2.0)
+    options = CheckOptions(stiffness_ratio=2.0)
     found = check(Model(model, contacts, LoadCase.tilt(model, Y, angle)), options=options)
     assert found.verdict is not Verdict.STABLE
 

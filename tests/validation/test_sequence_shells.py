@@ -29,7 +29,7 @@ def test_a_dome_is_built_of_free_blocks_and_pairs_without_props(round_plan):
     assert round_plan.counts["propped"] == 0
     assert round_plan.counts["free"] + round_plan.counts["held"] == 60
     assert {len(step.blocks) for step in round_plan.steps} == {1, 2}
-    assert round_plan.verdict.value == "stable"
+    assert round_plan.verdict == "stable"
 
 
 def test_every_ring_is_closed_before_the_next_is_begun(round_plan):

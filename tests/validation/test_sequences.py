@@ -41,5 +41,5 @@ def test_it_is_built_block_by_block_above_its_least_friction_and_not_below(famil
     contacts = find_contacts(assembly).contacts
     enough = plan(Model(assembly, contacts.with_friction(1.03 * least)))
     assert enough.counts["free"] == len(assembly.free)
-    assert enough.verdict.value == "stable"
+    assert enough.verdict == "stable"
     assert plan(Model(assembly, contacts.with_friction(0.97 * least))).steps == ()

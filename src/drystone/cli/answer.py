@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from drystone.cli import output
 from drystone.cli.output import Screen
-from drystone.cli.waiting import Waiting
+from drystone.cli.waiting import NOTHING, Waiting
 from drystone.errors import DrystoneError
 from drystone.files import Job, write_together
 
@@ -56,7 +56,7 @@ def finish(answer: Answer, waiting: Waiting, as_json: bool) -> Callable[[], int]
             notes += said
         except KeyboardInterrupt:
             waiting.interrupted = True
-            notes.append("interrupted while files were written: none of them was")
+            notes.append(f"interrupted: {NOTHING}")
         except (DrystoneError, OSError) as error:
             failed = error
         if not files:

@@ -133,11 +133,11 @@ def plan(
     chosen = sequence.PlanOptions(
         rules=rules, exact=exact, patience=float("inf") if best else None, anyway=anyway
     )
-    judge = sequence.check_thoroughly if thorough else sequence.check_once
+    check = sequence.check_thoroughly if thorough else None
 
     def plan_at(model: Model, saved: str | None = None) -> Plan:
         return sequence.plan(
-            model, options=chosen, check=judge,
+            model, options=chosen, check=check,
             executor=executor, checkpoint=saved, progress=waiting,
         )  # fmt: skip
 
@@ -151,7 +151,7 @@ def plan(
         "friction_sweep": None if swept is None else list(swept.table()),
     }
     helped = found.counts["propped"] + found.counts["impossible"]
-    code = 0 if found.steps and found.verdict.value == "stable" and not helped else 1
+    code = 0 if found.steps and found.verdict == "stable" and not helped else 1
     files = partial(_files, found, measured, html, instructions, csv)
     return Answer(data, partial(_show, data, found), code, model.notes, files)
 

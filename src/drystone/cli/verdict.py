@@ -49,13 +49,13 @@ def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
 
 def is_sensitive(result: Result) -> bool:
     """Whether it stands for some contact stiffnesses only."""
-    return result.verdict.value == "stable" and result.samples.standing < result.samples.tried
+    return result.stable and result.samples.standing < result.samples.tried
 
 
 def exit_code(result: Result, strict: bool) -> int:
     """0 for stable; with ``strict`` only when it stands for every stiffness, and all were tried."""
     robust = not is_sensitive(result) and not result.stopped
-    return 0 if result.verdict.value == "stable" and (robust or not strict) else 1
+    return 0 if result.stable and (robust or not strict) else 1
 
 
 def content(result: Result, spent: Mapping[str, float], model: str) -> dict[str, Any]:

@@ -16,10 +16,12 @@ from scipy import optimize, sparse
 from scipy.sparse.linalg import lsmr
 
 from drystone.arrays import Bools, Floats
-from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.solvers.conic import Cones, ConicStatus, solve_conic
-from drystone.solvers.triplets import Triplets
+from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ProgramBuilder
 from drystone.statics import Statics
+
+NORMAL = np.array([1.0, 0.0, 0.0])
+"""Local direction of a normal force."""
 
 PRESSED = 1e-3
 """Least overlap of a corner that presses, by the largest displacement. The source bounds slides by
@@ -62,11 +64,12 @@ def compatible_forces(
     if count == 0:
         return force, float(np.linalg.norm(right))
     edge = edge_of_friction(statics, moved)[corner]
-    blocks = CornerBlocks(statics, corner)
-    rays = Triplets(len(right), 2 * count)
-    rays.add(blocks.freedom, blocks.local, blocks.along(NORMAL))
-    rays.add(blocks.freedom, count + blocks.local, blocks.along(edge))
-    factor = _nonnegative(rays.csc(), right)
+    rays = statics.unit_wrenches(
+        np.concatenate([corner, corner]), np.concatenate([np.tile(NORMAL, (count, 1)), edge])
+    )
+    place = rays.row, rays.column
+    matrix = sparse.csc_matrix((rays.value, place), shape=(len(right), 2 * count))
+    factor = _nonnegative(matrix, right)
     if factor is None:
         return force, float(np.linalg.norm(right))
     force[corner] = factor[:count, None] * NORMAL + factor[count:, None] * edge
@@ -80,36 +83,27 @@ def compatible_motion(statics: Statics, force: Floats) -> Floats | None:
     """
     normal = force[:, 0]
     corner = np.flatnonzero(normal > 1e-3 * normal.max(initial=0.0))
-    count, size = len(corner), 6 * statics.free_count
-    if count == 0:
+    if len(corner) == 0:
         return None
     weight = np.sqrt(normal[corner] / normal[corner].mean())
-    blocks = CornerBlocks(statics, corner)
-    # unknowns: motion, scale of each slide (>= 0), closing that is missing (>= 0), misfits
-    scale, missing, misfit = size, size + count, size + 2 * count
-    rows = Triplets(5 * count, size + 4 * count)
+    none = np.zeros(len(corner))
+    program = ProgramBuilder()
+    motion = program.variable("motion", 6 * statics.free_count, quadratic=1e-6)
+    scale = program.variable("slide by friction", len(corner), quadratic=1e-9)
+    missing = program.variable("missing overlap", len(corner), quadratic=10.0 * weight**2)
     for axis in (1, 2):
-        first = (axis - 1) * count
-        values = blocks.along(np.eye(3)[axis]) * weight[blocks.local]
-        rows.add(first + blocks.local, blocks.freedom, values)
-        rows.diagonal(first, scale, weight * force[corner, axis])
-    rows.diagonal(0, misfit, np.full(2 * count, -1.0))
-    rows.add(2 * count + blocks.local, blocks.freedom, blocks.along(NORMAL))
-    rows.diagonal(2 * count, missing, np.full(count, -1.0))
-    rows.diagonal(3 * count, scale, np.full(2 * count, -1.0))
-    cost = np.concatenate(
-        [np.full(size, 1e-6), np.full(count, 1e-9), 10.0 * weight**2, np.ones(2 * count)]
-    )
-    solution = solve_conic(
-        cost,
-        np.zeros(len(cost)),
-        rows.csc(),
-        np.concatenate([np.zeros(2 * count), -np.ones(count), np.zeros(2 * count)]),
-        Cones(zero=2 * count, nonnegative=3 * count),
-    )
+        misfit = program.variable(f"misfit {axis}", len(corner), quadratic=1.0)
+        slide = statics.unit_wrenches(corner, weight[:, None] * np.eye(3)[axis]).transposed
+        against = weight * force[corner, axis]
+        program.equal(f"slide {axis}", none, (motion, slide), (scale, against), (misfit, -1.0))
+    gap = statics.unit_wrenches(corner, NORMAL).transposed
+    program.at_most("overlap", none - 1.0, (motion, gap), (missing, -1.0))
+    program.at_most("scale", none, (scale, -1.0))
+    program.at_most("missing", none, (missing, -1.0))
+    solution = program.build().solve()
     if solution.status is not ConicStatus.SOLVED:
         return None
-    return solution.x[:size].reshape(-1, 6)
+    return solution.x[motion.place].reshape(-1, 6)
 
 
 def slide_directions(moved: Floats) -> Floats:
@@ -133,21 +127,15 @@ def _nonnegative(matrix: sparse.csc_matrix, right: Floats) -> Floats | None:
         except RuntimeError:  # the active set cycles now and then; the interior point does not
             pass
     # the unbalanced rest is an unknown of its own, so that the program stays sparse
-    program = Triplets(rows + columns, columns + rows)
-    column = np.repeat(np.arange(columns), np.diff(matrix.indptr))
-    program.add(matrix.indices.astype(np.intp), column, matrix.data)
-    program.diagonal(0, columns, np.full(rows, -1.0))
-    program.diagonal(rows, 0, np.full(columns, -1.0))
-    solution = solve_conic(
-        np.concatenate([np.full(columns, 1e-9), np.ones(rows)]),
-        np.zeros(columns + rows),
-        program.csc(),
-        np.concatenate([right, np.zeros(columns)]),
-        Cones(zero=rows, nonnegative=columns),
-    )
+    program = ProgramBuilder()
+    factor = program.variable("factor", columns, quadratic=1e-9)
+    rest = program.variable("rest", rows, quadratic=1.0)
+    program.equal("balance", right, (factor, matrix), (rest, -1.0))
+    program.at_most("sign", np.zeros(columns), (factor, -1.0))
+    solution = program.build().solve()
     if solution.status is not ConicStatus.SOLVED:
         return None
-    return _refined(matrix, right, np.maximum(solution.x[:columns], 0.0))
+    return _refined(matrix, right, np.maximum(solution.x[factor.place], 0.0))
 
 
 def _refined(matrix: sparse.csc_matrix, right: Floats, factor: Floats) -> Floats:

@@ -12,13 +12,13 @@ from scipy import sparse
 from drystone.arrays import Floats
 from drystone.errors import InputError
 from drystone.settings import Options
-from drystone.solvers.conic import Cones
+from drystone.solvers.program import ProgramBuilder, Term, Variable
 from drystone.statics import Statics
 
 SLIPPERY = 0.01
-"""Below this friction coefficient the exact cone does not say precisely enough that a corner cannot
-pull, at zero it does not say so at all; chosen, so that a tolerance on the cone is no larger than a
-hundred times itself on the pull."""
+"""Below this friction coefficient, rows of their own say that a corner cannot pull: the exact cone
+says so with a tolerance on mu times the normal force. Chosen, so that a tolerance on the cone is at
+most a hundred times itself on the normal force."""
 
 
 class FrictionRule(enum.Enum):
@@ -80,130 +80,110 @@ class FrictionCone(Options):
 
 
 @dataclass(frozen=True)
-class Columns:
-    """Unknowns of one corner: pressing, pulling if allowed, slide along u and v, price of slide.
+class CornerForces:
+    """The unknowns of all corners in a program.
 
     Attributes
     ----------
+    force
+        (k, 3) in local n, u, v; its normal part is compression.
     tension
-        Whether there is a pull.
+        (k,) subtracted from the normal part, where a pull is allowed.
+    length
+        (k,) bound on the length of the friction force, where that has a price.
     rule
-    priced
-        Whether there is a bound on the length of the friction force, to put a price on.
     """
 
-    tension: bool = False
+    force: Variable
+    tension: Variable | None = None
+    length: Variable | None = None
     rule: FrictionRule = FrictionRule.PLUS
-    priced: bool = False
+
+    def wrench(self, statics: Statics) -> list[Term]:
+        """What the corners exert on the blocks."""
+        terms: list[Term] = [(self.force, statics.matrix)]
+        if self.tension is not None:
+            terms.append((self.tension, -statics.matrix_by_column[:, ::3]))
+        return terms
 
     @property
-    def width(self) -> int:
-        """Number of unknowns per corner."""
-        return 3 + self.tension + self.priced
-
-    @property
-    def slide(self) -> list[int]:
-        """Columns of the friction force."""
-        first = 1 + self.tension
-        return [first, first + 1]
-
-    @property
-    def net(self) -> Floats:
-        """(3, width): the corner force n, u, v."""
-        out = np.zeros((3, self.width))
-        out[0, 0] = 1.0
-        if self.tension:
-            out[0, 1] = -1.0
-        out[[1, 2], self.slide] = 1.0
-        return out
-
-    @property
-    def bearing(self) -> Floats:
-        """(width,): the normal force that carries friction."""
-        out = np.zeros(self.width)
-        out[0] = 1.0
-        if self.tension and self.rule is FrictionRule.NET:
-            out[1] = -1.0
-        return out
-
-    @property
-    def length(self) -> Floats:
-        """(width,): the bound on the length of the friction force."""
-        out = np.zeros(self.width)
-        out[-1] = 1.0
-        return out
+    def bearing(self) -> list[tuple[Variable, Floats]]:
+        """The normal force of a corner that carries friction, as shares of its unknowns."""
+        shares = [(self.force, np.array([1.0, 0.0, 0.0]))]
+        if self.tension is not None and self.rule is FrictionRule.NET:
+            shares.append((self.tension, np.array([-1.0])))
+        return shares
 
 
-@dataclass(frozen=True, eq=False)
-class ForceRows:
-    """Rows of the program over the unknowns of all corners.
-
-    Attributes
-    ----------
-    matrix
-    cones
-    balance
-        Number of the first rows, which are equilibrium, ``A f = -p``; the others have zero on
-        their right side.
-    """
-
-    matrix: sparse.csc_matrix
-    cones: Cones
-    balance: int
-
-    @property
-    def count(self) -> int:
-        """Number of rows."""
-        return int(self.matrix.shape[0])
+def add_corner_forces(
+    program: ProgramBuilder,
+    statics: Statics,
+    *,
+    linear: Floats | float = 0.0,
+    quadratic: Floats | float = 0.0,
+) -> CornerForces:
+    """New unknowns for corner forces without tension."""
+    count = 3 * statics.corner_count
+    return CornerForces(
+        program.variable(
+            "force", count, linear=linear, quadratic=quadratic, unit=statics.force_unit
+        )
+    )
 
 
-def force_rows(statics: Statics, cone: FrictionCone, columns: Columns) -> ForceRows:
-    """Equilibrium, no pull and friction as rows over the unknowns of all corners."""
+def add_contact_rows(
+    program: ProgramBuilder, statics: Statics, cone: FrictionCone, unknowns: CornerForces
+) -> None:
+    """Rows that say that corners do not pull and stay within friction."""
     k = statics.corner_count
     one = sparse.identity(k, format="csr")
-    balance = statics.matrix @ sparse.kron(one, columns.net, format="csr")
-    slide = columns.net[1:]
-    linear: list[Any] = []
-    second: list[Any] = []
-
-    def friction(
-        each: Any, coefficient: Floats, bound: Floats, reach_of: FrictionCone = cone
-    ) -> None:
-        """``|each slide| <= coefficient (each bound)``, exact or as a pyramid."""
-        scaled = sparse.diags(coefficient) @ each
-        if reach_of.sides:
-            directions, reach = reach_of.directions()
-            sides = np.ones((reach_of.sides, 1))
-            linear.append(
-                sparse.kron(each, directions @ slide) - reach * sparse.kron(scaled, sides * bound)
-            )
-        else:
-            axis, across = np.zeros((3, columns.width)), np.zeros((3, columns.width))
-            axis[0], across[1:] = bound, slide
-            second.append(-sparse.kron(scaled, axis) - sparse.kron(each, across))
-
-    if columns.tension or cone.sides:
-        signs = np.zeros((1 + columns.tension, columns.width))
-        signs[range(len(signs)), range(len(signs))] = -1.0
-        linear.append(sparse.kron(one, signs))
+    pull = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]]))
     at_corner = statics.friction if cone.local is None else np.full(k, cone.local)
     slippery = np.flatnonzero(at_corner < SLIPPERY)
-    if not (columns.tension or cone.sides) and len(slippery):
-        pull = np.zeros((1, columns.width))
-        pull[0, 0] = -1.0
-        linear.append(sparse.kron(one[slippery], pull))
-    if columns.priced:
-        friction(one, np.ones(k), columns.length, replace(cone, circumscribed=True))
-    friction(one, at_corner, columns.bearing)
+    if unknowns.tension is not None or cone.sides:
+        program.at_most("no pull", np.zeros(k), (unknowns.force, pull))
+    elif len(slippery):
+        program.at_most(
+            "no pull", np.zeros(len(slippery)), (unknowns.force, pull.tocsr()[slippery])
+        )
+    if unknowns.tension is not None:
+        program.at_most("tension", np.zeros(k), (unknowns.tension, -1.0))
+    if unknowns.length is not None:
+        length = [(unknowns.length, np.ones(1))]
+        around = replace(cone, circumscribed=True)
+        _bounded(program, "length of friction", unknowns.force, one, np.ones(k), length, around)
+    bearing = unknowns.bearing
+    _bounded(program, "friction", unknowns.force, one, at_corner, bearing, cone)
     if cone.local is not None and k:
         joints, first = np.unique(statics.interface, return_index=True)
         row = np.searchsorted(joints, statics.interface)
         together = sparse.csr_matrix((np.ones(k), (row, np.arange(k))), shape=(len(joints), k))
-        friction(together, statics.friction[first], columns.bearing)
-    blocks = [balance, *linear, *second]
-    cones = Cones(
-        balance.shape[0],
-        sum(part.shape[0] for part in linear),
-        (3,) * (sum(part.shape[0] for part in second) // 3),
-    )
-    return ForceRows(sparse.vstack(blocks, format="csc"), cones, balance.shape[0])
+        whole = statics.friction[first]
+        _bounded(program, "friction of joints", unknowns.force, together, whole, bearing, cone)
+
+
+def _bounded(
+    program: ProgramBuilder,
+    name: str,
+    force: Variable,
+    sums: Any,
+    coefficient: Floats,
+    bound: list[tuple[Variable, Floats]],
+    cone: FrictionCone,
+) -> None:
+    """``|sums of tangential forces| <= coefficient (sums of the bound)``, exact or as a pyramid."""
+    scaled = sparse.diags(coefficient) @ sums
+    if cone.sides:
+        normals, reach = cone.directions()
+        sides = np.hstack([np.zeros((cone.sides, 1)), normals])
+        terms = [(force, sparse.kron(sums, sides))]
+        each = np.full((cone.sides, 1), -reach)
+    else:
+        terms = [(force, -sparse.kron(sums, np.diag([0.0, 1.0, 1.0])))]
+        each = np.array([[-1.0], [0.0], [0.0]])
+    terms += [(variable, sparse.kron(scaled, each * share)) for variable, share in bound]
+    right = np.zeros(len(each) * len(coefficient))
+    if cone.sides:
+        program.at_most(name, right, *terms)
+    else:
+        program.cone(name, 3, right, *terms)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -19,19 +18,14 @@ from scipy.sparse.linalg import lsmr
 
 from drystone.arrays import Floats
 from drystone.formulations.corner_forces import (
-    Columns,
     FrictionCone,
     FrictionRule,
-    force_rows,
+    add_contact_rows,
+    add_corner_forces,
 )
 from drystone.settings import Options
-from drystone.solvers.conic import (
-    Cones,
-    ConicOptions,
-    ConicSolution,
-    ConicStatus,
-    solve_conic,
-)
+from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
+from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics
 
 STILL = 1e-4
@@ -101,7 +95,7 @@ class FactorSolution:
     state: EquilibriumSolution
 
 
-def solve_equilibrium(
+def build_equilibrium(
     statics: Statics,
     *,
     cone: FrictionCone,
@@ -109,10 +103,8 @@ def solve_equilibrium(
     weights: Weights | None = None,
     tension: bool = False,
     rule: FrictionRule = FrictionRule.PLUS,
-    options: ConicOptions | None = None,
-    stop: Callable[[], bool] | None = None,
-) -> EquilibriumSolution:
-    """Solve RBE.
+) -> ConicProgram:
+    """The program of RBE in scaled numbers.
 
     Parameters
     ----------
@@ -124,33 +116,72 @@ def solve_equilibrium(
         Allow a penalised pull.
     rule
         Matters with tension only.
+    """
+    chosen = weights if weights is not None else Weights()
+    k, unit = statics.corner_count, statics.force_unit
+    program = ProgramBuilder()
+    if objective is Objective.QUADRATIC:
+        # a small weight keeps the friction forces unique where they cost nothing
+        least = 1e-6 * chosen.compression
+        across = max(chosen.friction, least)
+        costs = np.tile([max(chosen.compression, least), across, across], k)
+        unknowns = add_corner_forces(program, statics, quadratic=costs)
+        price = {"quadratic": max(chosen.tension, least)}
+    else:
+        costs = np.tile([chosen.compression, 0.0, 0.0], k)
+        unknowns = add_corner_forces(program, statics, linear=costs)
+        price = {"linear": chosen.tension}
+        if chosen.friction > 0.0:
+            length = program.variable("length", k, linear=chosen.friction, unit=unit)
+            unknowns = replace(unknowns, length=length)
+    if tension:
+        pull = program.variable("tension", k, unit=unit, **price)
+        unknowns = replace(unknowns, tension=pull, rule=rule)
+    program.equal("equilibrium", -statics.load.ravel(), *unknowns.wrench(statics))
+    add_contact_rows(program, statics, cone, unknowns)
+    return program.build()
+
+
+def solve_equilibrium(
+    statics: Statics,
+    *,
+    cone: FrictionCone,
+    objective: Objective = Objective.QUADRATIC,
+    weights: Weights | None = None,
+    tension: bool = False,
+    rule: FrictionRule = FrictionRule.PLUS,
+    options: ConicOptions | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> EquilibriumSolution:
+    """Solve RBE: the program of :func:`build_equilibrium`.
+
+    Parameters
+    ----------
+    statics, cone, objective, weights, tension, rule
+        As for :func:`build_equilibrium`.
     options
     stop
         Asked at every step of the interior point; here and below.
     """
-    chosen = weights if weights is not None else Weights()
-    k = statics.corner_count
-    priced = objective is Objective.LINEAR and chosen.friction > 0.0
-    columns = Columns(tension=tension, rule=rule, priced=priced)
-    rows = force_rows(statics, cone, columns)
-    price = np.zeros(columns.width)
-    price[0] = chosen.compression
-    if tension:
-        price[1] = chosen.tension
-    if objective is Objective.QUADRATIC:
-        price[columns.slide] = chosen.friction
-        # a trace of weight keeps the friction forces unique where they cost nothing
-        cost = np.maximum(price, 1e-6 * chosen.compression)
-        quadratic: Any = sparse.diags(np.tile(cost, k))
-        linear = np.zeros(columns.width * k)
-    else:
-        quadratic = sparse.csc_matrix((columns.width * k, columns.width * k))
-        if priced:
-            price[-1] = chosen.friction
-        linear = np.tile(price, k)
-    right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
-    raw = solve_conic(quadratic, linear, rows.matrix, right, rows.cones, options, stop=stop)
-    return _unpacked(raw, columns, k, rows.balance)
+    program = build_equilibrium(
+        statics, cone=cone, objective=objective, weights=weights, tension=tension, rule=rule
+    )
+    return solved(program, options, stop=stop)
+
+
+def build_load_factor(statics: Statics, live: Floats, *, cone: FrictionCone) -> ConicProgram:
+    """The program of :func:`solve_load_factor` in scaled numbers."""
+    program = ProgramBuilder()
+    unknowns = add_corner_forces(program, statics)
+    factor = program.variable("factor", 1, linear=-1.0)
+    program.equal(
+        "equilibrium",
+        -statics.load.ravel(),
+        *unknowns.wrench(statics),
+        (factor, sparse.csc_matrix(live.reshape(-1, 1))),
+    )
+    add_contact_rows(program, statics, cone, unknowns)
+    return program.build()
 
 
 def solve_load_factor(
@@ -181,26 +212,16 @@ def solve_load_factor(
     The multiplier is a collapse mechanism on which the live load does unit work: the kinematic
     theorem. Source: Livesley 1978; Ferris and Tin-Loi 2001, the associative bound.
     """
-    k = statics.corner_count
-    columns = Columns()
-    rows = force_rows(statics, cone, columns)
-    column = np.zeros((rows.count, 1))
-    column[: rows.balance, 0] = live.ravel()
-    matrix = sparse.hstack([rows.matrix, sparse.csc_matrix(column)], format="csc")
-    width = columns.width * k + 1
-    cost = np.zeros(width)
-    cost[-1] = -1.0
-    right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
-    empty = sparse.csc_matrix((width, width))
-    raw = solve_conic(empty, cost, matrix, right, rows.cones, options, stop=stop)
-    forces = _unpacked(raw, columns, k, rows.balance)
+    program = build_load_factor(statics, live, cone=cone)
+    state = solved(program, options, stop=stop)
+    raw = state.raw
     factor = {
-        ConicStatus.SOLVED: float(raw.x[-1]),
+        ConicStatus.SOLVED: float(raw.x[program.variables["factor"]][0]),
         ConicStatus.UNBOUNDED: float("inf"),
         ConicStatus.INFEASIBLE: float("-inf"),
         ConicStatus.FAILED: float("nan"),
     }[raw.status]
-    return FactorSolution(factor, forces)
+    return FactorSolution(factor, state)
 
 
 def solve_extreme_force(
@@ -219,13 +240,12 @@ def solve_extreme_force(
     cone
     options
     """
-    columns = Columns()
-    rows = force_rows(statics, cone, columns)
-    width = columns.width * statics.corner_count
-    right = np.concatenate([-statics.load.ravel(), np.zeros(rows.count - rows.balance)])
-    empty = sparse.csc_matrix((width, width))
-    raw = solve_conic(empty, price.ravel(), rows.matrix, right, rows.cones, options)
-    return _unpacked(raw, columns, statics.corner_count, rows.balance)
+    program = ProgramBuilder()
+    unknowns = add_corner_forces(program, statics, linear=price.ravel())
+    program.equal("equilibrium", -statics.load.ravel(), *unknowns.wrench(statics))
+    add_contact_rows(program, statics, cone, unknowns)
+    made = program.build()
+    return solved(made, options)
 
 
 def project_on_mechanisms(
@@ -241,19 +261,16 @@ def project_on_mechanisms(
     the work ``|v|^2``, and ``p - v`` is the nearest load that can be balanced (Moreau 1962: the
     cones of mechanisms and of balanced loads are polar).
     """
-    k, size = statics.corner_count, 6 * statics.free_count
-    rows = statics.matrix_transposed
+    k = statics.corner_count
     scale = np.ones((k, 3))
     scale[:, 1:] = statics.friction[:, None]
-    raw = solve_conic(
-        np.ones(size),
-        -statics.load.ravel(),
-        -(sparse.diags(scale.ravel()) @ rows),
-        np.zeros(3 * k),
-        Cones(second_order=(3,) * k),
-        ConicOptions(tolerance=1e-10),
-        stop=stop,
+    program = ProgramBuilder()
+    velocity = program.variable(
+        "velocity", 6 * statics.free_count, linear=-statics.load.ravel(), quadratic=1.0
     )
+    opening = sparse.diags(scale.ravel()) @ statics.matrix_transposed
+    program.cone("opening", 3, np.zeros(3 * k), (velocity, -opening))
+    raw = program.build().solve(ConicOptions(tolerance=1e-10), stop=stop)
     if raw.status is not ConicStatus.SOLVED:
         return None
     return EquilibriumSolution(np.zeros((k, 3)), np.zeros(k), raw.x.reshape(-1, 6), raw)
@@ -273,10 +290,22 @@ def held_still(statics: Statics, solution: EquilibriumSolution) -> EquilibriumSo
     return replace(solution, multiplier=(motion - change).reshape(-1, 6))
 
 
-def _unpacked(raw: ConicSolution, columns: Columns, k: int, balance: int) -> EquilibriumSolution:
-    x = raw.x[: columns.width * k].reshape(k, columns.width)
-    pull = np.maximum(0.0, x[:, 1]) if columns.tension else np.zeros(k)
-    return EquilibriumSolution(x @ columns.net.T, pull, raw.z[:balance].reshape(-1, 6), raw)
+def solved(
+    program: ConicProgram,
+    options: ConicOptions | None = None,
+    *,
+    stop: Callable[[], bool] | None = None,
+) -> EquilibriumSolution:
+    """Solution of a program over corner forces."""
+    raw = program.solve(options, stop=stop)
+    force = raw.x[program.variables["force"]].reshape(-1, 3).copy()
+    pull = np.zeros(len(force))
+    if "tension" in program.variables:
+        tension = raw.x[program.variables["tension"]]
+        force[:, 0] -= tension
+        pull = np.maximum(0.0, tension)
+    multiplier = raw.z[program.rows["equilibrium"]].reshape(-1, 6)
+    return EquilibriumSolution(force, pull, multiplier, raw)
 
 
 __all__ = [
@@ -286,9 +315,12 @@ __all__ = [
     "FrictionRule",
     "Objective",
     "Weights",
+    "build_equilibrium",
+    "build_load_factor",
     "held_still",
     "project_on_mechanisms",
     "solve_equilibrium",
     "solve_extreme_force",
     "solve_load_factor",
+    "solved",
 ]

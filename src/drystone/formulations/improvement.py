@@ -14,10 +14,14 @@ import numpy as np
 from scipy.sparse.linalg import lsmr
 
 from drystone.arrays import Bools, Floats, Ints
-from drystone.formulations.compatible import compatible_forces, edge_of_friction, slide_directions
-from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
-from drystone.solvers.triplets import Triplets
+from drystone.formulations.compatible import (
+    NORMAL,
+    compatible_forces,
+    edge_of_friction,
+    slide_directions,
+)
+from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.program import Entries, ProgramBuilder, Variable
 from drystone.statics import Statics
 
 LEVEL = 1e-6
@@ -114,26 +118,19 @@ def _level(statics: Statics, motion: Floats) -> Floats | None:
     weighted = force[loaded, 0] * gap[loaded]
     unit = float(-weighted.sum() / force[loaded, 0].sum())
     motion, gap = motion / unit, gap / unit
-    size, count, every = 6 * statics.free_count, len(loaded), statics.corner_count
-    pull = force[loaded, 0] / force[loaded, 0].mean()
-    # unknowns: change of motion, what a loaded corner fails to reach
-    rows = Triplets(count + every, size + count)
-    blocks = CornerBlocks(statics, loaded)
-    rows.add(blocks.local, blocks.freedom, blocks.along(NORMAL))
-    rows.diagonal(0, size, np.full(count, -1.0))
-    blocks = CornerBlocks(statics, np.arange(every))
-    rows.add(count + blocks.local, blocks.freedom, -blocks.along(NORMAL))
-    cost = np.concatenate([np.full(size, 1e-6), pull])
-    solution = solve_conic(
-        cost,
-        np.zeros(len(cost)),
-        rows.csc(),
-        np.concatenate([-1.0 - gap[loaded], gap + 1.0]),
-        Cones(zero=count, nonnegative=every),
+    program = ProgramBuilder()
+    change = program.variable("change", 6 * statics.free_count, quadratic=1e-6)
+    missing = program.variable(
+        "missing overlap", len(loaded), quadratic=force[loaded, 0] / force[loaded, 0].mean()
     )
+    opening = statics.unit_wrenches(loaded, NORMAL).transposed
+    program.equal("overlap", -1.0 - gap[loaded], (change, opening), (missing, -1.0))
+    closing = -statics.unit_wrenches(np.arange(statics.corner_count), NORMAL).transposed
+    program.at_most("largest overlap", gap + 1.0, (change, closing))
+    solution = program.build().solve()
     if solution.status is not ConicStatus.SOLVED:
         return None
-    motion = motion + solution.x[:size].reshape(-1, 6)
+    motion = motion + solution.x[change.place].reshape(-1, 6)
     return _sharpened(statics, motion, loaded)
 
 
@@ -156,60 +153,74 @@ def _step(
     """Change of motion (n, 6) that lets forces balance best, to first order."""
     moved = statics.displacement(motion)
     corner = np.flatnonzero(pressing)
-    count, size, every = len(corner), 6 * statics.free_count, statics.corner_count
-    if count == 0:
+    if len(corner) == 0:
         return None
-    blocks = CornerBlocks(statics, corner)
     slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
-    direction = slide_directions(moved)[corner]
-    edge = edge_of_friction(statics, moved)[corner]
-    # turning the slide of a corner turns its friction: the component across the slide
-    across = np.stack([np.zeros(count), -direction[:, 1], direction[:, 0]], axis=1)
-    sideways = blocks.along(across)
-    friction = np.linalg.norm(force[corner, 1:], axis=1) / slide
-    # unknowns: change of motion, factors of the two rays of each corner, unbalanced rest
-    rays, rest = size, size + 2 * count
-    loaded = force[corner, 0] > 1e-9 * force[:, 0].max(initial=0.0)
-    chosen, place = blocks.kept(loaded)
-    loads = int(loaded.sum())
-    rows = Triplets(size + loads + 6 * count + every, rest + size)
-    rows.add(*blocks.crossed(-sideways * friction[blocks.local], sideways))
-    rows.add(blocks.freedom, rays + blocks.local, blocks.along(NORMAL))
-    rows.add(blocks.freedom, rays + count + blocks.local, blocks.along(edge))
-    rows.diagonal(0, rest, np.full(size, -1.0))
-    below = size + place[blocks.local[chosen]]
-    rows.add(below, blocks.freedom[chosen], blocks.along(NORMAL)[chosen])
-    first = size + loads
-    rows.diagonal(first, rays, np.full(2 * count, -1.0))
-    first += 2 * count
-    for axis in (1, 2):
-        values = blocks.along(np.eye(3)[axis])
-        for sign in (1.0, -1.0):
-            rows.add(first + blocks.local, blocks.freedom, sign * values)
-            first += count
-    whole = CornerBlocks(statics, np.arange(every))
-    rows.add(first + whole.local, whole.freedom, -whole.along(NORMAL))
-    # a corner that hardly slides may turn its slide round
-    reach = trust * np.maximum(slide, TURN * slide.mean())
-    right = np.concatenate(
-        [
-            -statics.load.ravel(),
-            np.zeros(loads),
-            np.zeros(2 * count),
-            np.tile(reach, 4),
-            np.maximum(moved[:, 0] + 1.0, 0.0),
-        ]
+    held = np.linalg.norm(force[corner, 1:], axis=1) / slide
+    edge = statics.unit_wrenches(corner, edge_of_friction(statics, moved)[corner])
+    every = np.arange(statics.corner_count)
+    loaded = corner[force[corner, 0] > 1e-9 * force[:, 0].max(initial=0.0)]
+    none = np.zeros(len(corner))
+    program = ProgramBuilder()
+    change = program.variable("change", 6 * statics.free_count, quadratic=1e-10)
+    straight = program.variable("straight", len(corner), quadratic=1e-10)
+    at_edge = program.variable("at the edge of friction", len(corner), quadratic=1e-10)
+    rest = program.variable("rest", change.count, quadratic=1.0)
+    program.equal(
+        "balance",
+        -statics.load.ravel(),
+        (change, turned_friction(statics, moved, corner, held)),
+        (straight, statics.unit_wrenches(corner, NORMAL)),
+        (at_edge, edge),
+        (rest, -1.0),
     )
-    zero = size + loads
-    cost = np.concatenate([np.full(size + 2 * count, 1e-10), np.ones(size)])
-    solution = solve_conic(
-        cost,
-        np.zeros(len(cost)),
-        rows.csc(),
-        right,
-        Cones(zero=zero, nonnegative=len(right) - zero),
-        ConicOptions(tolerance=1e-8),
-    )
+    still = statics.unit_wrenches(loaded, NORMAL).transposed
+    program.equal("still pressed", np.zeros(len(loaded)), (change, still))
+    program.at_most("straight", none, (straight, -1.0))
+    program.at_most("at the edge", none, (at_edge, -1.0))
+    add_trust_region(program, statics, change, corner, slide, trust)
+    closing = -statics.unit_wrenches(every, NORMAL).transposed
+    program.at_most("overlap", np.maximum(moved[:, 0] + 1.0, 0.0), (change, closing))
+    solution = program.build().solve(ConicOptions(tolerance=1e-8))
     if solution.status is not ConicStatus.SOLVED:
         return None
-    return solution.x[:size].reshape(-1, 6)
+    return solution.x[change.place].reshape(-1, 6)
+
+
+def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats) -> Entries:
+    """Change of wrenches (6 n, 6 n) by a change of motion: friction turns as the slide turns.
+
+    Parameters
+    ----------
+    statics
+    moved : (k, 3)
+        Corner displacements.
+    corner : (c,)
+    held : (c,)
+        Friction force by slide.
+    """
+    direction = slide_directions(moved)[corner]
+    zero = np.zeros(len(corner))
+    across = np.stack([zero, -direction[:, 1], direction[:, 0]], axis=1)
+    freedom, value = statics.wrenches_along(corner, across)
+    row, column = np.repeat(freedom, 12, axis=1), np.tile(freedom, 12)
+    product = -np.repeat(held[:, None] * value, 12, axis=1) * np.tile(value, 12)
+    meets = (row >= 0) & (column >= 0)
+    return Entries(row[meets], column[meets], product[meets])
+
+
+def add_trust_region(
+    program: ProgramBuilder,
+    statics: Statics,
+    change: Variable,
+    corner: Ints,
+    slide: Floats,
+    trust: float,
+) -> None:
+    """Rows that bound the change of slides (c,) by a share of them."""
+    # a corner that hardly slides may turn its slide round
+    reach = trust * np.maximum(slide, TURN * slide.mean())
+    for axis in (1, 2):
+        along = statics.unit_wrenches(corner, np.eye(3)[axis]).transposed
+        program.at_most(f"largest slide {axis}", reach, (change, along))
+        program.at_most(f"least slide {axis}", reach, (change, -along))

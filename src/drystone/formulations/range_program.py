@@ -1,9 +1,13 @@
-"""The linear program of forces, on joints of bounded stiffness, that lack least.
+"""Elastic linear program: forces that agree with a motion, on joints of bounded stiffness.
 
-Unknowns are the normal force of each corner that presses and its shear, against the slide; a change
-of the motion, when it may change; a cohesion, so much shear as every joint carries beyond its
-friction, by the load of its lighter block; and the load that is left unbalanced. The last two are
-made small together.
+At each chosen corner the overlap o is given. The unknowns are the normal force n and the shear t
+against the slide:
+
+    o <= n <= ratio o,    0 <= t <= mu n + w c,    A f + p = r+ - r-
+
+The cohesion c and the unbalanced load r are slack variables, w is the load of the lighter block.
+The program minimises c plus the elastic weight times r by the load. At zero the forces are exact.
+Within a trust region the motion may change as well; the rows are then linearised about it.
 """
 
 from __future__ import annotations
@@ -14,63 +18,62 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.arrays import Floats, Ints
-from drystone.formulations.compatible import slide_directions
-from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.formulations.improvement import TURN
+from drystone.formulations.compatible import NORMAL, slide_directions
+from drystone.formulations.improvement import add_trust_region, turned_friction
 from drystone.formulations.rest.compliance import corner_load, wrench_size
-from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
-from drystone.solvers.triplets import Triplets
+from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.program import Entries, ProgramBuilder, Term
 from drystone.statics import Statics
 
-DEAR = 3.0
-"""What load left unbalanced costs, by its share of a block's load, where cohesion costs 1."""
+ELASTIC_WEIGHT = 3.0
+"""Cost of unbalanced load, by the load of its block, where cohesion costs 1. Chosen."""
 
 
 @dataclass(frozen=True, eq=False)
-class Reach:
-    """What may change.
+class TrustRegion:
+    """How far the motion may change.
 
     Attributes
     ----------
     force : (k, 3)
-        Its friction turns as the slides do.
-    trust
+        Present forces; their friction turns as the slides turn.
+    share
         Share of a slide by which it may change.
     """
 
     force: Floats
-    trust: float
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
-class Lacking:
-    """The forces that lack least.
+class ElasticForces:
+    """Solution of the elastic program.
 
     Attributes
     ----------
-    change : (n, 6) of the motion; none where it was held
-    normal, shear : (c,) of the corners that were chosen
-    lack
-        Cohesion, and dear for the load that is left.
+    change : (n, 6) of the motion; none where the motion is held
+    normal, shear : (c,) at the chosen corners
+    infeasibility
+        Cohesion plus the elastic weight times the unbalanced load; 0 is an exact solution.
     """
 
     change: Floats
     normal: Floats
     shear: Floats
-    lack: float
+    infeasibility: float
 
 
-def least_lack(
+def elastic_forces(
     statics: Statics,
     moved: Floats,
     corner: Ints,
-    spread: float,
-    reach: Reach | None = None,
+    ratio: float,
+    region: TrustRegion | None = None,
     *,
     tolerance: float = 1e-10,
     stop: Callable[[], bool] | None = None,
-) -> Lacking | None:
-    """Forces at some corners that lack least, and within reach a change of motion.
+) -> ElasticForces | None:
+    """Forces of least infeasibility, and within a trust region a change of motion.
 
     Parameters
     ----------
@@ -78,10 +81,10 @@ def least_lack(
     moved : (k, 3)
         Corner displacements, in units in which the softest joint has a stiffness of 1.
     corner : (c,)
-        Corners that press, with a force between 1 and ``spread`` times their overlap; the others
-        stay open.
-    spread
-    reach
+        Corners that press. The others stay open.
+    ratio
+        Largest stiffness by the smallest.
+    region
         Left out, the motion is held.
     tolerance
         Of the program, relative.
@@ -89,76 +92,58 @@ def least_lack(
 
     Returns
     -------
-    Lacking
+    ElasticForces
         None if the program fails.
     """
-    count, wrenches = len(corner), 6 * statics.free_count
-    elsewhere = np.ones(statics.corner_count, dtype=bool)
-    elsewhere[corner] = False
-    others = np.flatnonzero(elsewhere)
-    moves, turns, opens = (0, 0, 0) if reach is None else (wrenches, 4 * count, len(others))
-    # unknowns: change of motion, normal forces, shear, cohesion, unbalanced rest up and down
-    normal, shear, cohesion = moves, moves + count, moves + 2 * count
-    rest = cohesion + 1
-    bounds = 4 * count + 1 + 2 * wrenches
-    rows = Triplets(wrenches + bounds + turns + opens, rest + 2 * wrenches)
-    blocks = CornerBlocks(statics, corner)
-    closing = blocks.along(NORMAL)
-    direction = slide_directions(moved)[corner]
-    along = blocks.along(np.concatenate([np.zeros((count, 1)), direction], axis=1))
-    rows.add(blocks.freedom, normal + blocks.local, closing)
-    rows.add(blocks.freedom, shear + blocks.local, -along)
-    rows.diagonal(0, rest, np.ones(wrenches))
-    rows.diagonal(0, rest + wrenches, np.full(wrenches, -1.0))
-    # shear is not below zero, nor beyond friction and cohesion; forces agree with overlaps
-    every, first = np.arange(count), wrenches
-    rows.diagonal(first, shear, np.full(count, -1.0))
-    first += count
-    rows.diagonal(first, shear, np.ones(count))
-    rows.diagonal(first, normal, -statics.friction[corner])
-    rows.add(first + every, np.full(count, cohesion), -corner_load(statics)[corner])
-    first += count
-    rows.diagonal(first, normal, np.full(count, -1.0))
-    rows.diagonal(first + count, normal, np.ones(count))
+    none = np.zeros(len(corner))
     overlap = np.maximum(-moved[corner, 0], 0.0)
-    right = [-statics.load.ravel(), np.zeros(2 * count), -overlap, spread * overlap]
-    right.append(np.zeros(1 + 2 * wrenches))
-    rows.diagonal(first + 2 * count, cohesion, np.full(1 + 2 * wrenches, -1.0))
-    if reach is not None:
-        rows.add(first + blocks.local, blocks.freedom, -closing)
-        rows.add(first + count + blocks.local, blocks.freedom, spread * closing)
-        first += 2 * count + 1 + 2 * wrenches
-        # turning the slide of a corner turns its friction
-        slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
-        across = np.stack([np.zeros(count), -direction[:, 1], direction[:, 0]], axis=1)
-        sideways = blocks.along(across)
-        held = np.linalg.norm(reach.force[corner, 1:], axis=1) / slide
-        rows.add(*blocks.crossed(-sideways * held[blocks.local], sideways))
-        # a corner that hardly slides may turn its slide round
-        right.append(np.tile(reach.trust * np.maximum(slide, TURN * slide.mean()), 4))
-        for axis in (1, 2):
-            values = blocks.along(np.eye(3)[axis])
-            for sign in (1.0, -1.0):
-                rows.add(first + blocks.local, blocks.freedom, sign * values)
-                first += count
-        opening = CornerBlocks(statics, others)
-        rows.add(first + opening.local, opening.freedom, -opening.along(NORMAL))
-        right.append(np.maximum(moved[others, 0], 0.0))
+    direction = slide_directions(moved)[corner]
+    closing = statics.unit_wrenches(corner, NORMAL)
+    along = statics.unit_wrenches(corner, np.column_stack([none, direction]))
     load = wrench_size(statics.load)
-    dear = np.repeat(DEAR / np.where(load > 0.0, load, 1.0), 6)
-    cost = np.concatenate([np.zeros(cohesion), [1.0], dear, dear])
-    solution = solve_conic(
-        np.concatenate(
-            [np.full(moves, 1e-10), np.full(2 * count, 1e-10), np.zeros(1 + 2 * wrenches)]
-        ),
-        cost,
-        rows.csc(),
-        np.concatenate(right),
-        Cones(zero=wrenches, nonnegative=bounds + turns + opens),
-        ConicOptions(tolerance=tolerance),
-        stop=stop,
+    load_of_corner = corner_load(statics)[corner]
+    weight = np.repeat(ELASTIC_WEIGHT / np.where(load > 0.0, load, 1.0), 6)
+    program = ProgramBuilder()
+    change = None
+    if region is not None:
+        change = program.variable("change", 6 * statics.free_count, quadratic=1e-10)
+    normal = program.variable("normal", len(corner), quadratic=1e-10)
+    shear = program.variable("shear", len(corner), quadratic=1e-10)
+    cohesion = program.variable("cohesion", 1, linear=1.0)
+    slack = [
+        program.variable(f"unbalanced {sign}", 6 * statics.free_count, linear=weight)
+        for sign in ("up", "down")
+    ]
+    balance: list[Term] = [(normal, closing), (shear, -along), (slack[0], 1.0), (slack[1], -1.0)]
+    least: list[Term] = [(normal, -1.0)]
+    most: list[Term] = [(normal, 1.0)]
+    if region is not None and change is not None:
+        slide = np.linalg.norm(moved[corner, 1:], axis=1) + 1e-12
+        held = np.linalg.norm(region.force[corner, 1:], axis=1) / slide
+        balance.append((change, turned_friction(statics, moved, corner, held)))
+        least.append((change, -closing.transposed))
+        most.append((change, closing.transposed * ratio))
+        add_trust_region(program, statics, change, corner, slide, region.share)
+        others = np.setdiff1d(np.arange(statics.corner_count), corner)
+        opening = -statics.unit_wrenches(others, NORMAL).transposed
+        program.at_most("open", np.maximum(moved[others, 0], 0.0), (change, opening))
+    program.equal("balance", -statics.load.ravel(), *balance)
+    program.at_most("least shear", none, (shear, -1.0))
+    program.at_most(
+        "friction",
+        none,
+        (shear, 1.0),
+        (normal, -statics.friction[corner]),
+        (cohesion, Entries(np.arange(len(corner)), none.astype(np.intp), -load_of_corner)),
     )
+    program.at_most("least stiffness", -overlap, *least)
+    program.at_most("largest stiffness", ratio * overlap, *most)
+    for variable in (cohesion, *slack):
+        program.at_most(f"sign of {variable.name}", np.zeros(variable.count), (variable, -1.0))
+    made = program.build()
+    solution = made.solve(ConicOptions(tolerance=tolerance), stop=stop)
     if solution.status is not ConicStatus.SOLVED:
         return None
     x = solution.x
-    return Lacking(x[:moves].reshape(-1, 6), x[normal:shear], x[shear:cohesion], float(cost @ x))
+    moves = np.zeros((0, 6)) if change is None else x[change.place].reshape(-1, 6)
+    return ElasticForces(moves, x[normal.place], x[shear.place], float(made.linear @ x))

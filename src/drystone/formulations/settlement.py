@@ -13,13 +13,16 @@ Hlavacek and Necas 1996.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from drystone.arrays import Floats
-from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, ConicStatus, solve_conic
+from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
+from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics
 
 SOFTEST = 0.05
@@ -78,22 +81,18 @@ def solve_settlement(
     k = statics.corner_count
     softness = compliance / np.maximum(statics.tributary, SOFTEST)
     diagonal = np.stack([softness, softness / TANGENTIAL, softness / TANGENTIAL], axis=1)
-    quadratic = sparse.diags(diagonal.ravel())
-    balance = statics.matrix
-    one = sparse.identity(k, format="csr")
-    pressing = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]]))
-    slide = np.array([[0.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]])
-    matrix = sparse.vstack([balance, pressing, sparse.kron(one, slide)], format="csc")
-    cones = Cones(balance.shape[0], k, (3,) * k)
-    right = np.concatenate([-statics.load.ravel(), np.zeros(4 * k)])
-    bounds = slice(balance.shape[0] + k, None, 3)
-    bound = _associative(statics, quadratic, imposed, options)
+    costs = {"linear": imposed.ravel(), "quadratic": diagonal.ravel()}
+    program = _program(statics, np.zeros(k), costs)
+    friction = program.rows["friction"]
+    bounds = slice(friction.start, friction.stop, 3)
+    right = program.right.copy()
+    bound = _associative(statics, costs, options)
     step, defect = 0, float("inf")
     relaxation, last = 1.0, float("inf")
     while True:
         step += 1
         right[bounds] = bound
-        raw = solve_conic(quadratic, imposed.ravel(), matrix, right, cones, options)
+        raw = replace(program, right=right).solve(options)
         if raw.status is not ConicStatus.SOLVED:
             break
         target = statics.friction * np.maximum(0.0, raw.x.reshape(k, 3)[:, 0])
@@ -103,28 +102,34 @@ def solve_settlement(
         relaxation = max(0.1, 0.5 * relaxation) if defect > last else min(1.0, 1.2 * relaxation)
         last = defect
         bound = bound + relaxation * (target - bound)
-    motion = raw.z[: balance.shape[0]].reshape(-1, 6)
+    motion = raw.z[program.rows["equilibrium"]].reshape(-1, 6)
     return SettlementSolution(raw.x.reshape(k, 3), motion, step, defect, raw)
 
 
-def _associative(
-    statics: Statics, quadratic: sparse.spmatrix, imposed: Floats, options: ConicOptions | None
-) -> Floats:
-    """A first bound (k,) on friction: that of joints which open as they slide."""
+def _program(statics: Statics, coupling: Floats, costs: Mapping[str, Any]) -> ConicProgram:
+    """Forces in equilibrium whose friction is at most ``coupling`` times the normal force."""
     k = statics.corner_count
-    cone = np.diag([0.0, -1.0, -1.0])
+    one = sparse.identity(k, format="csr")
     axis = np.zeros((3, 3))
     axis[0, 0] = -1.0
-    one = sparse.identity(k, format="csr")
-    rows = sparse.kron(sparse.diags(statics.friction), axis) + sparse.kron(one, cone)
-    frictionless = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]]))
-    matrix = sparse.vstack([statics.matrix, frictionless, rows], format="csc")
-    right = np.concatenate([-statics.load.ravel(), np.zeros(4 * k)])
-    cones = Cones(statics.matrix.shape[0], k, (3,) * k)
-    raw = solve_conic(quadratic, imposed.ravel(), matrix, right, cones, options)
+    slide = sparse.kron(one, np.diag([0.0, -1.0, -1.0]))
+    program = ProgramBuilder()
+    force = program.variable("force", 3 * k, **costs)
+    program.equal("equilibrium", -statics.load.ravel(), (force, statics.matrix))
+    program.at_most("no pull", np.zeros(k), (force, sparse.kron(one, np.array([[-1.0, 0.0, 0.0]]))))
+    bound = sparse.kron(sparse.diags(coupling), axis)
+    program.cone("friction", 3, np.zeros(3 * k), (force, bound + slide))
+    return program.build()
+
+
+def _associative(
+    statics: Statics, costs: Mapping[str, Any], options: ConicOptions | None
+) -> Floats:
+    """A first bound (k,) on friction: that of joints which open as they slide."""
+    raw = _program(statics, statics.friction, costs).solve(options)
     if raw.status is not ConicStatus.SOLVED:
-        return np.zeros(k)
-    return statics.friction * np.maximum(0.0, raw.x.reshape(k, 3)[:, 0])
+        return np.zeros(statics.corner_count)
+    return statics.friction * np.maximum(0.0, raw.x.reshape(-1, 3)[:, 0])
 
 
 __all__ = ["SettlementSolution", "solve_settlement"]

@@ -1,14 +1,14 @@
-"""Rest on joints whose stiffnesses differ, but not without bounds.
+"""Rest states on joints whose stiffnesses differ within bounds.
 
-In the rigid limit equally pressed corners may share a load in any proportion; springs share it as
-stiff as they are. Here every corner that closes presses with a stiffness of its own times its
-overlap, no stiffness is more than ``spread`` times another, and friction acts against the slide, as
-far as the cone goes. A motion is turned step by step until such forces balance the loads.
+In the rigid limit equally pressed corners may share a load in any proportion. Springs share it by
+their stiffness. Here every closed corner presses with its overlap times a stiffness of its own.
+The stiffness ratio, largest by smallest, is bounded. Friction acts against the slide, up to its
+limit. The motion changes step by step until such forces balance the loads.
 
-What is made small on the way is cohesion: so much shear as every joint would have to carry beyond
-its friction. With enough of it almost any motion balances the loads, so that the way down seldom
-ends where no forces balance them at all. Motion and forces, linearised together, form linear
-programs with a trust region on the slides.
+Each step is a linear program in motion and forces, linearised about the present motion within a
+trust region on the slides. It is elastic: cohesion and unbalanced load are slack variables
+(:mod:`drystone.formulations.range_program`). With enough cohesion almost any motion balances the
+loads, so the iteration seldom ends at a motion without any balancing forces.
 """
 
 from __future__ import annotations
@@ -21,79 +21,79 @@ import numpy as np
 from drystone.arrays import Floats
 from drystone.formulations.compatible import compatible_forces, slide_directions
 from drystone.formulations.improvement import CompatibleState
-from drystone.formulations.range_program import Reach, least_lack
+from drystone.formulations.range_program import TrustRegion, elastic_forces
 from drystone.statics import Statics
 
 TOUCHING = 1e-7
-"""A gap below this share of the largest overlap is none: the corner may close or open."""
+"""A gap below this share of the largest overlap is zero: the corner may close or open."""
 
 ROUNDING = 1.0 + 1e-6
-"""Share by which a spread may miss what is asked for."""
+"""Factor by which a stiffness ratio may exceed its bound."""
 
 BALANCED = 1e-8
-"""Load left over, by the loads, of a state that is worth checking."""
+"""Unbalanced load, by the load, of a state that is worth checking."""
 
 LOADED = 1e-6
-"""Forces below this share of the largest say nothing of the stiffness of their joint."""
+"""Forces below this share of the largest one are left out of the stiffness ratio."""
 
 SOFT = 1.0 / 3.0
-"""Scale of the motion at the beginning, by the one that puts stiffnesses midway. It hardly matters:
-from a tenth to one as many starts led to a state."""
+"""Scale of the first motion, by the scale that puts the stiffnesses in the middle of the range.
+Measured: with 0.1 to 1 equally many starts led to a rest state."""
 
 STEPS = 40
-"""Most steps of one motion: what is not there after them is given up."""
+"""Steps after which a motion is given up."""
 
-NOTHING = 1e-9
-"""Cohesion and load left over, by the loads, that are none: ten times what the programs leave."""
+EXACT = 1e-9
+"""Elastic infeasibility that counts as zero: ten times the tolerance of the programs."""
 
 PATIENCE = 6
 """Steps with little progress after which a motion is given up."""
 
-CLOSER = (0.3, 0.6, 0.85, 0.95)
-"""Shares of a spread that are tried to bring stiffnesses closer, one after the other."""
+SHARES = (0.3, 0.6, 0.85, 0.95)
+"""Shares of a stiffness ratio that are tried, one after the other, to reduce it."""
 
-ALIKE = 2.0
-"""Stiffnesses that differ by no more than this factor are not worth bringing closer."""
+SMALL_RATIO = 2.0
+"""A stiffness ratio that is not reduced further."""
 
 
-def settle(
+def rest_within_ratio(
     statics: Statics,
     motion: Floats,
-    spread: float,
+    ratio: float,
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
-    """Turn a motion until springs of some stiffness within the range balance the loads with it.
+    """Change a motion until springs within the stiffness ratio balance the loads with it.
 
     Parameters
     ----------
     statics
     motion : (n, 6)
         Where to start; its size does not matter.
-    spread
-        Largest ratio of two stiffnesses.
+    ratio
+        Largest stiffness by the smallest.
     stop
         Asked before every step.
     """
-    return _Turning(statics, spread, stop).run(motion)
+    return _TrustRegionMethod(statics, ratio, stop).run(motion)
 
 
-def evened(
+def with_reduced_ratio(
     statics: Statics,
     state: CompatibleState,
-    content: float = ALIKE,
+    enough: float = SMALL_RATIO,
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
-    """A state nearby that balances the loads on joints whose stiffnesses differ less.
+    """A rest state near a given one, with a smaller stiffness ratio where one is found.
 
     Parameters
     ----------
     statics
     state
-        Of :func:`settle`, balanced.
-    content
-        Spread that is small enough.
+        Of :func:`rest_within_ratio`, balanced.
+    enough
+        Ratio that is small enough.
     stop
 
     Returns
@@ -101,23 +101,23 @@ def evened(
     CompatibleState
         Its ``iterations`` are those of this call.
     """
-    enough = BALANCED * float(np.linalg.norm(statics.load))
-    spread, programs = spread_of(statics, state), 0
+    allowed = BALANCED * float(np.linalg.norm(statics.load))
+    ratio, programs = stiffness_ratio(statics, state), 0
     going = True
-    while going and spread > content * ROUNDING:
+    while going and ratio > enough * ROUNDING:
         going = False
-        for share in CLOSER:
-            trial = settle(statics, state.motion, max(share * spread, content), stop=stop)
+        for share in SHARES:
+            trial = rest_within_ratio(statics, state.motion, max(share * ratio, enough), stop=stop)
             programs += trial.iterations
-            closer = spread_of(statics, trial)
-            if trial.unbalanced <= enough and closer < spread:
-                state, spread, going = trial, closer, True
+            reduced = stiffness_ratio(statics, trial)
+            if trial.unbalanced <= allowed and reduced < ratio:
+                state, ratio, going = trial, reduced, True
                 break
     return replace(state, iterations=programs)
 
 
-def spread_of(statics: Statics, state: CompatibleState) -> float:
-    """Largest ratio of the stiffnesses of two corners that press."""
+def stiffness_ratio(statics: Statics, state: CompatibleState) -> float:
+    """Largest by smallest stiffness of the corners that press."""
     overlap = -statics.displacement(state.motion)[:, 0]
     normal = state.force[:, 0]
     pressed = (normal > LOADED * normal.max(initial=0.0)) & (overlap > 0.0)
@@ -127,27 +127,27 @@ def spread_of(statics: Statics, state: CompatibleState) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A motion, the best forces that agree with it, and what they lack."""
+    """A motion, the best forces that agree with it, and their elastic infeasibility."""
 
     motion: Floats
     force: Floats
-    lack: float
+    infeasibility: float
 
 
-class _Turning:
-    """Steps of one model. Motions are in units in which the softest joint has a stiffness of 1."""
+class _TrustRegionMethod:
+    """Steps of one model. In the unit of motion the softest joint has a stiffness of 1."""
 
-    def __init__(self, statics: Statics, spread: float, stop: Callable[[], bool] | None) -> None:
+    def __init__(self, statics: Statics, ratio: float, stop: Callable[[], bool] | None) -> None:
         self.statics = statics
-        self.spread = spread
+        self.ratio = ratio
         self.stop = stop
         self.programs = 0
 
     def run(self, start: Floats) -> CompatibleState:
-        point = self._forces(self._begun(start))
+        point = self._forces(self._scaled(start))
         trust, idle, joining = 0.5, 0, True
         for _ in range(STEPS):
-            if point.lack <= NOTHING or trust < 1e-4 or idle >= PATIENCE:
+            if point.infeasibility <= EXACT or trust < 1e-4 or idle >= PATIENCE:
                 break
             if self.stop is not None and self.stop():
                 break
@@ -157,8 +157,8 @@ class _Turning:
                 trust, idle = 0.4 * trust, idle + 1
                 continue
             trial = self._forces(point.motion + change)
-            idle = 0 if trial.lack < 0.9 * point.lack else idle + 1
-            if trial.lack < (1.0 - 1e-4) * point.lack:
+            idle = 0 if trial.infeasibility < 0.9 * point.infeasibility else idle + 1
+            if trial.infeasibility < (1.0 - 1e-4) * point.infeasibility:
                 point, trust = trial, min(1.5 * trust, 0.9)
             else:
                 trust *= 0.4
@@ -170,14 +170,14 @@ class _Turning:
         return CompatibleState(motion, force, left, self.programs)
 
     def _without_cohesion(self, force: Floats) -> Floats:
-        """Forces (k, 3) with no more shear than friction allows."""
+        """Forces (k, 3) whose shear is reduced to the friction limit."""
         shear = np.linalg.norm(force[:, 1:], axis=1)
         least = np.minimum(shear, self.statics.friction * force[:, 0])
         share = np.divide(least, shear, out=np.ones_like(shear), where=shear > 0.0)
         return force * np.stack([np.ones_like(share), share, share], axis=1)
 
-    def _begun(self, motion: Floats) -> Floats:
-        """The motion in units in which the forces that agree with it best are about midway."""
+    def _scaled(self, motion: Floats) -> Floats:
+        """The motion in units that put its stiffnesses near the middle of the range."""
         overlap = -self.statics.displacement(motion)[:, 0]
         force, _ = compatible_forces(self.statics, motion)
         normal = force[:, 0]
@@ -186,36 +186,39 @@ class _Turning:
             return motion
         weight = normal[loaded] / normal[loaded].sum()
         middle = np.exp(weight @ np.log(normal[loaded] / overlap[loaded]))
-        return motion * (SOFT * middle / np.sqrt(self.spread))
+        return motion * (SOFT * middle / np.sqrt(self.ratio))
 
     def _forces(self, motion: Floats) -> _Point:
-        """Forces within the range that agree with a motion and lack least."""
+        """Forces within the ratio that agree with a motion, of least infeasibility."""
         statics = self.statics
         moved = statics.displacement(motion)
         corner = np.flatnonzero(moved[:, 0] < 0.0)
         force = np.zeros((statics.corner_count, 3))
         self.programs += 1
-        found = least_lack(statics, moved, corner, self.spread, stop=self.stop)
+        found = elastic_forces(statics, moved, corner, self.ratio, stop=self.stop)
         if found is None:
             return _Point(motion, force, np.inf)
         force[corner, 0] = found.normal
         force[corner, 1:] = -found.shear[:, None] * slide_directions(moved)[corner]
-        return _Point(motion, force, found.lack)
+        return _Point(motion, force, found.infeasibility)
 
     def _step(self, point: _Point, trust: float, joining: bool) -> Floats | None:
-        """Change of motion (n, 6) with which forces lack least, to first order."""
+        """Change of motion (n, 6) of least infeasibility, to first order.
+
+        Corners that touch without force may close when ``joining``, else they may open.
+        """
         moved = self.statics.displacement(point.motion)
         touching = TOUCHING * -moved[:, 0].min(initial=0.0)
         corner = np.flatnonzero(moved[:, 0] < (touching if joining else -touching))
         if len(corner) == 0:
             return None
         self.programs += 1
-        found = least_lack(
+        found = elastic_forces(
             self.statics,
             moved,
             corner,
-            self.spread,
-            Reach(point.force, trust),
+            self.ratio,
+            TrustRegion(point.force, trust),
             tolerance=1e-8,
             stop=self.stop,
         )

@@ -104,6 +104,8 @@ def tilt_sweep(
 ) -> TiltSweep:
     """The tilt limit towards equally spaced directions.
 
+    What is not listed here is as in :func:`limit_tilt`.
+
     Parameters
     ----------
     given
@@ -115,8 +117,6 @@ def tilt_sweep(
     stop
         Asked often, with an executor between the directions; True ends the sweep with the limits
         that are complete.
-
-    Other parameters are those of :func:`limit_tilt`.
     """
     if whole(directions, "the number of directions") < 1:
         raise InputError(f"{directions} directions", remedy="give one or more")

@@ -26,8 +26,8 @@ from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
+from drystone.sequence.stage.checks import check_once, check_thoroughly
 from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.judges import check_once, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import DaskWorkers, ExecutorFactory, LocalWorkers

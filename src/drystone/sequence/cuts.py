@@ -21,7 +21,7 @@ from drystone.geometry.body.split import Piece, split
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.stage.judges import Check, check_once
+from drystone.sequence.stage.checks import Check, check_once
 
 
 @dataclass(frozen=True, eq=False)

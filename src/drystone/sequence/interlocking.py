@@ -32,8 +32,8 @@ from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.motion.joints import Joints
 from drystone.sequence.motion.twists import free_twists, twist_rows
-from drystone.solvers.conic import Cones, ConicStatus, solve_conic
-from drystone.solvers.triplets import Triplets
+from drystone.solvers.conic import ConicStatus
+from drystone.solvers.program import ProgramBuilder
 from drystone.stability import RBEOptions, check, solve_rbe
 
 OPENS = 1e-6
@@ -166,24 +166,19 @@ def _opening(rows: sparse.csr_matrix) -> Floats | None:
     count, size = rows.shape
     if not count:
         return np.ones(size)
-    # unknowns: motion, and per corner what counts of its opening, from zero to one
-    program = Triplets(3 * count, size + count)
-    speeds = rows.tocoo()
-    program.add(speeds.row.astype(np.intp), speeds.col.astype(np.intp), -speeds.data)
-    program.diagonal(0, size, np.ones(count))
-    program.diagonal(count, size, np.ones(count))
-    program.diagonal(2 * count, size, -np.ones(count))
-    found = solve_conic(
-        np.concatenate([np.full(size, 1e-9), np.zeros(count)]),
-        np.concatenate([np.zeros(size), -np.ones(count)]),
-        program.csc(),
-        np.concatenate([np.zeros(count), np.ones(count), np.zeros(count)]),
-        Cones(nonnegative=3 * count),
-    )
+    # the opening of a corner counts from zero to one
+    program = ProgramBuilder()
+    motion = program.variable("motion", size, quadratic=1e-9)
+    opening = program.variable("opening", count, linear=-1.0)
+    program.at_most("speed", np.zeros(count), (motion, -rows), (opening, 1.0))
+    program.at_most("largest opening", np.ones(count), (opening, 1.0))
+    program.at_most("least opening", np.zeros(count), (opening, -1.0))
+    found = program.build().solve()
     if found.status is not ConicStatus.SOLVED:
         raise SolverError("the program of interlocking was not solved")
-    opened = float(np.minimum(rows @ found.x[:size], 1.0).sum())
-    return found.x[:size] if opened > OPENS * count else None
+    speed = found.x[motion.place]
+    opened = float(np.minimum(rows @ speed, 1.0).sum())
+    return speed if opened > OPENS * count else None
 
 
 def _sliding(rows: sparse.csr_matrix) -> Floats | None:

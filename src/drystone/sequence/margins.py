@@ -16,6 +16,7 @@ from drystone.errors import InputError, counted
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.model import Model
 from drystone.progress import Progress
+from drystone.results import Verdict
 from drystone.sequence.plans import Plan
 from drystone.sequence.stage.stages import Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
@@ -161,14 +162,14 @@ def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> 
     some = some.with_contacts(some.contacts.select(some.active))
     least = limit_friction(
         some,
-        check=structure.judge,
+        check=structure.check,
         options=LimitOptions(width=options.friction_width, scan=1),
     ).best
     sweep = tilt_sweep(
         some,
         options.directions,
         upper=options.tilt_upper,
-        check=structure.judge,
+        check=structure.check,
         options=LimitOptions(width=options.tilt_width, scan=2),
     )
     tilt = min(0.0 if one.best.stands is None else one.best.stands for one in sweep.limits)
@@ -242,7 +243,7 @@ def least_buildable_friction(
 
 def _unpropped(plan: Plan) -> bool:
     helped = plan.props or plan.impossible
-    return bool(plan.steps) and plan.verdict.value == "stable" and not helped
+    return bool(plan.steps) and plan.verdict is Verdict.STABLE and not helped
 
 
 __all__ = [

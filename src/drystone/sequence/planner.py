@@ -21,12 +21,13 @@ from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import apart, props_in_time
 from drystone.sequence.search.states import Found, Node, SearchOptions
+from drystone.sequence.stage.checks import Check, check_once
 from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.judges import Check, check_once
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
 from drystone.settings import Options, checked_call
+from drystone.stability.screening import Screening, stage_screening
 
 EFFORT, LARGE = 800.0, 100.0
 """Checks without progress, times free blocks, before the planner gives in and holds or props, and
@@ -73,7 +74,8 @@ def plan(
     given: Given,
     *,
     options: PlanOptions | None = None,
-    check: Check = check_once,
+    check: Check | None = None,
+    screening: Sequence[Screening] | None = None,
     executor: Executor | ExecutorFactory | None = None,
     checkpoint: PathLike | None = None,
     progress: Progress | None = None,
@@ -91,7 +93,10 @@ def plan(
         A model of the complete structure; or an assembly or a file, of which ``how`` makes one.
     options
     check
-        The verdict on a stage.
+        Tells whether a stage stands; :func:`check_once` where it is left out.
+    screening
+        Levels by which stages are screened before they are checked, in order. Left out: those of
+        :func:`drystone.stability.stage_screening` without ``check``, none with it.
     executor
         Where stages are checked: an executor, or a function that starts one and is called again
         when it breaks. The plan does not depend on it.
@@ -119,7 +124,10 @@ def plan(
     3
     """
     chosen = PlanOptions.of(options)
-    model = Structure(as_model(given, **how), check)
+    model = Structure(as_model(given, **how), check or check_once)
+    if screening is None and check is None:
+        screening = stage_screening(len(model.assembly.free))
+    model = replace(model, screening=tuple(screening or ()))
     removal = RemovalTest(model)
     bound = bind(chosen.rules, model, removal)
     with Evaluator(model, executor=executor, checkpoint=checkpoint) as evaluator:
@@ -180,7 +188,7 @@ class _Planner:
 
     def describe(self, complete: Answer, found: Found, search: Search) -> Plan:
         path = found.path[::-1]
-        if search.looks != (0,):
+        if search.levels != (None,):
             path = apart(path, search)
         active = props_in_time(path, search)
         steps = []
@@ -209,8 +217,8 @@ class _Planner:
             return False
         if together == 0 and len(props) <= (0 if complete.stands else 1):
             return True
-        # what a glance does not let stand may stand, and other props may hold what is complete
-        return found.proved and search.looks == (0,) and complete.stands
+        # screening proves no fall, and other props may hold the complete structure
+        return found.proved and search.levels == (None,) and complete.stands
 
     def step(self, before: Node, after: Node, standing: int, props: int) -> Step:
         """Assembly from one stage to the next; the group of the search left in reverse."""

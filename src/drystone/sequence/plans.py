@@ -64,7 +64,7 @@ class Step(OneLine):
 
     def _summary(self) -> str:
         propped = f", propped {self.props}" if self.props else ""
-        return f"blocks {self.blocks}{propped}, {self.answer.verdict.value}"
+        return f"blocks {self.blocks}{propped}, {self.answer.verdict}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +128,7 @@ class Plan(Card):
     solve_s: float = 0.0
 
     def _facts(self) -> tuple[str, Mapping[str, object]]:
-        return f"{self.verdict.value}: {self.message}", {
+        return f"{self.verdict}: {self.message}", {
             "steps": len(self.steps),
             **{kind: number or "" for kind, number in self.counts.items()},
             "order": ", ".join(self.order),
@@ -138,7 +138,7 @@ class Plan(Card):
     def _summary(self) -> str:
         counts = ", ".join(f"{n} {kind}" for kind, n in self.counts.items() if n)
         told = f", {counts}" if counts else ""
-        return f"{self.verdict.value}, {counted(len(self.steps), 'step')}{told}, '{self.message}'"
+        return f"{self.verdict}, {counted(len(self.steps), 'step')}{told}, '{self.message}'"
 
     def __bool__(self) -> bool:
         raise TypeError("a plan is neither true nor false; ask for its counts or its verdict")
@@ -229,8 +229,8 @@ class Plan(Card):
         """Plain values: counts, order, steps, blocks, props."""
         names = self.model.assembly.names
         return {
-            "verdict": self.verdict.value,
-            "complete": self.complete.verdict.value,
+            "verdict": self.verdict,
+            "complete": self.complete.verdict,
             "message": self.message,
             "proved": self.proved,
             "counts": self.counts,
@@ -274,7 +274,7 @@ class Plan(Card):
             "motion": step.motion.tolist(),
             "directions": [ways.tolist() for ways in self.directions(number)],
             "propped": [names[b] for b in step.props],
-            "verdict": step.answer.verdict.value,
+            "verdict": step.answer.verdict,
             "friction_used": step.answer.used,
         }
 

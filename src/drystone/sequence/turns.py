@@ -20,7 +20,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.robots import Robot, check_robots
-from drystone.sequence.stage.judges import Check, check_once
+from drystone.sequence.stage.checks import Check, check_once
 from drystone.sequence.stage.stages import Stage, mask_of
 from drystone.sequence.stage.structure import Structure
 

@@ -94,7 +94,7 @@ class Body(Options):
     density : [kg/m3]
     register_deg : [degrees]
         Hooks every block over the course below, -35 to 35; see
-        :func:`drystone.shells.blocks.materialise.add_register`.
+        ``add_register``.
     intrados
     ground
     ground_depth : [m]

@@ -2,22 +2,31 @@
 
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
+from drystone.solvers.program import ConicProgram
 from drystone.stability.check import check
 from drystone.stability.cra import CRAOptions, solve_cra
 from drystone.stability.options import CheckOptions
 from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
-from drystone.stability.rbe import RBEOptions, solve_rbe
+from drystone.stability.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
 from drystone.stability.resting import try_rest
+from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
 
 __all__ = [
+    "PATIENT",
+    "QUICK",
+    "SMOOTH",
     "CRAOptions",
     "CheckOptions",
+    "ConicProgram",
     "FrictionCone",
     "FrictionRule",
     "Objective",
     "PenaltyOptions",
     "RBEOptions",
+    "Screening",
     "Weights",
+    "build_rbe",
+    "build_rbe_penalty",
     "check",
     "solve_cra",
     "solve_cra_penalty",

@@ -14,18 +14,7 @@ from drystone.formulations.rest.rest_state import RestOptions, RestState, Start
 from drystone.results import Residuals
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
-
-TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60)
-"""A first look: with this ground a rest state leans on it by parts in a million of the load."""
-
-AT_ONCE = replace(TO_REST, stall=8)
-"""A glance: 9 of 10 stages of vaults and domes that come to rest do so without more steps that lead
-nowhere, and those that fall are given up after half of them."""
-
-HASTY = replace(AT_ONCE, warm_relaxation=1e-3, give_up=0.04)
-"""A glance from next to a rest state that is given up at the first short step. Chosen: 15 of 15
-stages of vaults and domes of up to 60 blocks that come to rest do, and 136 that do not take half of
-the time that steps of any length take; of a vault of 366 many that come to rest are missed."""
+from drystone.stability.screening import PATIENT, Screening
 
 SHARPER = RestOptions(ground=1e-9, tolerance=1e-6)
 """A first motion close to the limit is slow, and blurred less by weaker ground."""
@@ -37,10 +26,10 @@ FALLS_FROM = 1e-4
 """Share of a block's load on the ground from which on a state shows it falling."""
 
 CLEARLY = 1e-3
-"""Share from which on no weaker ground needs to be tried where the state is a first motion, and
-from which on a glance gives up. Rest states of walls, domes and vaults of up to 2,000 blocks,
-tilted ones too, lean with 5e-5 at most, thin lunes with 2e-4, those beyond their limit with 4e-3;
-but towers of 200 blocks and more with as much, and they stand."""
+"""Share of a block's load on the ground from which on a screening level that is not patient ends,
+and weaker ground is not tried where the state is a first motion. Measured: walls, domes and vaults
+of up to 2,000 blocks at rest, tilted or not, 5e-5 at most; thin lunes at rest 2e-4; structures
+beyond their limit 4e-3 or more. Towers of 200 blocks and more reach 4e-3 although they stand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,23 +108,22 @@ class Attempts:
     def attempt(
         self,
         springs: Compliance,
+        screening: Screening = PATIENT,
         *,
         again: bool = False,
-        brief: bool = False,
-        hasty: bool = False,
         start: Start | None = None,
     ) -> Candidate:
-        """One stiffness distribution, followed to its end; ``again`` does not count as another.
-
-        A brief one is given up at the first trouble, a hasty one at the first sign of it.
-        """
-        glance = HASTY if hasty else AT_ONCE
-        state = self._rest(springs, glance if brief else TO_REST, start)
+        """Follow one stiffness distribution to rest; with ``again`` it does not count as tried."""
+        numerics = screening.numerics
+        if start is None:  # steps are cut often at the beginning of a path
+            numerics = replace(numerics, give_up=0.0)
+        state = self._rest(springs, numerics, start)
         share = self.problem.ground_share(state.ground)
         most = share.max()
-        over = most >= 0.5 or (brief and not (state.converged and most < CLEARLY))
+        rests = state.converged and most < CLEARLY
+        over = most >= 0.5 or not (screening.patient or rests)
         if not over and state.converged and most >= CLEARLY:
-            # high towers lean as much on this ground, and come to rest on weaker
+            # high towers lean on this ground as much, and come to rest on weaker ground
             over = first_motion(self.problem, state) is not None
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)

@@ -9,7 +9,7 @@ from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
-from drystone.formulations.stiffness_range import ROUNDING, spread_of
+from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -25,11 +25,8 @@ from drystone.stability.proofs import (
     unpressed,
 )
 from drystone.stability.rbe import ANY_FORCES
+from drystone.stability.screening import SLIP_LENGTH
 from drystone.stability.search import SLIDE_LIMIT, Search
-
-SMOOTH = 10.0
-"""Slip length, by the local overlap, of the friction law that stands in for the one that sticks and
-slips where that is not followed to an end: at friction 0.84 it begins about as stiff."""
 
 SENSITIVE = "sensitive to how the joints press"
 
@@ -45,8 +42,8 @@ class Cascade:
         self.progress = progress
         self.clock = clock
         self.iterations = 0
-        self.level = self.balances = False
-        self.spread = 1.0
+        self.equal_overlap = self.balances = False
+        self.stiffness_ratio = 1.0
         self.stage = "free fall"
         self.attempts = Attempts(problem, clock)
 
@@ -68,7 +65,7 @@ class Cascade:
                 return impossible
             if not attempts.falling:
                 # the iteration, not the structure, gave way: a smooth law is followed more easily
-                smooth = compliance.uniform(problem.statics, slip=SMOOTH)
+                smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
         samples = compliance.samples(problem.statics, self.options.samples, self.options.seed)
         for number, sample in enumerate(samples):
@@ -144,11 +141,11 @@ class Cascade:
             first=self.attempts.stalled,
         )
         try:
-            for state in look.states(self.options.spread):
+            for state in look.states(self.options.stiffness_ratio):
                 candidate = self._answering(look, state)
                 if candidate is not None:
-                    self.spread = spread_of(self.problem.statics, state)
-                    return self._levelled(look, state) or candidate
+                    self.stiffness_ratio = stiffness_ratio(self.problem.statics, state)
+                    return self._with_equal_overlap(look, state) or candidate
         finally:
             self.iterations += look.iterations
         return None
@@ -160,18 +157,18 @@ class Cascade:
         candidate = self.attempts.examine(state.motion, state.force)
         return candidate if candidate.stands else None
 
-    def _levelled(self, look: Search, state: CompatibleState) -> Candidate | None:
+    def _with_equal_overlap(self, look: Search, state: CompatibleState) -> Candidate | None:
         """The state of eq. 5.6 nearby, if there is one on joints that differ no more than they may.
 
         Equal overlaps are no equal stiffnesses: those are as unlike as the forces.
         """
-        level = look.levelled(state.motion)
-        spread = spread_of(self.problem.statics, level)
-        if spread > self.options.spread * ROUNDING:
+        equal = look.equal_overlap(state.motion)
+        ratio = stiffness_ratio(self.problem.statics, equal)
+        if ratio > self.options.stiffness_ratio * ROUNDING:
             return None
-        candidate = self._answering(look, level)
+        candidate = self._answering(look, equal)
         if candidate is not None:
-            self.level, self.spread = True, spread
+            self.equal_overlap, self.stiffness_ratio = True, ratio
         return candidate
 
     # -- the answers ----------------------------------------------------------------------------
@@ -207,8 +204,12 @@ class Cascade:
 
     def _sensitive(self, found: Candidate) -> Result:
         how = "eq. 5.6 is met"
-        if not self.level:
-            times = f"{self.spread:.0f}" if self.spread >= 10.0 else f"{self.spread:.1f}"
+        if not self.equal_overlap:
+            times = (
+                f"{self.stiffness_ratio:.0f}"
+                if self.stiffness_ratio >= 10.0
+                else f"{self.stiffness_ratio:.1f}"
+            )
             how = f"it can rest where one joint is {times} times as stiff as another"
         return self._answer(
             Verdict.STABLE,
@@ -217,7 +218,7 @@ class Cascade:
             force=found.force,
             displacement=found.displacement,
             residuals=found.residuals,
-            spread=self.spread,
+            stiffness_ratio=self.stiffness_ratio,
         )
 
     def _first_motion(self) -> Result:

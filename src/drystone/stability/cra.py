@@ -16,7 +16,7 @@ from drystone.formulations.improvement import CompatibleState, improve
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions
-from drystone.formulations.stiffness_range import spread_of
+from drystone.formulations.stiffness_range import stiffness_ratio
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Residuals, Result, Verdict
 from drystone.settings import Options, checked_call
@@ -66,7 +66,7 @@ class _State:
     displacement: Floats
     residuals: Residuals
     slide: float
-    spread: float
+    stiffness_ratio: float
     iterations: int
 
 
@@ -142,7 +142,7 @@ def solve_cra(
         displacement=best.displacement,
         residuals=best.residuals,
         eta=best.slide,
-        spread=None if base.spread is None else best.spread,
+        stiffness_ratio=None if base.stiffness_ratio is None else best.stiffness_ratio,
         stopped=clock.reason,
         options=chosen,
         solver="equal-overlap path",
@@ -172,7 +172,7 @@ def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -
         motion = statics.scaled_motion(base.displacement, statics.mean_length)
         found = improve(statics, motion, stop=clock.late)
         yield _examined(problem, found.motion, found.force, found.iterations)
-    for found in Search(problem, clock).level_states():
+    for found in Search(problem, clock).equal_overlap_states():
         yield _examined(problem, found.motion, found.force, found.iterations)
 
 
@@ -192,6 +192,6 @@ def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) 
         displacement,
         replace(residuals, overlap=max(spread, deeper)),
         slide,
-        spread_of(problem.statics, CompatibleState(motion, force, 0.0, iterations)),
+        stiffness_ratio(problem.statics, CompatibleState(motion, force, 0.0, iterations)),
         iterations,
     )

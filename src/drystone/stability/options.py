@@ -23,10 +23,10 @@ class CheckOptions(Options):
         Look for a rest state by convex steps where no sample has one.
     search_tries
         Random motions from which the search starts on small models; fewer on larger ones.
-    spread
-        How many times as stiff as another a corner may be in a state that the search answers with.
-        Chosen between what the wedge of Kao 2023 that needs most takes at 58.0 degrees, 92, and
-        at 59.5 degrees, 265; 3DEC gave 58.7.
+    stiffness_ratio
+        Largest ratio of two contact stiffnesses in a state that the search answers with. The
+        default follows the wedge of type b of Kao 2023, which needs a ratio of 92 to stand at 58.0
+        degrees and of 265 at 59.5 degrees; discrete elements (3DEC) let it stand up to 58.7.
     seed
         Of the random stiffness distributions.
     time_limit_s
@@ -36,7 +36,7 @@ class CheckOptions(Options):
     samples: int = 4
     search: bool = True
     search_tries: int = 48
-    spread: float = 200.0
+    stiffness_ratio: float = 200.0
     seed: int = 0
     time_limit_s: float = float("inf")
 
@@ -44,8 +44,11 @@ class CheckOptions(Options):
         super().__post_init__()
         if self.samples < 0 or self.search_tries < 0:
             raise InputError("numbers of tries cannot be negative", remedy="give 0 or more")
-        if not 1.0 <= self.spread < np.inf:
-            raise InputError(f"the spread is {self.spread}", remedy="give a number of 1 or more")
+        if not 1.0 <= self.stiffness_ratio < np.inf:
+            raise InputError(
+                f"the stiffness ratio is {self.stiffness_ratio}",
+                remedy="give a number of 1 or more",
+            )
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
         require_time_limit(self.time_limit_s)

@@ -17,11 +17,11 @@ from drystone.formulations.rest.rest_state import RestOptions
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
 from drystone.settings import Options, checked_call
-from drystone.stability.attempts import TO_REST
 from drystone.stability.cascade import Cascade
 from drystone.stability.options import CheckOptions, require_time_limit
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE
+from drystone.stability.screening import TO_REST
 from drystone.statics import Statics
 
 GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)

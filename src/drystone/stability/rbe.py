@@ -12,14 +12,17 @@ from drystone.formulations.equilibrium import (
     EquilibriumSolution,
     Objective,
     Weights,
-    solve_equilibrium,
+    build_equilibrium,
+    solved,
 )
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
 from drystone.settings import Options, checked_call
 from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.program import ConicProgram
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import found_mechanism, moving_blocks
+from drystone.statics import Statics
 
 BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
@@ -65,6 +68,86 @@ class RBEOptions(Options):
 
 
 @checked_call
+def build_rbe(
+    given: Given, *, options: RBEOptions | None = None, **how: Unpack[How]
+) -> ConicProgram:
+    """The program that :func:`solve_rbe` solves, with its matrices and named variables.
+
+    Its numbers are dimensionless. Wrenches are divided by the mean load of a free block, moments
+    also by the size of the block. ``program.value(x, "force")`` is in newtons.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+        Cone, objective and weights matter.
+
+    Returns
+    -------
+    ConicProgram
+        Variables: ``force``, three per corner in local n, u, v; ``length``, the bound on friction,
+        in the linear objective with a cost of friction. Rows: ``equilibrium``, six per free block;
+        ``friction``; ``no pull`` where the cone does not say so. Corners of interfaces between two
+        fixed blocks are left out.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import tower
+    >>> program = drystone.build_rbe(tower(2), friction=0.6)
+    >>> program
+    ConicProgram(12 unknowns, 18 rows, force)
+    >>> program.matrix[program.rows["equilibrium"]].shape
+    (6, 12)
+    >>> force = program.value(program.solve().x, "force").reshape(-1, 3)
+    >>> float(force[:, 0].sum().round(1))
+    23544.0
+    """
+    return _program(Problem.build(as_model(given, **how)).statics, RBEOptions.of(options), False)
+
+
+@checked_call
+def build_rbe_penalty(
+    given: Given, *, options: RBEOptions | None = None, **how: Unpack[How]
+) -> ConicProgram:
+    """The penalised program, in which joints may pull at a cost; see :func:`build_rbe`.
+
+    :func:`solve_rbe` solves it where no forces without tension balance the loads. It has one more
+    variable, ``tension``: per corner, subtracted from the normal force.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> build_rbe_penalty(tower(2), friction=0.6)
+    ConicProgram(16 unknowns, 26 rows, force, tension)
+    """
+    return _program(Problem.build(as_model(given, **how)).statics, RBEOptions.of(options), True)
+
+
+def _program(statics: Statics, options: RBEOptions, tension: bool) -> ConicProgram:
+    return build_equilibrium(
+        statics,
+        cone=options.cone,
+        objective=options.objective,
+        weights=options.weights,
+        tension=tension,
+        rule=options.rule,
+    )
+
+
+@checked_call
 def solve_rbe(
     given: Given,
     *,
@@ -107,14 +190,9 @@ def solve_rbe(
     problem = Problem.build(as_model(given, **how))
 
     def run(tension: bool) -> EquilibriumSolution:
-        return solve_equilibrium(
-            problem.statics,
-            cone=chosen.cone,
-            objective=chosen.objective,
-            weights=chosen.weights,
-            tension=tension,
-            rule=chosen.rule,
-            options=replace(chosen.conic, time_limit_s=clock.left_s),
+        return solved(
+            _program(problem.statics, chosen, tension),
+            replace(chosen.conic, time_limit_s=clock.left_s),
             stop=clock.late,
         )
 

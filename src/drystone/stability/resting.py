@@ -1,8 +1,8 @@
-"""Does it come to rest with a given friction law? A yes is a proof; a no says nothing."""
+"""A rest state with uniform contact stiffness. Where one is found the model stands."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -16,50 +16,43 @@ from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE, free_acceleration, unpressed
+from drystone.stability.screening import PATIENT, Screening
 
 
 def try_rest(
     model: Model,
     *,
-    slips: Sequence[float | None] = (None,),
-    brief: bool = False,
-    hasty: bool = False,
+    screening: Screening = PATIENT,
     start: Floats | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Result:
-    """Follow springs of uniform stiffness to rest, with one friction law after another.
+    """Look for a rest state with uniform contact stiffness.
 
-    The cheapest way to a proof that it stands, for those who ask often. That it falls is never
-    shown: use :func:`drystone.check` for that.
+    This is the cheapest proof that a model stands. It never shows that a model falls: use
+    :func:`drystone.check` for that.
 
     Parameters
     ----------
     model
-    slips
-        Slip length of each law to try, by the local overlap; ``None`` is the law that sticks and
-        slips. The first that leads to rest is the answer.
-    brief
-        Give up as soon as there is trouble: a no takes half the time, and there are more of them.
-    hasty
-        Of a brief look from a start: give up at the first short step. Half the time again; up to
-        some 60 blocks hardly anything that rests is missed, among hundreds much is.
+    screening
+        How thoroughly to look. The first friction law that leads to rest is the answer.
     start : (n, 6) [m, rad]
-        ``displacement`` of a neighbouring model's rest state, block by block, for the first law:
-        half the steps where few blocks differ. Its size does not matter; where it leads nowhere,
-        and unless the look is brief, the law is followed without it.
+        ``displacement`` of the rest state of a similar model with the same blocks. The first law
+        begins there, which halves the steps where few blocks differ. The size of the motion does
+        not matter. A patient level that finds nothing from the start also begins from nothing.
     stop
         Asked often; True ends the analysis.
 
     Returns
     -------
     Result
-        STABLE with forces and a compatible motion, or UNDECIDED; then ``falling`` are the blocks
-        that the last law let fall, if any.
+        STABLE with forces and a compatible motion, or UNDECIDED. ``falling`` are then the blocks
+        that fall with the last law, if there are any.
 
     Raises
     ------
     InputError
-        Load, contacts or start of another assembly.
+        The start has another shape.
     """
     clock = Clock(float("inf"), stop)
     problem = Problem.build(model)
@@ -72,11 +65,11 @@ def try_rest(
             np.zeros((model.contacts.corner_count, 3)),
             np.zeros((len(model.assembly), 6)),
         )
-    elif not _falls_freely(problem, slips, brief, clock):
-        near = None if start is None else _start(problem, start, slips[0])
+    elif not _falls_freely(problem, screening, clock):
+        near = None if start is None else _start(problem, start, screening.slip_lengths[0])
         found = None if near is None else attempts.nearby(*near)
         if found is None:
-            found = _first_standing(attempts, slips, brief, hasty, near and near[1])
+            found = _first_standing(attempts, screening, near and near[1])
         if found is not None:
             verdict, message, residuals = Verdict.STABLE, "stands", found.residuals
             force, displacement = found.force, found.displacement
@@ -103,7 +96,7 @@ def try_rest(
 
 
 def _start(problem: Problem, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
-    """The first law, and where it begins from a motion (n, 6) [m, rad]."""
+    """Springs of the first friction law, and their start from a motion (n, 6) [m, rad]."""
     count = len(problem.model.assembly)
     if np.shape(motion) != (count, 6) or not np.isfinite(motion).all():
         raise InputError(f"the start must hold {count} times six finite numbers", where="start")
@@ -114,30 +107,23 @@ def _start(problem: Problem, motion: Floats, slip: float | None) -> tuple[Compli
 
 
 def _first_standing(
-    attempts: Attempts,
-    slips: Sequence[float | None],
-    brief: bool,
-    hasty: bool = False,
-    start: Start | None = None,
+    attempts: Attempts, screening: Screening, start: Start | None = None
 ) -> Candidate | None:
-    for slip in slips:
+    for slip in screening.slip_lengths:
         springs = compliance.uniform(attempts.problem.statics, slip=slip)
-        first = hasty and start is not None
-        found = attempts.attempt(springs, brief=brief, hasty=first, start=start)
-        if start is not None and not (brief or found.stands):
-            found = attempts.attempt(springs, again=True)
+        found = attempts.attempt(springs, screening, start=start)
+        if start is not None and screening.patient and not found.stands:
+            found = attempts.attempt(springs, screening, again=True)
         start = None
         if found.stands:
             return found
     return None
 
 
-def _falls_freely(
-    problem: Problem, slips: Sequence[float | None], brief: bool, clock: Clock
-) -> bool:
-    """Whether some blocks press on nothing and the others do without them."""
+def _falls_freely(problem: Problem, screening: Screening, clock: Clock) -> bool:
+    """Whether nothing presses on some blocks and the others stand without them."""
     falling = unpressed(problem.model.assembly, problem.model.contacts, free_acceleration(problem))
     if not falling.any():
         return False
     others = problem.without(falling)
-    return others is None or _first_standing(Attempts(others, clock), slips, brief) is not None
+    return others is None or _first_standing(Attempts(others, clock), screening) is not None

@@ -18,12 +18,12 @@ from drystone.formulations.rest import compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.formulations.stiffness_range import (
-    ALIKE,
     BALANCED,
     ROUNDING,
-    evened,
-    settle,
-    spread_of,
+    SMALL_RATIO,
+    rest_within_ratio,
+    stiffness_ratio,
+    with_reduced_ratio,
 )
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem
@@ -79,7 +79,7 @@ class Search:
     first: Sequence[Floats] = ()
     iterations: int = 0
 
-    def states(self, spread: float) -> Iterator[CompatibleState]:
+    def states(self, ratio: float) -> Iterator[CompatibleState]:
         """On joints whose stiffnesses differ by no more than a factor, and as little as steps lead.
 
         More starts lead to joints that differ more, and from there it is not far.
@@ -87,19 +87,23 @@ class Search:
         statics = self.problem.statics
         enough = BALANCED * float(np.linalg.norm(statics.load))
         for motion in self._starts():
-            wide = self._counted(settle(statics, motion, WIDER * spread, stop=self.clock.late))
+            wide = self._counted(
+                rest_within_ratio(statics, motion, WIDER * ratio, stop=self.clock.late)
+            )
             if wide.unbalanced <= enough:
-                content = min(ALIKE, spread)
-                state = self._counted(evened(statics, wide, content, stop=self.clock.late))
-                if spread_of(statics, state) <= spread * ROUNDING:
+                small = min(SMALL_RATIO, ratio)
+                state = self._counted(
+                    with_reduced_ratio(statics, wide, small, stop=self.clock.late)
+                )
+                if stiffness_ratio(statics, state) <= ratio * ROUNDING:
                     yield state
 
-    def level_states(self) -> Iterator[CompatibleState]:
+    def equal_overlap_states(self) -> Iterator[CompatibleState]:
         """With equal overlaps, as eq. 5.6 asks: the end of the steps from every start."""
         for motion in chain(self._starts(), self._more_starts()):
-            yield self.levelled(motion)
+            yield self.equal_overlap(motion)
 
-    def levelled(self, motion: Floats) -> CompatibleState:
+    def equal_overlap(self, motion: Floats) -> CompatibleState:
         """The steps from one start, with equal overlaps."""
         return self._counted(improve(self.problem.statics, motion, stop=self.clock.late))
 

@@ -83,6 +83,23 @@ def test_a_wall_that_stands_does_so_before_all_stiffnesses_are_tried(tmp_path: P
     assert page.stat().st_size > 10_000
 
 
+@posix
+def test_ctrl_c_while_files_are_made_keeps_the_verdict(tmp_path: Path) -> None:
+    io.write(tower(2), tmp_path / "tower.json")
+    code = (
+        "import drystone.results\n"
+        "def joint_table(*given): tell('joints'); wait()\n"
+        "drystone.results.joint_table = joint_table"
+    )
+    table = tmp_path / "joints.csv"
+    run = child(code, "check", str(tmp_path / "tower.json"), "--json", "--joints", str(table))
+    number, out, _ = interrupt(run, "joints")
+    told = json.loads(out)
+    assert (number, told["verdict"], told["files"]) == (130, "stable", [])
+    assert "interrupted: nothing was written" in told["notes"]
+    assert not table.exists()
+
+
 def drained(terminal: int) -> None:
     """Read what the child writes, or it would wait for a reader."""
     try:
@@ -141,15 +158,15 @@ def test_a_plan_names_its_checkpoint_and_goes_on_from_there(
     model, kept, page = (tmp_path / name for name in ("stack.json", "kept", "plan.html"))
     io.write(tower(5), model)
     code = (
-        "from drystone import sequence\n"
-        "asked, once = [], sequence.check_once\n"
+        "from drystone.sequence.stage import structure\n"
+        "asked, once = [], structure.Structure.solve\n"
         "@functools.wraps(once)\n"
         "def slow(*model, **more):\n"
         "    asked.append(1)\n"
         "    if len(asked) == 3:\n"
         "        tell('third'); wait()\n"
         "    return once(*model, **more)\n"
-        "sequence.check_once = slow"
+        "structure.Structure.solve = slow"
     )
     arguments = ["plan", str(model), "--checkpoint", str(kept)]
     exit_code, out, err = interrupt(child(code, *arguments, "--html", str(page)), "third")
@@ -236,7 +253,7 @@ def test_ctrl_c_while_pictures_are_drawn_keeps_the_verdict(
     given = ["check", str(model), "--html", str(page), "--png", str(tmp_path / "figure.png")]
     assert main([*given, "--json"] if as_json else given) == 130
     out, err = capsys.readouterr()
-    note = "interrupted while files were written: none of them was"
+    note = "interrupted: nothing was written"
     assert err == ""
     if as_json:
         told = json.loads(out)

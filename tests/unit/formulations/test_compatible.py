@@ -6,11 +6,13 @@ import pytest
 from drystone import LoadCase, models
 from drystone.detection import find_contacts
 from drystone.formulations import compatible
-from drystone.formulations.compatible import compatible_forces, compatible_motion
-from drystone.formulations.corner_blocks import NORMAL, CornerBlocks
-from drystone.formulations.improvement import improve
+from drystone.formulations.compatible import (
+    compatible_forces,
+    compatible_motion,
+    slide_directions,
+)
+from drystone.formulations.improvement import improve, turned_friction
 from drystone.model import Model
-from drystone.solvers.triplets import Triplets
 from drystone.stability.problem import Problem
 
 X = (1.0, 0.0, 0.0)
@@ -22,36 +24,41 @@ def wedge(tilt=40.0, kind="a", friction=0.84):
     return Problem.build(Model(model, contacts, LoadCase.tilt(model, X, tilt))).statics
 
 
-def test_blocks_of_corners_are_the_columns_of_the_equilibrium_matrix():
+def test_unit_wrenches_are_columns_of_the_equilibrium_matrix():
     statics = wedge()
     corner = np.array([1, 4, 5])
-    blocks = CornerBlocks(statics, corner)
     direction = np.random.default_rng(0).normal(size=(3, 3))
-    built = Triplets(6 * statics.free_count, 3)
-    built.add(blocks.freedom, blocks.local, blocks.along(direction))
+    found = statics.unit_wrenches(corner, direction)
+    columns = np.zeros((6 * statics.free_count, 3))
+    np.add.at(columns, (found.row, found.column), found.value)
     force = np.zeros((statics.corner_count, 3))
     for column, (at, along) in enumerate(zip(corner, direction, strict=True)):
         force[:] = 0.0
         force[at] = along
-        expected = statics.wrench(force).ravel()
-        assert built.csc()[:, [column]].toarray().ravel() == pytest.approx(expected, abs=1e-14)
+        assert columns[:, column] == pytest.approx(statics.wrench(force).ravel(), abs=1e-14)
 
 
-def test_crossed_blocks_are_the_sum_of_outer_products():
-    statics = Problem.build(
-        Model((wall := models.wall(3, 3)), find_contacts(wall, friction=0.6).contacts, None)
-    ).statics
+def test_friction_turns_with_the_slide():
+    """The derivative of wrenches by the motion against a finite difference."""
+    statics = wedge()
+    rng = np.random.default_rng(1)
+    motion, change = rng.normal(size=(2, statics.free_count, 6))
     corner = np.arange(statics.corner_count)
-    blocks = CornerBlocks(statics, corner)
-    left, right = blocks.along(NORMAL), blocks.along(np.array([0.3, -1.0, 0.5]))
-    size = 6 * statics.free_count
-    built = Triplets(size, size)
-    built.add(*blocks.crossed(left, right))
-    columns = Triplets(size, len(corner)), Triplets(size, len(corner))
-    for one, values in zip(columns, (left, right), strict=True):
-        one.add(blocks.freedom, blocks.local, values)
-    expected = columns[0].csc() @ columns[1].csc().T
-    assert abs(built.csc() - expected).max() < 1e-13
+    size = rng.uniform(0.5, 1.0, len(corner))
+
+    def wrench(motion):
+        force = np.zeros((len(corner), 3))
+        force[:, 1:] = -size[:, None] * slide_directions(statics.displacement(motion))
+        return statics.wrench(force).ravel()
+
+    moved = statics.displacement(motion)
+    held = size / np.linalg.norm(moved[:, 1:], axis=1)
+    turned = turned_friction(statics, moved, corner, held)
+    slope = np.zeros(6 * statics.free_count)
+    np.add.at(slope, turned.row, turned.value * change.ravel()[turned.column])
+    step = 1e-6
+    found = (wrench(motion + step * change) - wrench(motion - step * change)) / (2.0 * step)
+    assert slope == pytest.approx(found, rel=1e-5, abs=1e-7)
 
 
 def test_forces_press_only_closing_corners_and_oppose_the_slide():

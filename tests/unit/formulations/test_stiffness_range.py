@@ -7,8 +7,12 @@ import pytest
 
 from drystone import LoadCase, models
 from drystone.detection import find_contacts
-from drystone.formulations.range_program import Reach, least_lack
-from drystone.formulations.stiffness_range import evened, settle, spread_of
+from drystone.formulations.range_program import TrustRegion, elastic_forces
+from drystone.formulations.stiffness_range import (
+    rest_within_ratio,
+    stiffness_ratio,
+    with_reduced_ratio,
+)
 from drystone.model import Model
 from drystone.stability.problem import Problem
 
@@ -24,7 +28,7 @@ def settled(statics, spread, tries=40):
     """The first balanced state from random motions, or None."""
     rng = np.random.default_rng(2)
     for _ in range(tries):
-        found = settle(statics, rng.standard_normal((1, 6)), spread)
+        found = rest_within_ratio(statics, rng.standard_normal((1, 6)), spread)
         if found.unbalanced < 1e-8 * np.linalg.norm(statics.load):
             return found
     return None
@@ -56,7 +60,9 @@ def test_every_overlapping_corner_presses_within_the_range(statics, state):
     stiffness = state.force[closed, 0] / overlap[closed]
     assert stiffness.min() > 0.0
     assert stiffness.max() / stiffness.min() <= 300.0 * (1.0 + 1e-6)
-    assert spread_of(statics, state) == pytest.approx(stiffness.max() / stiffness.min(), rel=1e-3)
+    assert stiffness_ratio(statics, state) == pytest.approx(
+        stiffness.max() / stiffness.min(), rel=1e-3
+    )
 
 
 def test_friction_is_within_its_cone_and_against_the_slide(statics, state):
@@ -69,16 +75,16 @@ def test_friction_is_within_its_cone_and_against_the_slide(statics, state):
 
 
 def test_stiffnesses_are_brought_closer_as_far_as_they_lead(statics, state):
-    closer = evened(statics, state)
+    closer = with_reduced_ratio(statics, state)
     assert closer.unbalanced < 1e-8 * np.linalg.norm(statics.load)
-    assert spread_of(statics, closer) < spread_of(statics, state)
+    assert stiffness_ratio(statics, closer) < stiffness_ratio(statics, state)
     # half of what it takes there is too little from there
-    within = 0.5 * spread_of(statics, closer)
-    assert settle(statics, closer.motion, within).unbalanced > 1e-6
+    within = 0.5 * stiffness_ratio(statics, closer)
+    assert rest_within_ratio(statics, closer.motion, within).unbalanced > 1e-6
 
 
 def test_the_size_of_the_start_does_not_matter(statics, state):
-    found = [settle(statics, scale * state.motion, 200.0) for scale in (1e-3, 1.0, 1e3)]
+    found = [rest_within_ratio(statics, scale * state.motion, 200.0) for scale in (1e-3, 1.0, 1e3)]
     assert all(each.unbalanced < 1e-8 for each in found)
 
 
@@ -88,13 +94,13 @@ def test_no_range_helps_where_no_forces_balance():
 
 def test_a_motion_that_opens_all_corners_ends_unbalanced(statics):
     away = np.array([[0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
-    found = settle(statics, away, 200.0)
+    found = rest_within_ratio(statics, away, 200.0)
     assert found.unbalanced == pytest.approx(np.linalg.norm(statics.load), rel=1.0)
 
 
 def test_stopping_ends_the_steps(statics):
     motion = np.random.default_rng(3).standard_normal((1, 6))
-    found = settle(statics, motion, 200.0, stop=lambda: True)
+    found = rest_within_ratio(statics, motion, 200.0, stop=lambda: True)
     assert found.iterations <= 1
 
 
@@ -105,18 +111,20 @@ def test_what_a_step_promises_comes_true_because_friction_turns_with_the_slide(s
     motion = motion * 1e-2 / np.abs(statics.displacement(motion)[:, 0]).max()
     moved = statics.displacement(motion)
     corner = np.flatnonzero(moved[:, 0] < 0.0)
-    held = least_lack(statics, moved, corner, 1e4)
+    held = elastic_forces(statics, moved, corner, 1e4)
     assert held is not None
     slide = moved[corner, 1:]
     force = np.zeros((statics.corner_count, 3))
     force[corner, 1:] = -(held.shear / np.linalg.norm(slide, axis=1))[:, None] * slide
 
     def error(friction):
-        step = least_lack(statics, moved, corner, 1e4, Reach(friction, 0.1))
+        step = elastic_forces(statics, moved, corner, 1e4, TrustRegion(friction, 0.1))
         assert step is not None
-        after = least_lack(statics, statics.displacement(motion + step.change), corner, 1e4)
+        after = elastic_forces(statics, statics.displacement(motion + step.change), corner, 1e4)
         assert after is not None
-        return abs(after.lack - step.lack) / (held.lack - step.lack)
+        return abs(after.infeasibility - step.infeasibility) / (
+            held.infeasibility - step.infeasibility
+        )
 
     assert error(force) < 0.01
     assert error(0.0 * force) > 0.1

@@ -1,4 +1,4 @@
-"""Moments of plane sections, their kern, and pressure that cannot pull."""
+"""Moments of plane sections and their kern."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,6 @@ from drystone.geometry.plane.kern import (
     edge_ratio,
     kern,
     kern_ratio,
-    peak_pressure,
     sections,
 )
 
@@ -116,28 +115,3 @@ def test_edge_ratio_of_a_concave_section_is_that_of_its_hull() -> None:
     made = sections(*one(L_SHAPE))
     notch = np.array([[2.0, 1.5]])  # half way between the corners (3, 1) and (1, 2)
     assert edge_ratio(made, *one(L_SHAPE), notch)[0] == pytest.approx(1.0)
-
-
-def test_peak_pressure_within_the_kern_is_that_of_a_section_that_could_pull() -> None:
-    assert peak_pressure(RECTANGLE, 36.0, np.array([3.0, 1.5])) == pytest.approx(2.0)
-    assert peak_pressure(RECTANGLE, 36.0, np.array([4.0, 1.5])) == pytest.approx(4.0)
-
-
-@pytest.mark.parametrize("gap", [0.9, 0.5, 0.1, 0.01])
-def test_peak_pressure_outside_the_kern_of_a_rectangle(gap: float) -> None:
-    # a triangle of pressure over three times the distance to the edge
-    peak = peak_pressure(RECTANGLE, 36.0, np.array([gap, 1.5]))
-    assert peak == pytest.approx(2.0 * 36.0 / (3.0 * gap * 3.0), rel=1e-6)
-
-
-def test_peak_pressure_with_two_eccentricities_balances_the_force() -> None:
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    # a pressed right triangle of side s at the corner: the force stands a quarter of s from it
-    assert peak_pressure(square, 1.0, np.array([0.2, 0.2])) == pytest.approx(
-        6.0 / (0.8 * 0.8), rel=1e-8
-    )
-
-
-def test_peak_pressure_is_infinite_on_the_rim_and_zero_without_force() -> None:
-    assert peak_pressure(RECTANGLE, 1.0, np.array([0.0, 1.5])) == float("inf")
-    assert peak_pressure(RECTANGLE, 0.0, np.array([3.0, 1.5])) == 0.0

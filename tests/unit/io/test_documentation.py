@@ -20,7 +20,7 @@ def test_the_first_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     exec(compile(code, "formats.md", "exec"), {})
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {"arch.obj", "arch.json", "arch-dem.json"}
-    assert io.read_file("arch.json").results[0].verdict.value == "stable"
+    assert io.read_file("arch.json").results[0].verdict == "stable"
 
 
 def test_every_format_is_in_the_table() -> None:

@@ -171,8 +171,8 @@ def test_what_stands_alone_is_not_placed_together():
     assert [found.model.assembly.names[prop.block] for prop in found.props] == ["key"]
 
 
-def test_a_small_heap_is_looked_at_until_it_stands_or_no_look_is_left():
-    # a glance that ends early lets half of these stages fall, and does not tell which blocks do
+def test_a_stage_of_a_small_pile_is_screened_at_every_level():
+    # the first level lets half of these stages fall, and does not tell which blocks do
     corners = [
         ((-4.0, -1.0, -0.5), (4.0, 3.0, 0.0)),
         ((-0.88, 0.72, 0.0), (-0.08, 1.51, 0.32)),

@@ -46,18 +46,18 @@ def alone() -> object:
 
 
 def slowly(model: Model) -> Result:
-    """A judge of the caller's own: no glance comes before it."""
+    """A check of the caller's own: no screening comes before it."""
     return check_once(model)
 
 
 @pytest.fixture(scope="module")
-def judged() -> object:
+def checked() -> object:
     return essence(arch_plan(check=slowly))
 
 
-def test_glances_lead_to_the_plan_of_the_judge_himself(alone, judged):
-    assert [step[:3] for step in alone] == [step[:3] for step in judged]
-    for ours, his in zip(alone, judged, strict=True):
+def test_screening_leads_to_the_plan_of_the_check_itself(alone, checked):
+    assert [step[:3] for step in alone] == [step[:3] for step in checked]
+    for ours, his in zip(alone, checked, strict=True):
         force, theirs = np.frombuffer(ours[3]), np.frombuffer(his[3])
         assert np.allclose(force, theirs, rtol=0.0, atol=1e-8 * abs(theirs).max())
 
@@ -96,10 +96,10 @@ def mortal(marker: Path, parent: int, model: Model) -> Result:
     return check_once(model)
 
 
-def test_two_workers_of_which_one_is_killed_give_the_same_plan(judged, tmp_path):
+def test_two_workers_of_which_one_is_killed_give_the_same_plan(checked, tmp_path):
     marker = tmp_path / "died"
-    judge = functools.partial(mortal, marker, os.getpid())
-    assert essence(arch_plan(check=judge, executor=LocalWorkers(2))) == judged
+    check = functools.partial(mortal, marker, os.getpid())
+    assert essence(arch_plan(check=check, executor=LocalWorkers(2))) == checked
     assert marker.exists()
 
 
@@ -144,22 +144,22 @@ def interrupted(model: Model) -> Result:
     return check_once(model)
 
 
-def test_an_interrupted_plan_goes_on_from_its_checkpoint(judged, tmp_path):
+def test_an_interrupted_plan_goes_on_from_its_checkpoint(checked, tmp_path):
     file = tmp_path / "stages.json"
     CALLS["left"] = 6
     with pytest.raises(KeyboardInterrupt):
         arch_plan(check=interrupted, checkpoint=file)
     assert len(json.loads(file.read_text())["parts"]) == 6
     CALLS["left"] = 1000
-    assert essence(arch_plan(check=interrupted)) == judged
+    assert essence(arch_plan(check=interrupted)) == checked
     whole = 1000 - CALLS["left"]
     CALLS["left"] = 1000
-    assert essence(arch_plan(check=interrupted, checkpoint=file)) == judged
+    assert essence(arch_plan(check=interrupted, checkpoint=file)) == checked
     # forces are not kept: stages of the plan itself are checked again for them, others are not
     assert 1000 - CALLS["left"] < whole
 
 
-def test_an_interrupted_plan_with_glances_ends_with_the_same_order_and_help(alone, tmp_path):
+def test_an_interrupted_plan_with_screening_ends_with_the_same_order_and_help(alone, tmp_path):
     file = tmp_path / "stages.json"
 
     def stop(stage: str, done: int, total: int) -> None:

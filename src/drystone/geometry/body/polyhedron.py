@@ -10,12 +10,14 @@ from __future__ import annotations
 from collections import defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import chain
 
 import numpy as np
 
 from drystone.arrays import Floats, Ints
 from drystone.display import OneLine
+from drystone.ragged import Ragged
 
 Loop = tuple[int, ...]
 Edge = tuple[int, int]
@@ -42,6 +44,11 @@ class Faces(OneLine):
     def count(self) -> int:
         """Number of faces."""
         return len(self.owner)
+
+    @cached_property
+    def corners(self) -> Ragged:
+        """Which corners belong to which face."""
+        return Ragged(self.start)
 
 
 def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Faces:

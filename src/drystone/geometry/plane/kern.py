@@ -1,8 +1,8 @@
-"""Plane sections: moments of polygons, the kern, and pressure that cannot pull.
+"""Plane sections: moments of polygons and the kern.
 
-A normal force within the kern presses the whole section; outside it, a section that cannot pull
-opens. Sections are polygons (three or more corners, any sense of rotation), lines (two) or points
-(one); a line is understood as the limit of a thin rectangle.
+A normal force within the kern presses the whole section. A section is a polygon (three or more
+corners, any sense of rotation), a line (two) or a point (one). A line is the limit of a thin
+rectangle.
 
 Sources: Hally 1987, Calculation of the moments of polygons (moments); Young and Budynas 2002,
 Roark's formulas for stress and strain, section 8.10 (kern).
@@ -16,9 +16,6 @@ import numpy as np
 
 from drystone.arrays import Floats, Ints
 from drystone.geometry.plane.polygon import following, loop_means
-
-EDGE = 1e-9
-"""A force closer to the rim than this share of the way from the centroid stands on the rim."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,105 +187,11 @@ def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -
     return out
 
 
-def peak_pressure(corners: Floats, normal_force: float, position: Floats) -> float:
-    """Largest pressure [Pa] on a section whose pressure is linear where it presses and never pulls.
-
-    Parameters
-    ----------
-    corners : (c, 2) [m]
-    normal_force : [N]
-    position : (2,) [m]
-        Of the force. On or outside the rim of the hull the pressure is infinite.
-
-    Notes
-    -----
-    Pressure is ``max(0, g . (1, x, y))``; g minimises the convex function
-    ``1/2 integral(pressure^2) - force . g``, by Newton's method on the pressed part.
-
-    Examples
-    --------
-    A third of the height is pressed when the force stands at a ninth of it from the edge:
-
-    >>> wall = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.0, 3.0]])
-    >>> round(peak_pressure(wall, 6.0, np.array([0.5, 1.0 / 3.0])), 6)
-    12.0
-    """
-    start = np.array([0, len(corners)])
-    made = sections(corners, start)
-    at = np.asarray(position, dtype=np.float64)[None]
-    if normal_force <= 0.0:
-        return 0.0
-    area = float(made.area[0])
-    if area == 0.0 or edge_ratio(made, corners, start, at)[0] >= 1.0 - EDGE:
-        return float("inf")
-    ratio = made.inverse[0] @ (at[0] - made.centroid[0])
-    size = float(np.sqrt(area))
-    local = (corners - made.centroid[0]) / size
-    plane = np.array([1.0, *(size * ratio)])  # of the whole section, in units of mean pressure
-    if (local @ plane[1:] + 1.0).min() >= 0.0:
-        return float((local @ plane[1:] + 1.0).max()) * normal_force / area
-    target = np.array([1.0, *((at[0] - made.centroid[0]) / size)])
-    plane = _pressed(local, target, plane)
-    return float((plane[0] + local @ plane[1:]).max()) * normal_force / area
-
-
-def _pressed(corners: Floats, target: Floats, plane: Floats) -> Floats:
-    """The plane g (3,) with ``integral(max(0, g . y) y) = target``, y = (1, x, y)."""
-
-    def state(g: Floats) -> tuple[float, Floats]:
-        moments = _moments(_clip(corners, g))
-        return 0.5 * float(g @ moments @ g) - float(g @ target), moments
-
-    value, moments = state(plane)
-    for _ in range(200):
-        slope = moments @ plane - target
-        if np.abs(slope).max() < 1e-12:
-            break
-        step = -np.linalg.lstsq(moments + 1e-14 * np.trace(moments) * np.eye(3), slope, None)[0]
-        share = 1.0
-        while share > 1e-9:
-            trial, beyond = state(plane + share * step)
-            if trial <= value + 1e-4 * share * float(slope @ step):
-                break
-            share *= 0.5
-        else:
-            break
-        plane, value, moments = plane + share * step, trial, beyond
-    return plane
-
-
-def _clip(corners: Floats, plane: Floats) -> Floats:
-    """The part of a polygon where the plane is positive. Source: Sutherland, Hodgman 1974."""
-    height = plane[0] + corners @ plane[1:]
-    kept: list[Floats] = []
-    for i in range(len(corners)):
-        a, b = height[i - 1], height[i]
-        if (a > 0.0) != (b > 0.0):
-            kept.append(corners[i - 1] + (a / (a - b)) * (corners[i] - corners[i - 1]))
-        if b > 0.0:
-            kept.append(corners[i])
-    return np.array(kept).reshape(-1, 2)
-
-
-def _moments(corners: Floats) -> Floats:
-    """Integral (3, 3) of ``y y'``, y = (1, x, y), over a polygon."""
-    out = np.zeros((3, 3))
-    if len(corners) < 3:
-        return out
-    made = sections(corners, np.array([0, len(corners)]))
-    area, c = float(made.area[0]), made.centroid[0]
-    out[0, 0] = area
-    out[0, 1:] = out[1:, 0] = area * c
-    out[1:, 1:] = area * (made.inertia[0] + np.outer(c, c))
-    return out
-
-
 __all__ = [
     "Sections",
     "convex_hull",
     "edge_ratio",
     "kern",
     "kern_ratio",
-    "peak_pressure",
     "sections",
 ]

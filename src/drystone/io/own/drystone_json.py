@@ -33,7 +33,7 @@ ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop"
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
-    *("spread", "stopped", "options", "solver", "iterations", "time_s"),
+    *("stiffness_ratio", "stopped", "options", "solver", "iterations", "time_s"),
 )
 HEAVIEST = 1e9
 """[kg/m3], chosen: more than any matter; keeps products of masses finite."""
@@ -187,7 +187,7 @@ def _result(
         mechanism=array("mechanism"),
         prop=array("prop"),
         eta=field["eta"].number() if field.has("eta") else None,
-        spread=field["spread"].number() if field.has("spread") else None,
+        stiffness_ratio=field["stiffness_ratio"].number() if field.has("stiffness_ratio") else None,
         stopped=field.get("stopped", "").text(),
     )
 

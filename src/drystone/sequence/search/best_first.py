@@ -24,8 +24,9 @@ from drystone.sequence.search.hands import can_hold
 from drystone.sequence.search.needs import LocalBalance
 from drystone.sequence.search.states import Cost, Found, Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.judges import HASTY, glances
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.stability import Screening
+from drystone.stability.screening import FEW_BLOCKS
 
 LOOK = 0.1
 """What looking at a state costs that is settled without a check, in checks. Chosen: they are some
@@ -63,11 +64,10 @@ class Search:
         self.local = LocalBalance(self.model)
         self.pairs = self.local.helpless_pairs() if bounded else ()
         self.progress = progress
-        # a proof that no order is better is not built on glances
-        count = 0 if math.isinf(options.patience) else len(glances(self.model.judge))
-        self.looks = tuple(range(1, count + 1)) or (0,)
-        self.near = len(self.model.assembly.free) < HASTY.stop
-        self.small = len(self.model.assembly.free) < HASTY.start
+        # a proof that no order is better needs the full check of every stage
+        screening = () if math.isinf(options.patience) else self.model.screening
+        self.levels: tuple[Screening | None, ...] = screening or (None,)
+        self.small = len(self.model.assembly.free) < FEW_BLOCKS
         self.heap: list[tuple[Cost, int, int, int, Node]] = []
         self.pushed = 0
         self.rounds = 0
@@ -116,7 +116,7 @@ class Search:
             left = (node.placed & ~self.bound.core).bit_count()
             self.progress("planning", total - left, total)
 
-    def look(self, node: Node, glance: int | None = None) -> Answer:
+    def look(self, node: Node, number: int = 0) -> Answer:
         """The answer of a node; with workers, those that are likely next are asked for too.
 
         Neighbours of what just left that cannot be balanced settle it without a check.
@@ -127,26 +127,22 @@ class Search:
         loose = self.local.unbalanced(near & node.placed & ~node.props, node.placed)
         if loose:
             return Answer(Verdict.UNSTABLE, "cannot be balanced", loose)
-        first = self.looks[0]
-        stage = self.stage(node, first if glance is None else glance)
+        stage = self.stage(node, self.levels[number])
         likely = heapq.nsmallest(self.evaluator.batch - 1, self.heap)
-        ahead = [self.stage(entry[-1], first) for entry in likely]
+        ahead = [self.stage(entry[-1], self.levels[0]) for entry in likely]
         return self.evaluator.answers([stage], ahead=ahead)[0]
 
-    def stage(self, node: Node, glance: int) -> Stage:
-        """What to ask, with the stage that the blocks of a node left to start from.
-
-        A second look at a large model starts from nothing: it takes longer, and stands more often.
-        """
-        if not glance or node.parent is None or (glance > 1 and not self.near):
-            return Stage(node.placed, node.props, glance)
-        return Stage(node.placed, node.props, glance, (node.parent.placed, node.parent.props))
+    def stage(self, node: Node, level: Screening | None) -> Stage:
+        """What to ask; the screening starts from the stage before the last blocks left."""
+        if level is None or node.parent is None or not level.from_neighbour:
+            return Stage(node.placed, node.props, level)
+        return Stage(node.placed, node.props, level, (node.parent.placed, node.parent.props))
 
     def look_well(self, node: Node) -> Answer:
-        """The answer of a node by every glance until it stands; the most telling one."""
+        """The answer of a node by every level until it stands; else one that tells what falls."""
         answers = []
-        for glance in self.looks:
-            answers.append(self.look(node, glance))
+        for number in range(len(self.levels)):
+            answers.append(self.look(node, number))
             if answers[-1].stands:
                 return answers[-1]
         return next((one for one in answers if one.falling), answers[-1])
@@ -239,14 +235,14 @@ class Search:
 
     def can_hold(self, node: Node) -> bool:
         """Whether a group can be placed block by block, hands holding those that are in."""
-        return can_hold(self.evaluator, self.bound, node, self.looks[0])
+        return can_hold(self.evaluator, self.bound, node, self.levels[0])
 
     def force(self, node: Node) -> Node:
         """One step further down from a stage that stands, with held blocks, else with props."""
         tries = self.removals(node)[: self.options.tries]
         answers: list[Answer] = []
-        for look in self.looks:
-            answers = [self.look(one, look) for one in tries]
+        for number in range(len(self.levels)):
+            answers = [self.look(one, number) for one in tries]
             for one, answer in zip(tries, answers, strict=True):
                 if answer.stands:
                     return one

@@ -9,9 +9,10 @@ from drystone.sequence.rules import Bound
 from drystone.sequence.search.states import Node
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Stage, mask_of
+from drystone.stability import Screening
 
 
-def can_hold(evaluator: Evaluator, bound: Bound, node: Node, glance: int) -> bool:
+def can_hold(evaluator: Evaluator, bound: Bound, node: Node, screening: Screening | None) -> bool:
     """Whether the group of a node can be placed, hands holding those of it that are in.
 
     Parameters
@@ -20,13 +21,13 @@ def can_hold(evaluator: Evaluator, bound: Bound, node: Node, glance: int) -> boo
     bound
         Payload, and hands that each block takes.
     node
-    glance
-        By which the stages in between are asked.
+    screening
+        Level at which the stages in between are screened; None checks them.
     """
     if len(node.group) < 2 or node.parent is None:
         return True
     load, mass = evaluator.model.load.wrench, evaluator.model.assembly.mass
-    for stage in held_stages(node, glance):
+    for stage in held_stages(node, screening):
         answer = evaluator.answer(stage)
         if not answer.stands:
             return False
@@ -42,7 +43,7 @@ def can_hold(evaluator: Evaluator, bound: Bound, node: Node, glance: int) -> boo
     return True
 
 
-def held_stages(node: Node, glance: int) -> list[Stage]:
+def held_stages(node: Node, screening: Screening | None) -> list[Stage]:
     """Stages within a step, backwards: after each block but the last has left."""
     placed = node.placed | mask_of(node.group)
     near = (node.placed, node.props)
@@ -50,7 +51,7 @@ def held_stages(node: Node, glance: int) -> list[Stage]:
     for number, block in enumerate(node.group[:-1]):
         placed &= ~(1 << block)
         held = node.props | mask_of(node.group[number + 1 :])
-        out.append(Stage(placed, held, glance, near if glance else None))
+        out.append(Stage(placed, held, screening, near if screening else None))
     return out
 
 

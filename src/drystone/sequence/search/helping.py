@@ -1,7 +1,7 @@
 """The help that a found order really needs: the search may have given more on the way.
 
-It looks by glances and never takes a prop back, so that a block may be propped, or held, that needs
-neither at the end.
+The search believes its screening and never takes a prop back. A block may be propped or held that
+needs neither at the end.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
         when = [i for i, mask in enumerate(needed) if mask >> block & 1]
         for i in range(when[0], when[-1] + 1):
             active[i] |= 1 << block
-    look = search.looks[0]
+    look = search.levels[0]
     stages = [
         Stage(node.placed, mask, look, (node.placed, node.props) if look else None)
         for node, mask in zip(path, active, strict=True)

@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 
 from drystone.arrays import Floats
 from drystone.results import Verdict
-from drystone.sequence.stage.judges import balance
+from drystone.sequence.stage.checks import balance
 from drystone.sequence.stage.stages import Stage, members
 from drystone.sequence.stage.structure import Structure
 

@@ -15,12 +15,13 @@ from drystone.files import write_bytes
 from drystone.results import Verdict
 from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure
+from drystone.stability import Screening
 
-FORMAT, VERSION = "drystone-stages", 2
+FORMAT, VERSION = "drystone-stages", 3
 
 
 def fingerprint(model: Structure) -> str:
-    """What tells one model from another: geometry, contacts, friction, load, and the judge."""
+    """What tells one model from another: geometry, contacts, friction, load, and the check."""
     digest = hashlib.sha256()
     contacts, assembly = model.contacts, model.assembly
     for array in (
@@ -28,7 +29,7 @@ def fingerprint(model: Structure) -> str:
         contacts.frame, contacts.friction, contacts.point, contacts.interface, model.load.wrench,
     ):  # fmt: skip
         digest.update(np.ascontiguousarray(array).tobytes())
-    digest.update(_named(model.judge).encode())
+    digest.update(_named(model.check).encode())
     return digest.hexdigest()
 
 
@@ -49,7 +50,7 @@ def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -
             {
                 "placed": f"{part.placed:x}",
                 "held": f"{part.held:x}",
-                "glance": part.glance,
+                "screening": part.screening and part.screening.name,
                 "verdict": found.verdict.name,
                 "message": found.message,
                 "falling": list(found.falling),
@@ -80,7 +81,12 @@ def read_checkpoint(path: Path, model: Structure) -> dict[Stage, Answer]:
                 where=str(path),
                 remedy="name another file, or remove this one",
             )
-        return {_stage(record): _answer(record) for record in data["parts"]}
+        levels = {None: None} | {one.name: one for one in model.screening}
+        return {
+            _stage(one, levels[one["screening"]]): _answer(one)
+            for one in data["parts"]
+            if one["screening"] in levels
+        }
     except FormatError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
@@ -89,8 +95,8 @@ def read_checkpoint(path: Path, model: Structure) -> dict[Stage, Answer]:
         ) from error
 
 
-def _stage(record: Any) -> Stage:
-    return Stage(int(record["placed"], 16), int(record["held"], 16), int(record["glance"]))
+def _stage(record: Any, screening: Screening | None) -> Stage:
+    return Stage(int(record["placed"], 16), int(record["held"], 16), screening)
 
 
 def _answer(record: Any) -> Answer:

@@ -16,7 +16,6 @@ from drystone.arrays import Floats
 from drystone.display import OneLine
 from drystone.files import PathLike, as_path
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
-from drystone.sequence.stage.judges import glances
 from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
@@ -76,7 +75,6 @@ class Evaluator(OneLine):
         self._factory = None if isinstance(executor, Executor) else executor
         self._executor = executor if isinstance(executor, Executor) else None
         self._revivals = 0
-        self._glances = len(glances(model.judge))
         self._file = None if checkpoint is None else as_path(checkpoint)
         self._saved = time.monotonic()
         if self._file is not None and self._file.exists():
@@ -175,12 +173,12 @@ class Evaluator(OneLine):
             write_checkpoint(self._file, self.model, self._kept | self._known)
 
     def _find(self, part: Stage) -> Answer | None:
-        """What is known of a part: the judge's word, else that it stands however it was asked."""
+        """What is known of a part: the full check, or any screening that shows it to stand."""
         part = part._replace(near=None)
-        judged = self._known.get(part._replace(glance=0))
-        if judged is not None:
-            return judged
-        seen = (self._known.get(part._replace(glance=1 + i)) for i in range(self._glances))
+        checked = self._known.get(part._replace(screening=None))
+        if checked is not None:
+            return checked
+        seen = (self._known.get(part._replace(screening=one)) for one in self.model.screening)
         return next((one for one in seen if one is not None and one.stands), self._known.get(part))
 
     def _state_near(self, part: Stage) -> Floats | None:

@@ -15,19 +15,20 @@ import numpy as np
 from drystone.arrays import Floats, Ints
 from drystone.display import OneLine
 from drystone.results import Verdict
+from drystone.stability import Screening
 
 
 class Stage(NamedTuple):
     """Blocks in place and, among them, those that are held; one bit per block.
 
-    A glance is a quick look, by number, instead of the judge: what it shows to stand does stand,
-    what it does not may stand as well. It may start from the neighbouring stage ``near``,
-    given by its blocks in place and held.
+    With a ``screening`` level the stage is screened instead of checked: that it stands is then
+    proved, that it falls is not. The screening may start from the rest state of a similar stage
+    ``near``, given by its blocks in place and held.
     """
 
     placed: int
     held: int = 0
-    glance: int = 0
+    screening: Screening | None = None
     near: tuple[int, int] | None = None
 
     def __repr__(self) -> str:

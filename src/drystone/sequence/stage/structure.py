@@ -22,8 +22,9 @@ from drystone.errors import InputError
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.stage.judges import HASTY, Check, check_once, glance, glances
+from drystone.sequence.stage.checks import Check, check_once
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.stability import Screening, try_rest
 
 LOADED = 1e-6
 """Corners that carry less than this share of the largest force of their part say nothing about the
@@ -32,16 +33,20 @@ friction that is needed."""
 
 @dataclass(frozen=True, eq=False)
 class Structure(OneLine):
-    """What is built: the complete model, and who judges its stages.
+    """What is built: the complete model, and how its stages are checked.
 
     Attributes
     ----------
     model
-    judge
+    check
+        Tells whether a stage stands.
+    screening
+        Levels by which a stage is screened before it is checked, in order.
     """
 
     model: Model
-    judge: Check = check_once
+    check: Check = check_once
+    screening: tuple[Screening, ...] = ()
 
     def __post_init__(self) -> None:
         load = self.model.load
@@ -127,7 +132,7 @@ class Structure(OneLine):
                 frontier = near & moving & ~reached
                 reached |= frontier
             held = touched & stage.held
-            out.append(Stage(reached | held, held, stage.glance, stage.near))
+            out.append(Stage(reached | held, held, stage.screening, stage.near))
             moving &= ~reached
         return out
 
@@ -148,7 +153,7 @@ class Structure(OneLine):
         return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
 
     def solve(self, part: Stage, start: Floats | None = None) -> Answer:
-        """The verdict on one connected part: the only place where the check is called.
+        """The verdict on one connected part. Stages are checked and screened nowhere else.
 
         Parameters
         ----------
@@ -167,12 +172,11 @@ class Structure(OneLine):
         contacts, corner = self._contacts_of(blocks, resting)
         load = LoadCase(self.load.wrench[blocks], self.load.name)
         stage = Model(some, contacts, load)
-        if part.glance:
-            slip = glances(self.judge)[part.glance - 1]
-            near = None if start is None else start[blocks]
-            result = glance(stage, slip=slip, hasty=len(self.assembly.free) in HASTY, start=near)
+        if part.screening is None:
+            result = self.check(stage)
         else:
-            result = self.judge(stage)
+            near = None if start is None else start[blocks]
+            result = try_rest(stage, screening=part.screening, start=near)
         falling = tuple(int(blocks[i]) for i in result.falling)
         if result.verdict is not Verdict.STABLE or result.force is None:
             return Answer(result.verdict, result.message, falling)

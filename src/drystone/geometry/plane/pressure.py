@@ -1,0 +1,191 @@
+"""Peak pressure on plane sections that carry no tension.
+
+The pressure is linear where it presses and zero elsewhere: ``p(x) = max(0, q + s . (x - e))`` with
+the force N at e. Equilibrium asks ``integral(p) = N`` and ``integral(p (x - e)) = 0``. The line
+``q + s . (x - e) = 0`` is the neutral line.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.geometry.plane.kern import Sections, edge_ratio, sections
+from drystone.geometry.plane.polygon import following
+
+EDGE = 1e-7
+"""A force closer to the rim than this share of the way from the centroid stands on the rim."""
+CONVERGED = 1e-16
+"""Newton decrement by the function's value: the pressure is then right to about eight digits."""
+ROUNDING = 1e-14
+"""Relative error of the function's value."""
+DESCENT = 1e-4
+"""Share of the predicted decrease that a step must reach (Nocedal, Wright 2006, eq. 3.4)."""
+MOST_STEPS = 200
+"""A force at the distance ``EDGE`` from the rim takes about 60."""
+
+
+def peak_pressure(
+    made: Sections, corners: Floats, start: Ints, normal: Floats, position: Floats
+) -> Floats:
+    """Largest pressure (m,) [Pa] on sections that carry no tension.
+
+    Parameters
+    ----------
+    made, corners, start
+        As for :func:`drystone.geometry.plane.kern.sections`.
+    normal : (m,) [N]
+        Normal force, positive in compression. Without compression the pressure is zero.
+    position : (m, 2) [m]
+        Where it acts. The pressure is infinite on or outside the rim of the convex hull.
+
+    Notes
+    -----
+    Within the kern the whole section presses: ``p = N / A (1 + (e - c) . J^-1 (x - c))``. Outside
+    the kern, (q, s) minimise the convex function ``1/2 integral(p^2) - N q``. Its gradient is the
+    equilibrium condition. Its Hessian holds the moments of the pressed part. Newton's method with
+    step halving finds the minimum, for all sections at once.
+
+    Examples
+    --------
+    A force at a sixth of the height from the edge presses half of the height:
+
+    >>> wall = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.0, 3.0]])
+    >>> one = (sections(wall, np.array([0, 4])), wall, np.array([0, 4]))
+    >>> peak_pressure(*one, np.array([6.0]), np.array([[0.5, 0.5]])).round(6).tolist()
+    [8.0]
+    """
+    away = position - made.centroid
+    slope = np.einsum("mij,mj->mi", made.inverse, away)
+    arm = corners - np.repeat(made.centroid, np.diff(start), axis=0)
+    rise = (arm * np.repeat(slope, np.diff(start), axis=0)).sum(axis=1)
+    pressed = normal > 0.0
+    has_area = made.area > 0.0
+    factor = np.full(len(normal), np.inf)
+    if len(normal):
+        opened = np.minimum.reduceat(rise, start[:-1]) < -1.0
+        factor[has_area] = 1.0 + np.maximum.reduceat(rise, start[:-1])[has_area]
+        search = np.flatnonzero(pressed & has_area & opened)
+        if len(search):
+            factor[search] = _opened(*_taken(corners, start, search), position[search])
+    area = np.where(has_area, made.area, 1.0)
+    return np.where(pressed, factor * normal / area, 0.0)
+
+
+def _taken(corners: Floats, start: Ints, chosen: Ints) -> tuple[Floats, Ints]:
+    """Some of the sections."""
+    parts = [corners[start[i] : start[i + 1]] for i in chosen]
+    return np.concatenate(parts), np.concatenate([[0], np.cumsum([len(part) for part in parts])])
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """A trial pressure of m sections, in coordinates (h, t) across and along the neutral line.
+
+    Attributes
+    ----------
+    value : (m,)
+        The function to minimise; infinite where nothing presses.
+    step : (m, 3)
+        Newton step in (q, s).
+    decrement : (m,)
+        Squared length of the step in the metric of the Hessian.
+    """
+
+    value: Floats
+    step: Floats
+    decrement: Floats
+
+
+def _opened(corners: Floats, start: Ints, position: Floats) -> Floats:
+    """Peak pressure by mean pressure (m,) of sections with the force outside the kern."""
+    made = sections(corners, start)
+    inside = edge_ratio(made, corners, start, position) < 1.0 - EDGE
+    owner = np.repeat(np.arange(len(position)), np.diff(start))
+    size = np.sqrt(made.area)
+    local = (corners - position[owner]) / size[owner, None]  # unit area, the force at the origin
+    away = (position - made.centroid) / size[:, None]
+    slope = size[:, None] ** 2 * np.einsum("mij,mj->mi", made.inverse, away)
+    plane = np.column_stack([1.0 + np.einsum("mi,mi->m", slope, away), slope])
+    state = _state(local, start, owner, plane)
+    share = np.ones(len(plane))
+    for _ in range(MOST_STEPS):
+        active = inside & (state.decrement > CONVERGED * np.abs(state.value))
+        if not active.any():
+            break
+        moved = plane + np.where(active, share, 0.0)[:, None] * state.step
+        trial = _state(local, start, owner, moved)
+        allowed = ROUNDING * np.abs(state.value) - DESCENT * share * state.decrement
+        good = active & (trial.value <= state.value + allowed)
+        plane = np.where(good[:, None], moved, plane)
+        state = _State(
+            np.where(good, trial.value, state.value),
+            np.where(good[:, None], trial.step, state.step),
+            np.where(good, trial.decrement, state.decrement),
+        )
+        share = np.where(good, 1.0, np.where(active, 0.5 * share, share))
+    pressure = plane[owner, 0] + (local * plane[owner, 1:]).sum(axis=1)
+    return np.where(inside, np.maximum.reduceat(pressure, start[:-1]), np.inf)
+
+
+def _state(local: Floats, start: Ints, owner: Ints, plane: Floats) -> _State:
+    """Value, Newton step and decrement at a trial plane (m, 3); unit force and area."""
+    steepness = np.maximum(np.hypot(plane[:, 1], plane[:, 2]), 1e-300)
+    across = plane[:, 1:] / steepness[:, None]
+    along = np.stack([-across[:, 1], across[:, 0]], axis=1)
+    height = (local * across[owner]).sum(axis=1) + (plane[:, 0] / steepness)[owner]
+    side = (local * along[owner]).sum(axis=1)
+    after = following(start)
+    ends = np.stack([height, height[after]])
+    cut = (ends[0] > 0.0) != (ends[1] > 0.0)
+    share = ends[0] / np.where(cut, ends[0] - ends[1], 1.0)
+    crossing = side + share * (side[after] - side)
+    t = np.where(cut & (ends <= 0.0), crossing, np.stack([side, side[after]]))
+    h = np.maximum(ends, 0.0)
+    # Each clipped edge spans a triangle with the point of the neutral line below the force.
+    # The edges that clipping adds lie on the neutral line: their triangles are empty.
+    whole = local[:, 0] * local[after, 1] - local[:, 1] * local[after, 0]
+    sign = np.sign(np.add.reduceat(whole, start[:-1]))
+    twice = (h[0] * t[1] - t[0] * h[1]) * sign[owner]
+
+    def total(values: Floats) -> Floats:
+        return np.add.reduceat(twice * values, start[:-1])
+
+    def product(a: Floats, b: Floats) -> Floats:
+        return total((a[0] + a[1]) * (b[0] + b[1]) + a[0] * b[0] + a[1] * b[1]) / 24.0
+
+    area = 0.5 * total(np.ones_like(side))
+    some = area > 0.0
+    safe = np.where(some, area, 1.0)
+    h_mean, t_mean = total(h[0] + h[1]) / (6.0 * safe), total(t[0] + t[1]) / (6.0 * safe)
+    squared = product(h, h)
+    hh = squared / safe - h_mean**2
+    ht = product(h, t) / safe - h_mean * t_mean
+    tt = product(t, t) / safe - t_mean**2
+    determinant = hh * tt - ht**2
+    some &= determinant > 0.0
+    # The full Newton step is the linear pressure of the pressed part as if it could also pull.
+    h_force, t_force = plane[:, 0] / steepness - h_mean, -t_mean
+    scale = safe * np.where(some, determinant, 1.0)
+    slope_h = (tt * h_force - ht * t_force) / scale
+    slope_t = (hh * t_force - ht * h_force) / scale
+    change = np.stack([1.0 / safe - steepness * h_mean, slope_h - steepness, slope_t])
+    decrement = safe * (
+        change[0] ** 2
+        + hh * change[1] ** 2
+        + 2.0 * ht * change[1] * change[2]
+        + tt * change[2] ** 2
+    )
+    step = np.column_stack(
+        [
+            change[0] + change[1] * h_force + change[2] * t_force,
+            change[1][:, None] * across + change[2][:, None] * along,
+        ]
+    )
+    value = np.where(some, 0.5 * steepness**2 * squared - plane[:, 0], np.inf)
+    return _State(value, step, np.where(some, decrement, 0.0))
+
+
+__all__ = ["peak_pressure"]

@@ -1,0 +1,210 @@
+"""Conic programs put together from named variables and named rows.
+
+minimise  1/2 x' diag(quadratic) x + linear' x   subject to   right - matrix x  in cones
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias, cast
+
+import numpy as np
+from scipy import sparse
+
+from drystone.arrays import Floats, Ints, frozen
+from drystone.display import OneLine
+from drystone.errors import counted
+from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, solve_conic
+
+
+@dataclass(frozen=True)
+class Variable:
+    """Consecutive unknowns of a program under one name."""
+
+    name: str
+    start: int
+    count: int
+
+    @property
+    def place(self) -> slice:
+        """Where they are in x."""
+        return slice(self.start, self.start + self.count)
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """A sparse coefficient as rows, columns and values (m,); values at one place add up.
+
+    Small programs that are built often take this form: a scipy matrix costs more than they do.
+    """
+
+    row: Ints
+    column: Ints
+    value: Floats
+
+    @property
+    def transposed(self) -> Entries:
+        """The transpose."""
+        return Entries(self.column, self.row, self.value)
+
+    def __mul__(self, factor: float) -> Entries:
+        return Entries(self.row, self.column, factor * self.value)
+
+    def __neg__(self) -> Entries:
+        return self * -1.0
+
+
+Term: TypeAlias = tuple[Variable, Any]
+"""A variable and its coefficient: :class:`Entries`, a sparse matrix, a vector (a diagonal), or a
+number (times the identity)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConicProgram(OneLine):
+    """A convex program with named variables and rows.
+
+    Attributes
+    ----------
+    quadratic, linear : (x,)
+        Costs: the diagonal of the quadratic part, and the linear part.
+    matrix : (r, x) sparse
+    right : (r,)
+    cones
+        ``right - matrix @ x`` lies in them: zeros first, then the nonnegative rows, then the
+        second-order cones.
+    variables, rows
+        Their slices of x and of the rows, by name.
+    unit
+        What one means, by variable, such as newtons; 1 where nothing was said.
+    """
+
+    quadratic: Floats
+    linear: Floats
+    matrix: sparse.csc_matrix
+    right: Floats
+    cones: Cones
+    variables: Mapping[str, slice]
+    rows: Mapping[str, slice]
+    unit: Mapping[str, float] = field(default_factory=dict)
+
+    def solve(
+        self, options: ConicOptions | None = None, *, stop: Callable[[], bool] | None = None
+    ) -> ConicSolution:
+        """The solution; parameters as for :func:`drystone.solvers.conic.solve_conic`."""
+        return solve_conic(
+            self.quadratic, self.linear, self.matrix, self.right, self.cones, options, stop=stop
+        )
+
+    def value(self, x: Floats, name: str) -> Floats:
+        """The part of a solution x that belongs to a variable, in its unit."""
+        part: Floats = x[self.variables[name]] * self.unit.get(name, 1.0)
+        return part
+
+    def _summary(self) -> str:
+        rows, columns = self.matrix.shape
+        return f"{counted(columns, 'unknown')}, {counted(rows, 'row')}, {', '.join(self.variables)}"
+
+
+class ProgramBuilder:
+    """Collects variables and rows; :meth:`build` puts them in order.
+
+    Rows of one kind keep the order in which they were added.
+
+    Examples
+    --------
+    The smallest x + y with x >= 1 and y >= 2:
+
+    >>> program = ProgramBuilder()
+    >>> x = program.variable("x", 1, linear=1.0)
+    >>> y = program.variable("y", 1, linear=1.0)
+    >>> program.at_most("least x", np.array([-1.0]), (x, -1.0))
+    >>> program.at_most("least y", np.array([-2.0]), (y, -1.0))
+    >>> made = program.build()
+    >>> made.solve().x.round(6).tolist()
+    [1.0, 2.0]
+    """
+
+    def __init__(self) -> None:
+        self._variables: list[tuple[Variable, Any, Any, float]] = []
+        self._rows: dict[str, list[tuple[str, Floats, tuple[Term, ...]]]] = {
+            "equal": [],
+            "at most": [],
+            "cone": [],
+        }
+        self._cones: list[int] = []
+
+    def variable(
+        self,
+        name: str,
+        count: int,
+        *,
+        linear: Floats | float = 0.0,
+        quadratic: Floats | float = 0.0,
+        unit: float = 1.0,
+    ) -> Variable:
+        """New unknowns, with their costs."""
+        start = self._variables[-1][0].place.stop if self._variables else 0
+        made = Variable(name, start, count)
+        self._variables.append((made, linear, quadratic, unit))
+        return made
+
+    def equal(self, name: str, right: Floats, *terms: Term) -> None:
+        """Rows ``sum of terms == right``."""
+        self._rows["equal"].append((name, right, terms))
+
+    def at_most(self, name: str, right: Floats, *terms: Term) -> None:
+        """Rows ``sum of terms <= right``."""
+        self._rows["at most"].append((name, right, terms))
+
+    def cone(self, name: str, size: int, right: Floats, *terms: Term) -> None:
+        """Rows ``s = right - sum of terms``; of each ``size`` the first bounds the others' norm."""
+        self._rows["cone"].append((name, right, terms))
+        self._cones += [size] * (len(right) // size)
+
+    def build(self) -> ConicProgram:
+        """The program."""
+        groups = [group for kind in self._rows.values() for group in kind]
+        last = self._variables[-1][0].place.stop if self._variables else 0
+        first = np.cumsum([0, *(len(right) for _, right, _ in groups)])
+        rows = list(zip(first[:-1].tolist(), groups, strict=True))
+        none = np.zeros(0, dtype=np.intp)
+        row, column, value = [none], [none], [np.zeros(0)]
+        for begin, (_, right, terms) in rows:
+            for variable, coefficient in terms:
+                entries = _entries(coefficient, len(right))
+                row.append(begin + entries.row)
+                column.append(variable.start + entries.column)
+                value.append(entries.value)
+        places = np.concatenate(row), np.concatenate(column)
+        matrix = sparse.csc_matrix((np.concatenate(value), places), shape=(int(first[-1]), last))
+        linear, quadratic = np.zeros(last), np.zeros(last)
+        for variable, price, weight, _ in self._variables:
+            linear[variable.place], quadratic[variable.place] = price, weight
+        return ConicProgram(
+            frozen(quadratic),
+            frozen(linear),
+            matrix,
+            frozen(np.concatenate([np.zeros(0), *(right for _, right, _ in groups)])),
+            Cones(
+                sum(len(right) for _, right, _ in self._rows["equal"]),
+                sum(len(right) for _, right, _ in self._rows["at most"]),
+                tuple(self._cones),
+            ),
+            {v.name: v.place for v, *_ in self._variables},
+            {name: slice(a, a + len(right)) for a, (name, right, _) in rows},
+            {v.name: unit for v, _, _, unit in self._variables},
+        )
+
+
+def _entries(coefficient: Any, rows: int) -> Entries:
+    if isinstance(coefficient, Entries):
+        return coefficient
+    if sparse.issparse(coefficient):
+        found = cast(Any, coefficient).tocoo()
+        return Entries(found.row, found.col, found.data)
+    place = np.arange(rows)
+    return Entries(place, place, np.full(rows, coefficient))
+
+
+__all__ = ["ConicProgram", "Entries", "ProgramBuilder", "Term", "Variable"]

@@ -1,0 +1,55 @@
+"""The programs of rigid-block equilibrium, for those who want its matrices."""
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import InputError, RBEOptions, Verdict
+from drystone.models import shelf, vault
+from drystone.stability import FrictionCone, FrictionRule, Objective, Weights
+
+
+def test_its_solution_is_that_of_solve_rbe() -> None:
+    model = drystone.Model.of(vault(), friction=0.6)
+    program, result = drystone.build_rbe(model), drystone.solve_rbe(model)
+    assert result.verdict is Verdict.EQUILIBRIUM_EXISTS
+    x = program.solve(RBEOptions().conic).x
+    assert result.force is not None
+    inside = model.active[model.contacts.interface]  # not between two fixed blocks
+    force = program.value(x, "force").reshape(-1, 3)
+    assert force == pytest.approx(result.force[inside], abs=1e-6)
+    balance = program.rows["equilibrium"]
+    left = program.matrix[balance] @ x - program.right[balance]
+    assert np.abs(left).max() < 1e-7
+
+
+def test_its_penalised_form_is_what_solve_rbe_answers_with_where_nothing_balances() -> None:
+    model = drystone.Model.of(shelf(), friction=0.05)
+    result = drystone.solve_rbe(model)
+    assert result.verdict is Verdict.UNSTABLE
+    assert result.tension is not None
+    assert drystone.build_rbe(model).solve().status.value == "infeasible"
+    program = drystone.build_rbe_penalty(model)
+    x = program.solve(RBEOptions().conic).x
+    largest = result.tension.max()
+    assert largest > 0.0
+    assert program.value(x, "tension") == pytest.approx(result.tension, abs=1e-6 * largest)
+
+
+@pytest.mark.parametrize("cone", [FrictionCone.exact(), FrictionCone.octagon()])
+@pytest.mark.parametrize("rule", list(FrictionRule))
+def test_rows_and_variables_have_names(cone: FrictionCone, rule: FrictionRule) -> None:
+    weights = Weights(friction=1.0)
+    options = RBEOptions(cone=cone, rule=rule, objective=Objective.LINEAR, weights=weights)
+    program = drystone.build_rbe_penalty(vault(), friction=0.6, options=options)
+    assert list(program.variables) == ["force", "length", "tension"]
+    assert set(program.rows) == {
+        "equilibrium", "no pull", "tension", "length of friction", "friction",
+    }  # fmt: skip
+    assert set(program.unit.values()) == {program.unit["force"]}
+    assert program.linear[program.variables["tension"]] == pytest.approx(1e6)
+
+
+def test_bad_input_is_refused_as_by_solve_rbe() -> None:
+    with pytest.raises(InputError):
+        drystone.build_rbe(3)  # type: ignore[arg-type]
