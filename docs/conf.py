@@ -3,6 +3,10 @@
 import sys
 from pathlib import Path
 
+from docutils.nodes import SkipNode
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+
 import drystone
 
 HERE = Path(__file__).parent
@@ -17,7 +21,6 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
     "sphinx_copybutton",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
@@ -37,4 +40,22 @@ html_theme = "furo"
 html_title = f"drystone {version}"
 html_static_path: list[str] = []
 
-write_reference(HERE / "reference")
+html_math_renderer = "mathml"  # read by every browser, without a script from elsewhere
+
+
+def inline_math(self, node):
+    """A formula in a line."""
+    self.body.append(tex2mathml(node.astext()))
+    raise SkipNode
+
+
+def display_math(self, node):
+    """A formula of its own."""
+    self.body.append(tex2mathml(node.astext(), as_block=True))
+    raise SkipNode
+
+
+def setup(app: Sphinx) -> None:
+    """What Sphinx calls when the site is built."""
+    app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
+    write_reference(HERE / "reference")

@@ -13,6 +13,7 @@ from drystone.cli.application import app
 ROOMS = {
     "drystone": "What most people need",
     "drystone.limits": "Limits",
+    "drystone.design": "Design",
     "drystone.sequence": "Assembly planning",
     "drystone.shells": "Shells",
     "drystone.models": "Model families",

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drystone.assembly import Assembly as Assembly
     from drystone.assembly import Block as Block
     from drystone.contacts import Contacts as Contacts
+    from drystone.design import diagnose as diagnose
     from drystone.detection import DetectionOptions as DetectionOptions
     from drystone.detection import find_contacts as find_contacts
     from drystone.errors import DrystoneError as DrystoneError
@@ -73,6 +74,7 @@ _HOME = {
     "build_rbe": "stability",
     "build_rbe_penalty": "stability",
     "check": "stability",
+    "diagnose": "design",
     "find_contacts": "detection",
     "limit_friction": "limits",
     "limit_load": "limits",
@@ -91,7 +93,7 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
-_ROOMS = ("limits", "models", "sequence", "shells", "view")
+_ROOMS = ("design", "limits", "models", "sequence", "shells", "view")
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)

@@ -19,6 +19,7 @@ from drystone import (
     InputError,
     LoadCase,
     Model,
+    design,
     limits,
     reproduce,
     sequence,
@@ -61,6 +62,8 @@ def values(folder: Path) -> Iterator[object]:
     yield from (stands.resultants, stands.joints(), stands.contacts[0])
     yield drystone.check(arch(), friction=0.9).thrust_line()
     yield drystone.check(shelf(), friction=0.9)
+    yield from (drystone.diagnose(shelf(), friction=0.9), design.Ballast(1, 10.0))
+    yield design.DiagnosisOptions(regions=3)
     apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))

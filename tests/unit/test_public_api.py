@@ -23,7 +23,7 @@ MODULES = sorted(
 )
 
 
-ROOMS = ["limits", "models", "sequence", "shells", "view"]
+ROOMS = ["design", "limits", "models", "sequence", "shells", "view"]
 
 
 def source(module: str) -> str:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Annotated
 
-from drystone.cli import loading, options, verdict
+from drystone.cli import loading, mend, options, verdict
 from drystone.cli.answer import Answer
 from drystone.cli.command import Option, command
 from drystone.cli.subject import Finding, Subject
@@ -35,11 +35,11 @@ def check(
     Exit code 0: it stands. 1: it does not, or that could not be decided. 2: bad input. 130: Ctrl-C
     ended the search; what was known by then is the answer.
     """
-    from drystone.results import Verdict  # the program starts fast
-
     model = subject.prepared(waiting, finding, seismic)
     result = verdict.solve(model, waiting, time_limit)
-    if result.verdict is Verdict.UNSTABLE and not result.stopped:
+    if result.verdict == "unstable" and not result.stopped:
         said = subject.upright(result.model, waiting)
         result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
-    return verdict.answer(result, waiting, subject.model, partial(wanted.of, result), strict)
+    why = mend.short(result, waiting)
+    files = partial(wanted.of, result)
+    return verdict.answer(result, waiting, subject.model, files, strict, why)

@@ -30,9 +30,10 @@ def answer(
     model: str,
     files: Callable[[], Files],
     strict: bool = False,
+    diagnosis: Mapping[str, Any] | None = None,
 ) -> Answer:
-    """What a command answers that checks a model."""
-    data = content(result, waiting.time_s, model)
+    """What a command answers that checks a model; where it falls, ``diagnosis`` tells why."""
+    data = {**content(result, waiting.time_s, model), "diagnosis": diagnosis}
     code = exit_code(result, strict)
     return Answer(data, partial(show, data), code, result.model.notes, files)
 
@@ -141,6 +142,8 @@ def show(data: Mapping[str, Any], screen: Screen) -> None:
     )
     if data["falling"]:
         _show_falling(screen, data)
+    for sentence in (data.get("diagnosis") or {}).get("sentences", ()):
+        screen.line(sentence)
     if data["largest"] is not None:
         rows = []
         for title, key in (("largest force", "force"), ("most friction used", "utilisation")):

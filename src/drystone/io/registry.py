@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from drystone.arrays import of_type
 from drystone.assembly import Assembly
 from drystone.errors import FormatError, InputError
 from drystone.files import PathLike, as_path, read_bytes
@@ -159,7 +160,8 @@ def _draft(path: PathLike, units: str | None, layers: Sequence[str], hidden: boo
     chosen = format_of(path)
     if chosen.read is None:
         raise FormatError(f"{chosen.title} is written, not read", where=str(path))
-    layered = {"layers": tuple(layers), "hidden": hidden} if layers or hidden else {}
+    asked = tuple([layers] if isinstance(layers, str) else of_type(layers, Sequence, "layers"))  # type: ignore[type-abstract]
+    layered = {"layers": asked, "hidden": hidden} if asked or hidden else {}
     if layered and not chosen.layers:
         raise FormatError(f"{chosen.title} has no layers", where=str(path), remedy="leave them out")
     data = read_bytes(path)

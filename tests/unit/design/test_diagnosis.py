@@ -1,0 +1,191 @@
+"""Why structures fall: regions, first motions, and what is missing, against closed forms."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import Assembly, InputError, Model, Verdict
+from drystone.cli import main
+from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
+from drystone.design.props import least_prop, propped
+from drystone.design.regions import regions_of
+from drystone.models import arch, box, h_model, prism, shelf, tower
+
+G = 9.81
+
+
+def slope(angle: float, friction: float = 0.6, size: float = 1.0) -> Model:
+    """A flat block on a fixed ramp that rises along x."""
+    rise = np.tan(np.deg2rad(angle))
+    x = np.array([0.0, 4.0, 4.0])
+    z = np.array([0.0, 0.0, 4.0 * rise])
+    ramp = prism(size * np.column_stack([x, z]), (0.0, size), "ramp")
+    along = np.array([1.0, rise]) / np.hypot(1.0, rise)
+    up = np.array([-along[1], along[0]])
+    corner = np.array([1.0, rise])
+    section = [corner, corner + along, corner + along + 0.2 * up, corner + 0.2 * up]
+    block = prism(size * np.array(section), (0.0, size), "block")
+    return Model.of(Assembly((ramp, block), np.array([True, False])), friction=friction)
+
+
+def only(found: Diagnosis) -> drystone.design.Region:
+    (region,) = found.regions
+    return region
+
+
+@pytest.mark.parametrize("size", [1.0, 0.01])
+def test_a_block_on_a_steep_ramp_slides_down_and_needs_the_tangent_of_its_angle(
+    size: float,
+) -> None:
+    model = slope(40.0, 0.6, size)
+    region = only(diagnose(model))
+    (joint,) = region.joints
+    assert joint.motion is JointMotion.SLIDES
+    assert joint.spent
+    assert (joint.idle, joint.hinge) == (False, False)
+    angle = np.deg2rad(40.0)
+    np.testing.assert_allclose(joint.direction, [-np.cos(angle), 0.0, -np.sin(angle)], atol=1e-6)
+    assert region.needs.friction == pytest.approx(np.tan(angle), rel=0.011)
+    assert region.needs.friction >= np.tan(angle)
+    weight = model.assembly.mass[1] * G
+    lacking = weight * (np.sin(angle) - 0.6 * np.cos(angle))
+    assert np.linalg.norm(region.needs.force) == pytest.approx(lacking, rel=1e-4)
+    assert "slides down along 'ramp'" in region.sentence
+    assert "friction of 0.84 there" in region.sentence
+
+
+def test_a_block_that_lies_too_far_out_hinges_about_the_edge_that_it_turns_over() -> None:
+    base = box((1.0, 1.0, 1.0), name="base")
+    out = box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    found = diagnose(Assembly((base, out), np.array([True, False])), friction=0.6)
+    (joint,) = only(found).joints
+    assert joint.motion is JointMotion.HINGES
+    assert joint.hinge
+    assert joint.edge is not None
+    edge = float(base.bounds[1, 0])
+    np.testing.assert_allclose(joint.edge[:, [0, 2]], [[edge, base.bounds[1, 2]]] * 2, atol=1e-6)
+    needs = only(found).needs
+    assert needs.friction is None
+    assert needs.support is not None
+    reach = float(out.bounds[1, 0]) - edge
+    arm = float(needs.support.point[0]) - edge
+    assert 0.0 < arm <= reach
+    balance = (float(out.centroid[0]) - edge) * out.mass * G
+    assert needs.support.force[2] * arm == pytest.approx(balance, rel=1e-3)
+
+
+def test_a_block_between_walls_needs_its_whole_weight_and_no_friction_holds_it() -> None:
+    found = diagnose(h_model(), friction=0.9)
+    region = only(found)
+    assert region.verdict is Verdict.UNSTABLE
+    assert {joint.motion for joint in region.joints} == {JointMotion.SLIDES}
+    assert all(joint.idle for joint in region.joints)
+    needs = region.needs
+    weight = found.model.assembly.mass[region.blocks[0]] * G
+    np.testing.assert_allclose(needs.force, [0.0, 0.0, weight], rtol=1e-6, atol=1e-6 * weight)
+    assert needs.support is not None
+    assert needs.support.force[2] == pytest.approx(weight, rel=1e-6)
+    assert needs.friction is None
+    assert needs.ballast is None
+    assert found.friction is None
+
+
+@pytest.fixture(scope="module")
+def fallen() -> Diagnosis:
+    """The shelf of the source, in which two pieces fall."""
+    return diagnose(shelf(), friction=0.9)
+
+
+def test_both_pieces_of_the_shelf_that_fall_are_named_with_their_cause(fallen: Diagnosis) -> None:
+    found = fallen
+    assert [region.blocks for region in found.regions] == [(9,), (10,)]
+    for region, lower in zip(found.regions, (5, 8), strict=True):
+        assert set(region.neighbours) == {0, lower}
+        states = {joint.neighbour: joint for joint in region.joints}
+        assert states[lower].motion is JointMotion.SLIDES
+        assert states[lower].spent
+        assert states[0].motion is JointMotion.DROPS
+        assert states[0].idle
+        assert region.needs.support is not None
+    assert found.regions[1].needs.friction == pytest.approx(np.tan(np.deg2rad(50.08)), rel=0.012)
+
+
+def test_the_props_that_are_named_hold_the_whole_shelf(fallen: Diagnosis) -> None:
+    model = fallen.model
+    for region in fallen.regions:
+        alone = model.with_supports(sorted(set(range(len(model))) - set(region.blocks)))
+        held = least_prop(alone, region.blocks, fallen.motion)
+        assert held is not None
+        assert region.needs.support is not None
+        assert held[1].size == pytest.approx(region.needs.support.size, rel=1e-6)
+        model, _ = propped(model, held[0])
+    assert drystone.check(model).stable
+
+
+def test_blocks_that_fall_together_are_one_region_and_others_are_another() -> None:
+    assert regions_of(Model.of(tower(6)), [1, 2, 4, 5]) == [(1, 2), (4, 5)]
+
+
+def test_an_arch_that_is_too_thin_turns_about_hinges_and_ballast_or_glue_is_named() -> None:
+    model = Model.of(arch(0.05, voussoirs=11), friction=0.7)
+    region = only(diagnose(model))
+    hinges = [joint for joint in region.joints if joint.motion is JointMotion.HINGES]
+    assert len(hinges) >= 4
+    assert region.needs.friction is None
+    assert region.needs.pulls
+    assert region.needs.pulls[0].force > 0.0
+
+
+def test_a_model_that_stands_is_said_to_stand() -> None:
+    found = diagnose(tower(3), friction=0.6)
+    assert found.regions == ()
+    assert found.sentences == ("it stands: nothing is missing",)
+
+
+def test_regions_beyond_the_number_asked_for_are_named_only() -> None:
+    found = diagnose(shelf(), friction=0.9, options=DiagnosisOptions(needs=False, regions=1))
+    assert [region.blocks for region in found.regions] == [(9,)]
+    assert found.others == (10,)
+    assert "1 more block falls: 'block-10'" in found.sentences
+    assert found.regions[0].needs.friction is None
+
+
+def test_a_result_of_another_model_is_refused() -> None:
+    result = drystone.check(tower(2))
+    with pytest.raises(InputError, match="another model"):
+        diagnose(tower(2), result=result)
+    with pytest.raises(InputError, match="regions is 0"):
+        DiagnosisOptions(regions=0)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    path = tmp_path / "ramp.json"
+    drystone.write(slope(40.0), path)
+    return str(path)
+
+
+def test_check_tells_the_cause_and_mend_what_would_hold_it(
+    file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", file]) == 1
+    assert "'block' slides down along 'ramp'" in capsys.readouterr().out.replace("\n", " ")
+    assert main(["check", file, "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["diagnosis"]["regions"][0]["blocks"] == ["block"]
+    page = Path(file).with_suffix(".html")
+    assert main(["mend", file, "--json", "--html", str(page)]) == 1
+    (region,) = json.loads(capsys.readouterr().out)["regions"]
+    assert region["neighbours"] == ["ramp"]
+    assert [joint["motion"] for joint in region["joints"]] == ["slides"]
+    assert region["needs"]["support"]["block"] == "block"
+    assert "props that would hold it" in page.read_text(encoding="utf-8")
+
+
+def test_mend_says_that_a_model_stands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "tower.json"
+    drystone.write(Model.of(tower(2), friction=0.6), path)
+    assert main(["mend", str(path)]) == 0
+    assert "it stands: nothing is missing" in capsys.readouterr().out
