@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from drystone.arrays import of_type
@@ -160,8 +160,9 @@ def _draft(path: PathLike, units: str | None, layers: Sequence[str], hidden: boo
     chosen = format_of(path)
     if chosen.read is None:
         raise FormatError(f"{chosen.title} is written, not read", where=str(path))
-    asked = tuple([layers] if isinstance(layers, str) else of_type(layers, Sequence, "layers"))  # type: ignore[type-abstract]
-    layered = {"layers": asked, "hidden": hidden} if asked or hidden else {}
+    named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
+    hidden = of_type(hidden, bool, "hidden")
+    layered = {"layers": named, "hidden": hidden} if named or hidden else {}
     if layered and not chosen.layers:
         raise FormatError(f"{chosen.title} has no layers", where=str(path), remedy="leave them out")
     data = read_bytes(path)
