@@ -99,7 +99,7 @@ def built(kind: str, size: int) -> Built:
         assert edge_defects(block.faces) == ([], [], True), block.name
         assert block.volume > 0.0, block.name
         assert not block.repairs, block.name
-    assert not found.report.penetrations
+    assert not found.report.overlaps
     assert shell.planar.warp_after <= 1e-6
     assert error <= 1e-6
     assert abs(ratio - 1.0) <= 0.01

@@ -12,6 +12,7 @@ from drystone.arrays import Bools, Floats, of_type
 from drystone.assembly import Assembly, Blocks
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
+from drystone.detection.report.block_overlaps import overlap_lines
 from drystone.display import Card
 from drystone.errors import InputError, counted
 from drystone.loads import LoadCase
@@ -101,6 +102,7 @@ class Model(Card):
         density: float | None = None,
         load: Any = None,
         detection: DetectionOptions | None = None,
+        anyway: bool = False,
     ) -> Model:
         """The model of an assembly, its contacts found here.
 
@@ -119,8 +121,16 @@ class Model(Card):
             See :class:`Model`.
         detection
             Tolerances of the contact search.
+        anyway
+            Accept blocks that overlap by more than a tenth of the smaller one.
+
+        Raises
+        ------
+        InputError
+            Two blocks share more than a tenth of the smaller one.
         """
         of_type(assembly, Assembly, "the assembly of a model")
+        of_type(anyway, bool, "anyway")
         if density is not None:
             assembly = assembly.with_density(density)
         found = find_contacts(
@@ -128,10 +138,13 @@ class Model(Card):
             friction=DEFAULT_FRICTION if friction is None else friction,
             options=detection,
         )
+        if not anyway:
+            found.report.require_apart()
         contacts = found.contacts
         notes: tuple[str, ...] = ()
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)
+        notes = (*notes, *overlap_lines(assembly.names, found.report.overlaps))
         model = cls(assembly, contacts, load, found.report, notes)
         return model if supports is None else model.with_supports(supports, up_of_load(load))
 

@@ -48,7 +48,7 @@ def test_blocks_fit(shape, layout, thickness):
     assert {len(users) for users in shell.beside.values()} <= {1, 2}
     assert abs(shell.volume / shape_volume(shape, thickness) - 1.0) < 0.02
     found = find_contacts(shell.assembly, options=DetectionOptions(gap=1e-6))
-    assert found.report.penetrations == ()
+    assert found.report.overlaps == ()
     pairs = {
         frozenset(pair)
         for pair in zip(

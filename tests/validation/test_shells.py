@@ -59,7 +59,7 @@ def test_every_block_is_closed_and_has_a_volume(kind):
 
 
 def test_no_two_blocks_stand_in_each_other(kind):
-    assert FOUND[kind].report.penetrations == ()
+    assert FOUND[kind].report.overlaps == ()
     assert FOUND[kind].report.isolated == ()
 
 
@@ -117,7 +117,7 @@ def test_a_hooked_dome_is_concave_and_stands():
         Body(thickness=0.4, register_deg=12.0),
     )
     found = find_contacts(shell.assembly, options=TIGHTEST)
-    assert found.report.penetrations == ()
+    assert found.report.overlaps == ()
     pairs = [frozenset(p) for p in zip(found.contacts.block_a, found.contacts.block_b, strict=True)]
     assert max(pairs.count(pair) for pair in pairs) == 3  # both halves of the bed, and the step
     made = sum(shared_areas(shell).values())

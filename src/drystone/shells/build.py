@@ -149,7 +149,7 @@ def build_shell(
     ------
     InputError
         No support, a thickness above the radius of curvature, too few blocks, joints that stay
-        warped, blocks turned inside out, or blocks that stand in each other: the surface crosses
+        warped, blocks turned inside out, or blocks that overlap: the surface crosses
         itself.
 
     Examples

@@ -282,7 +282,7 @@ def test_a_surface_that_crosses_itself_is_refused():
     """The section is an eight on its side; it crosses itself in the middle."""
     with pytest.raises(
         InputError,
-        match=r"blocks 'c\d+-b\d+' and 'c\d+-b\d+': stand in each other, .* and \d+ more pairs; "
+        match=r"blocks 'c\d+-b\d+' and 'c\d+-b\d+': overlap, .* and \d+ more pairs; "
         "the surface must not cross itself",
     ):
         bent(40)(lambda t: (4.0 * np.sin(t), 2.0 * np.sin(2.0 * t)), (0.3, 2.0 * np.pi + 0.1))
@@ -301,7 +301,7 @@ def test_a_surface_may_come_as_near_to_itself_as_it_is_thick(gap):
             bent(60)(spiral, (0.0, 3.0 * np.pi))
     else:
         shell = bent(60)(spiral, (0.0, 3.0 * np.pi))
-        assert find_contacts(shell.assembly).report.penetrations == ()
+        assert find_contacts(shell.assembly).report.overlaps == ()
 
 
 def test_a_patch_may_not_cross_another():
@@ -310,7 +310,7 @@ def test_a_patch_may_not_cross_another():
         lambda u, v: arch.point(u, v)[:, [1, 0, 2]] + [-1.0, 1.0, 0.3], name="across"
     )
     shape = Shape((arch, other), (), tuple(Edge(k, Side.BOTTOM) for k in (0, 1)))
-    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
+    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': overlap"):
         build_shell(shape, Layout(courses=9, blocks=3), Body(thickness=0.2))
 
 
@@ -372,7 +372,7 @@ def test_a_closed_patch_has_no_left_and_right(side):
 
 def test_a_patch_may_not_be_there_twice():
     shape = Shape(barrel_vault().patches * 2, (), (Edge(0, Side.BOTTOM), Edge(1, Side.BOTTOM)))
-    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
+    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': overlap"):
         build_shell(shape, Layout(courses=6, blocks=3))
 
 
