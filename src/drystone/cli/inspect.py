@@ -58,7 +58,7 @@ def inspect(
     def files() -> Files:
         if assembly is None or detection is None:
             return [], []
-        return _pictures(assembly, detection, swept, built.bare, pictures, model)
+        return _pictures(assembly, detection, swept, built.bare, pictures, source.model)
 
     show = partial(_show, data, lines, everything)
     return Answer(data, show, 2 if built.defects else 0, notes, files)
