@@ -1,8 +1,8 @@
 """The proof of a verdict, recomputed from points and cross products.
 
-Nothing here uses the matrices that the solvers saw. Forces are compared with what acts on the block
-(its load and the forces at its corners), lengths with the largest displacement at a corner of the
-block, so that a pebble on a boulder is judged by its own measure.
+Nothing here uses the matrices of the solvers. A force residual is divided by what acts on its
+block: the load and the forces at its corners. A length is divided by the largest displacement at a
+corner of the block. A small block on a large one is therefore checked at its own scale.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from drystone.results import Residuals
 
 PRESSED = 1e-7
 """A corner that carries force overlaps by at least this share of the largest displacement at the
-blocks that meet there. Less is rounding, and force at it would be prestress: rest states and states
-of eq. 5.6 that were looked at have 8e-6 and more."""
+blocks that meet there. Less is rounding, and a force there would be prestress. In the rest states
+and states of eq. 5.6 that were examined it is 8e-6 or more."""
 
 NEGLIGIBLE = 1e-9
 """Friction below this share of the forces on a block has no direction worth checking."""

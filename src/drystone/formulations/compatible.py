@@ -1,12 +1,12 @@
-"""Forces and a virtual motion that agree, each found where the other is given.
+"""Forces that agree with a given motion, and a motion that agrees with given forces.
 
 Coupled rigid-block analysis asks for corner forces in equilibrium and block motions q such that a
 corner presses only where it closes, and friction acts only against its slide (Kao et al. 2022,
-eq. 5.6). With the motion held, the forces form a convex program; with the forces held, so do the
-motions. :mod:`drystone.formulations.improvement` takes turns with both.
+eq. 5.6). For a given motion the forces solve a convex program. For given forces the motion does.
+:mod:`drystone.formulations.improvement` solves both in turn.
 
-Unknowns per pressing corner: two rays, straight (``n``) and at the edge of friction against the
-unit slide t (``n - mu t``); every admissible force is a sum of the two with factors >= 0.
+A pressed corner has two unknowns. They are the factors, >= 0, of a straight force ``n`` and of a
+force at the limit of friction against the unit slide t, ``n - mu t``.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ NORMAL = np.array([1.0, 0.0, 0.0])
 """Local direction of a normal force."""
 
 PRESSED = 1e-3
-"""Least overlap of a corner that presses, by the largest displacement. The source bounds slides by
-eta = 10 to 1000 overlaps; corners that press less than that would be prestress in all but name."""
+"""Least overlap of a pressed corner, by the largest displacement. The source bounds slides by eta =
+10 to 1000 overlaps. A force at a smaller overlap would in effect be prestress."""
 
 DENSE = 40_000
-"""Entries up to which forces are found by an active set on the dense matrix, which ends at exact
-zeros, rather than by an interior point. Measured: two to four times as fast at 7,000 to 20,000
-entries; from 60,000 on it depends on the model which is faster."""
+"""Entries up to which forces are found by an active set on the dense matrix. It ends at exact
+zeros. Measured against an interior point: two to four times as fast at 7,000 to 20,000 entries;
+from 60,000 on either may be faster."""
 
 
 def compatible_forces(
@@ -39,7 +39,7 @@ def compatible_forces(
     *,
     pressing: Bools | None = None,
 ) -> tuple[Floats, float]:
-    """Forces that agree with a motion and leave least unbalanced.
+    """Forces that agree with a motion and leave the least load unbalanced.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def compatible_forces(
     -------
     force : (k, 3)
     unbalanced
-        Euclidean norm of the scaled wrenches left over.
+        Euclidean norm of the unbalanced scaled wrenches.
     """
     moved = statics.displacement(motion)
     if pressing is None:
@@ -79,7 +79,8 @@ def compatible_forces(
 def compatible_motion(statics: Statics, force: Floats) -> Floats | None:
     """The motion (n, 6) that agrees best with given forces; None if the program fails.
 
-    Loaded corners close by one or more; slides run against the friction, as far as they can.
+    Loaded corners overlap by 1 or more. Slides are opposite to the friction forces as nearly as the
+    blocks allow.
     """
     normal = force[:, 0]
     corner = np.flatnonzero(normal > 1e-3 * normal.max(initial=0.0))
@@ -113,20 +114,20 @@ def slide_directions(moved: Floats) -> Floats:
 
 
 def edge_of_friction(statics: Statics, moved: Floats) -> Floats:
-    """Forces (k, 3) with unit normal part whose friction against the slide is all there is."""
+    """Forces (k, 3) with unit normal part and the largest friction against the slide."""
     friction = -statics.friction[:, None] * slide_directions(moved)
     return np.concatenate([np.ones((len(moved), 1)), friction], axis=1)
 
 
 def _nonnegative(matrix: sparse.csc_matrix, right: Floats) -> Floats | None:
-    """Factors >= 0 whose sum of columns comes nearest to the right side; None if that fails."""
+    """Least squares with factors >= 0; None if that fails."""
     rows, columns = matrix.shape
     if rows * columns <= DENSE:
         try:
             return np.asarray(optimize.nnls(matrix.toarray(), right)[0])
         except RuntimeError:  # the active set cycles now and then; the interior point does not
             pass
-    # the unbalanced rest is an unknown of its own, so that the program stays sparse
+    # the residual is an unknown of its own: the program stays sparse
     program = ProgramBuilder()
     factor = program.variable("factor", columns, quadratic=1e-9)
     rest = program.variable("rest", rows, quadratic=1.0)
@@ -139,7 +140,7 @@ def _nonnegative(matrix: sparse.csc_matrix, right: Floats) -> Floats | None:
 
 
 def _refined(matrix: sparse.csc_matrix, right: Floats, factor: Floats) -> Floats:
-    """The same factors with the interior point's last digits mended by least squares."""
+    """The same factors, their last digits corrected by least squares."""
     active = factor > 1e-7 * factor.max(initial=0.0)
     kept = np.where(active, factor, 0.0)
     rest = right - matrix @ kept

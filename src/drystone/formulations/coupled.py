@@ -1,12 +1,12 @@
-"""Coupled rigid-block analysis in the sense of eq. 5.6: every pressed corner overlaps equally.
+"""Coupled rigid-block analysis after eq. 5.6: all pressed corners overlap by the same depth.
 
-``fn (dn + eps) = 0, dn + eps >= 0``: the overlaps are eps or less, and force passes only at eps.
-Between springs (overlap = fn / kn) and this law lies the family
+``fn (dn + eps) = 0, dn + eps >= 0``: no overlap exceeds eps, and a corner carries force only where
+its overlap is eps. A family of laws leads from springs (overlap = fn / kn) to this one:
 
     overlap = theta eps + (1 - theta) fn / kn,    0 <= theta <= 1,
 
-which is followed from a rest state on springs, theta = 0, to theta = 1 - 1e-7: the overlaps then
-agree to 1e-7. Source: Kao et al. 2022, eq. 5.6; the path is ours.
+The solution is followed from a rest state on springs, theta = 0, to theta = 1 - 1e-7. The overlaps
+then agree to 1e-7. Source of the law: Kao et al. 2022, eq. 5.6. The path is our own.
 """
 
 from __future__ import annotations

@@ -29,15 +29,15 @@ from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics
 
 STILL = 1e-4
-"""A corner whose blocks part or slide by less than this share of the fastest does not move, if that
-makes a mechanism. Chosen: on 11 tilted shelves anything from 1e-5 to 3e-2 does."""
+"""A corner that opens or slides by less than this share of the fastest one is taken as still, if
+the result is a mechanism. Chosen: on 11 tilted shelves all values from 1e-5 to 3e-2 give one."""
 
 
 class Objective(enum.Enum):
     """What is minimised."""
 
     QUADRATIC = "quadratic"
-    """Sum of weighted squares: unique, and even-handed between corners."""
+    """Sum of weighted squares: unique, and spread over corners evenly."""
     LINEAR = "linear"
     """Sum of weighted forces: a vertex of the set of admissible forces, not unique."""
 
@@ -46,9 +46,9 @@ class Objective(enum.Enum):
 class Weights(Options):
     """Weights of the objective, per unit of scaled force (squared).
 
-    Values of Kao et al. 2022, section 3: tension is a million times as dear as compression. The
-    price of friction is on the length of the friction force, so that it does not depend on the
-    frame: on its square in the quadratic objective, on itself in the linear one.
+    Values of Kao et al. 2022, section 3: tension costs a million times as much as
+    compression. The cost of friction applies to the length of the friction force (linear objective)
+    or to its square (quadratic objective), so it does not depend on the frame.
     """
 
     compression: float = 1.0
@@ -277,10 +277,11 @@ def project_on_mechanisms(
 
 
 def held_still(statics: Statics, solution: EquilibriumSolution) -> EquilibriumSolution:
-    """The nearest velocity at which corners that hardly move do not move at all.
+    """The nearest velocity at which nearly still corners are still.
 
-    An interior point ends inside the cone of mechanisms, and that of blocks between parallel faces
-    has no inside: what stands still moves a little there, by more than it opens.
+    An interior point ends strictly inside the cone of mechanisms. The cone of blocks between
+    parallel faces has no interior. There the solver leaves small motions at corners that do not
+    move.
     """
     moved = np.abs(statics.displacement(solution.multiplier)).max(axis=1)
     still = np.flatnonzero(moved < STILL * moved.max(initial=0.0))

@@ -1,8 +1,9 @@
-"""A motion turned step by step until the forces that agree with it balance the loads.
+"""Forces and a motion with equal overlaps, as in eq. 5.6 of Kao et al. 2022.
 
-Every corner that presses overlaps by the same, as in eq. 5.6 of Kao et al. 2022. Forces and motion,
-linearised together, form a sequence of quadratic programs with a trust region on the slides; none
-guesses a stiffness. :mod:`drystone.formulations.stiffness_range` lets overlaps differ.
+All pressed corners overlap by the same depth. The motion changes step by step until the forces that
+agree with it balance the loads. Each step is a quadratic program in forces and motion, linearised
+about the present motion, with a trust region on the slides. No stiffness is assumed.
+:mod:`drystone.formulations.stiffness_range` allows different overlaps.
 """
 
 from __future__ import annotations
@@ -24,32 +25,32 @@ from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import Entries, ProgramBuilder, Variable
 from drystone.statics import Statics
 
-LEVEL = 1e-6
-"""Overlaps this near to what they must reach have reached it."""
+EQUAL = 1e-6
+"""Difference of overlaps, by the overlap, that counts as none."""
 
 PATIENCE = 4
-"""Steps with little progress after which a motion is given up: a good one is found in fewer."""
+"""Steps with little progress after which a motion is given up. Solutions were found in fewer."""
 
 PROGRAMS = 60
 """Most convex programs of one motion."""
 
-NOTHING = 1e-9
-"""Unbalanced norm, by the norm of the loads, that is an answer."""
+EXACT = 1e-9
+"""Unbalanced norm, by the norm of the loads, that counts as zero."""
 
 TURN = 0.02
-"""Slides below this share of the mean one may change by it whatever their size."""
+"""Every slide may change by this share of the mean slide, even where it is smaller."""
 
 
 @dataclass(frozen=True, eq=False)
 class CompatibleState:
-    """Forces and a motion that agree, up to an unbalanced rest.
+    """Forces that agree with a motion, and the load that they leave unbalanced.
 
     Attributes
     ----------
     motion : (n, 6) with a largest overlap of 1 at the corners
     force : (k, 3)
     unbalanced
-        Euclidean norm of the scaled wrenches left over; 0 is an answer.
+        Euclidean norm of the unbalanced scaled wrenches; 0 is a solution.
     iterations
         Convex programs solved.
     """
@@ -66,21 +67,21 @@ def improve(
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
-    """Turn a motion until the forces that agree with it balance the loads.
+    """Change a motion until the forces that agree with it balance the loads.
 
     Parameters
     ----------
     statics
     motion : (n, 6)
-        Where to start. Corners may join those that press and leave them.
+        Where to start. Corners may close and open on the way.
     stop
         Asked before every step.
     """
-    goal = NOTHING * float(np.linalg.norm(statics.load))
-    levelled = _level(statics, motion)
-    if levelled is None:
+    goal = EXACT * float(np.linalg.norm(statics.load))
+    equal = _with_equal_overlap(statics, motion)
+    if equal is None:
         return CompatibleState(motion, np.zeros((statics.corner_count, 3)), np.inf, 1)
-    motion = levelled
+    motion = equal
     pressing = _pressing(statics, motion)
     force, unbalanced = compatible_forces(statics, motion, pressing=pressing)
     trust, steps, idle = 0.5, 1, 0
@@ -105,11 +106,11 @@ def improve(
 
 
 def _pressing(statics: Statics, motion: Floats) -> Bools:
-    return statics.displacement(motion)[:, 0] <= -1.0 + LEVEL
+    return statics.displacement(motion)[:, 0] <= -1.0 + EQUAL
 
 
-def _level(statics: Statics, motion: Floats) -> Floats | None:
-    """The nearest motion whose pressing corners overlap by 1."""
+def _with_equal_overlap(statics: Statics, motion: Floats) -> Floats | None:
+    """The nearest motion at which all pressed corners overlap by 1."""
     gap = statics.displacement(motion)[:, 0]
     force, _ = compatible_forces(statics, motion)
     loaded = np.flatnonzero(force[:, 0] > 1e-6 * force[:, 0].max(initial=0.0))
@@ -135,7 +136,7 @@ def _level(statics: Statics, motion: Floats) -> Floats | None:
 
 
 def _sharpened(statics: Statics, motion: Floats, corner: Ints) -> Floats:
-    """The nearest motion at which those of the corners that overlap by nearly 1 do so exactly."""
+    """The nearest motion at which corners that overlap by nearly 1 overlap by exactly 1."""
     gap = statics.displacement(motion)[corner, 0]
     near = np.abs(gap + 1.0) < 1e-3
     rows = statics.matrix_transposed[3 * corner[near]]
@@ -150,7 +151,7 @@ def _step(
     pressing: Bools,
     trust: float,
 ) -> Floats | None:
-    """Change of motion (n, 6) that lets forces balance best, to first order."""
+    """Change of motion (n, 6) that leaves least unbalanced, to first order."""
     moved = statics.displacement(motion)
     corner = np.flatnonzero(pressing)
     if len(corner) == 0:
@@ -218,7 +219,7 @@ def add_trust_region(
     trust: float,
 ) -> None:
     """Rows that bound the change of slides (c,) by a share of them."""
-    # a corner that hardly slides may turn its slide round
+    # a corner that slides little may reverse its slide
     reach = trust * np.maximum(slide, TURN * slide.mean())
     for axis in (1, 2):
         along = statics.unit_wrenches(corner, np.eye(3)[axis]).transposed

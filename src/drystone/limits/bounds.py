@@ -1,7 +1,7 @@
-"""Convex bounds: how far equilibrium with friction reaches, whatever the prestress.
+"""Limits of rigid-block equilibrium, by convex programs.
 
-Rigid-block equilibrium is necessary for standing, so these limits are never on the safe side of the
-full verdict. They treat friction as associative: sliding joints open (Livesley 1978).
+Equilibrium is necessary for standing, not sufficient: these limits are upper bounds of the limits
+of rest. They allow any prestress. Friction is associative: sliding joints open (Livesley 1978).
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from drystone.stability import RBEOptions, solve_rbe
 from drystone.statics import Statics, build_statics
 
 WIDEST = 3e-3
-"""Where our own checks confirm no state within this share of a limit found in one solve, it is
-bisected instead."""
+"""A limit from one program needs checked states within this share of it on both sides. Otherwise it
+is bisected."""
 
 
 def rbe(

@@ -1,4 +1,4 @@
-"""The full verdict, searched inside the convex bound."""
+"""The limit of rest, searched inside the limit of equilibrium."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ times."""
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """What a search works with; without a check, the one of drystone in two steps."""
+    """What a search works with. Without a check, drystone's own is made in two steps."""
 
     check: Check | None
     options: LimitOptions
@@ -143,8 +143,8 @@ def _in_two_steps(
 ) -> tuple[Found, Found]:
     """Limits for uniform stiffness and for some stiffness.
 
-    Trying one stiffness is cheap, so that the scan and the bisection are made with it. The whole
-    cascade is asked where uniform stiffness first falls: where that stands, it is searched too.
+    The scan and the bisection use uniform stiffness, which is cheap. The cascade is computed at the
+    first value where uniform stiffness falls. Where that stands, the range beyond is searched too.
     """
     (start, last), scan = span, means.options.scan
     corners = family(start).contacts.corner_count
@@ -211,7 +211,7 @@ def _searched_once(family: Family, found: Found, outer: Bracket, means: Means) -
 def _farther(search: Search, first: float, last: float, width: float) -> Bracket | None:
     """The limit from ``first`` on by growing steps; ``None`` where that does not stand.
 
-    Asking a large model that falls is dear, so that no value far beyond the limit is tried.
+    A check of a large model that falls is slow, so no value far beyond the limit is tried.
     """
     if not search.stands(first):
         return None

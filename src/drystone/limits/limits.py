@@ -1,8 +1,8 @@
-"""By how much does it stand? Largest tilt and load, least friction, thickness and joint size.
+"""Limits: largest tilt and load, least friction, thickness and joint size.
 
-Every limit is found twice: for *equilibrium* (some forces balance the loads, friction associative;
-a convex problem, necessary for standing) and for *rest* (the full verdict: the forces arise without
-prestress), searched inside the first.
+Every limit is found twice. The limit of *equilibrium* is a convex problem: some forces balance the
+loads, with associative friction. That is necessary for standing. The limit of *rest* is that of the
+full verdict: the forces arise without prestress. It is searched inside the first.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Where does a verdict change? Scan, then bisect, never taking it to be monotone."""
+"""Where a verdict changes: a scan, then bisection. The verdict need not be monotone."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ Check: TypeAlias = Callable[[Model], Result]
 """Any function that answers whether a model stands."""
 
 Stop: TypeAlias = Callable[[], bool]
-"""Whether the caller wishes to stop; once it says so, it says so ever after."""
+"""Whether to stop. Once True, it must stay True."""
 
 SEARCHED = 500
-"""Corners up to which the whole cascade is asked at every value. Chosen: it takes seconds beyond
-where it does not stand, and a limit asks often; there only rest with a few friction laws is tried,
-and falling is left to the limit of equilibrium."""
+"""Corners up to which every value is checked by the cascade. Chosen: for larger models that fall
+one check takes seconds. For those only rest with a few friction laws is tried, and the limit of
+equilibrium bounds the result."""
 
 ONE_STIFFNESS = stability.CheckOptions(samples=0, search=False)
 SOME_STIFFNESS = stability.CheckOptions(reduce_ratio=False)
@@ -39,12 +39,12 @@ blocks (408 corners): the search takes 5 s at every value beyond the limit, the 
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 OTHER = stability.QUICK.with_slip_lengths(10.0, 0.1)
-"""Screening of large models, for the limits of uniform and of some contact stiffness. On the
-Armadillo vault a quick level gives the same limits as a patient one in half of the time."""
+"""Screening of large models, for the limits of uniform and of some contact stiffness. Measured on
+the Armadillo vault: the quick level gives the limits of the patient one in half of the time."""
 
 
 def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """Whether it stands with uniform contact stiffness: quickly answered, and enough to stand."""
+    """Whether it stands with uniform contact stiffness, the cheapest proof that it stands."""
     if model.contacts.corner_count > SEARCHED:
         return stability.try_rest(model, screening=UNIFORM, stop=stop)
     return stability.check(model, options=ONE_STIFFNESS, stop=stop)
@@ -66,10 +66,10 @@ def any_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
 
 
 def verdict(model: Model) -> Result:
-    """Whether it stands, asked in two steps: most structures that stand do so at once.
+    """Whether it stands for some contact stiffness.
 
-    Uniform contact stiffness is tried first, and only where that falls the others. How many
-    stiffnesses would do is not asked.
+    Uniform contact stiffness is tried first, others only where that falls. The number of
+    stiffnesses for which it stands is not counted.
     """
     first = one_stiffness(model)
     return first if first.verdict is Verdict.STABLE else some_stiffness(model)
@@ -86,7 +86,7 @@ STANDS: Mapping[Verdict, bool | None] = {
 STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
     kind: stands is True for kind, stands in STANDS.items()
 }
-"""The same where what was not found to stand counts as falling."""
+"""The same, but an undecided value counts as falling."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ class Found:
 
 
 class Stopped(Exception):
-    """The caller wished to stop; what was found so far is kept by the search."""
+    """The search was asked to stop. It keeps what it found."""
 
 
 class Search:
