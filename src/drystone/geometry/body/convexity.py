@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats
+from drystone.arrays import Bools, Floats, unit
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
 from drystone.geometry.plane import polygon
 from drystone.ragged import expand
@@ -57,6 +57,4 @@ def planes(faces: Faces) -> tuple[Floats, Floats]:
     """Unit normal (zero for a face without area) and mean corner of each face."""
     here = faces.point[faces.loop]
     area = polygon.area_vectors(here, faces.start)
-    length = np.linalg.norm(area, axis=1)
-    normal = area / np.where(length > 0.0, length, 1.0)[:, None]
-    return normal, polygon.loop_means(here, faces.start)
+    return unit(area)[0], polygon.loop_means(here, faces.start)

@@ -83,13 +83,9 @@ def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> 
 
 def fan_triangles(faces: Faces) -> tuple[Floats, Ints]:
     """Triangles (t, 3, 3) of every face's fan about its mean corner, and their face (t,)."""
-    lengths = np.diff(faces.start)
-    face = np.repeat(np.arange(faces.count, dtype=np.intp), lengths)
-    here = faces.point[faces.loop]
-    following = np.arange(len(faces.loop), dtype=np.intp) + 1
-    following[faces.start[1:] - 1] = faces.start[:-1]
-    middle = np.add.reduceat(here, faces.start[:-1], axis=0) / lengths[:, None]
-    return np.stack([middle[face], here, here[following]], axis=1), face
+    here, corners = faces.point[faces.loop], faces.corners
+    middle = corners.spread(corners.mean(here))
+    return np.stack([middle, here, here[corners.following]], axis=1), corners.owner
 
 
 def mass_properties(faces: Faces, count: int) -> tuple[Floats, Floats]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.arrays import Bools, Floats, Ints
-from drystone.geometry.plane.polygon import following
+from drystone.ragged import Ragged
 
 Padded = tuple[Floats, Ints]
 Flat = tuple[Floats, Ints]
@@ -35,7 +35,7 @@ def flatten(polygons: Padded) -> Flat:
     """Flat corners of padded ones."""
     corner, count = polygons
     keep = np.arange(corner.shape[1]) < count[:, None]
-    return corner[keep], np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+    return corner[keep], Ragged.from_counts(count).start
 
 
 def cut(polygons: Padded, offset: Floats, slope: Floats) -> Padded:
@@ -113,13 +113,10 @@ def intersect_convex(subject: Padded, clip: Padded) -> Padded:
 
 def areas(corner: Floats, start: Ints) -> Floats:
     """Signed area (q,) of flat polygons, positive counter-clockwise."""
-    if len(start) < 2:
-        return np.zeros(0)
-    first = np.repeat(corner[start[:-1]], np.diff(start), axis=0)
-    local = corner - first
-    after = local[following(start)]
-    twice = local[:, 0] * after[:, 1] - local[:, 1] * after[:, 0]
-    area: Floats = 0.5 * np.add.reduceat(twice, start[:-1])
+    loops = Ragged(start)
+    local = corner - corner[loops.spread(loops.first)]
+    after = local[loops.following]
+    area: Floats = 0.5 * loops.sum(local[:, 0] * after[:, 1] - local[:, 1] * after[:, 0])
     return area
 
 
@@ -127,14 +124,14 @@ def centroids(corner: Floats, start: Ints) -> Floats:
     """Centroid (q, 2) of flat polygons; the mean of the corners where the area is zero."""
     if len(start) < 2:
         return np.zeros((0, 2))
-    first = corner[start[:-1]]
-    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    local = corner - first[loop]
-    after = local[following(start)]
+    loops = Ragged(start)
+    first = corner[loops.first]
+    local = corner - loops.spread(first)
+    after = local[loops.following]
     twice = local[:, 0] * after[:, 1] - local[:, 1] * after[:, 0]
-    total = np.add.reduceat(twice, start[:-1])
-    moment = np.add.reduceat(twice[:, None] * (local + after), start[:-1], axis=0)
-    mean = np.add.reduceat(local, start[:-1], axis=0) / np.diff(start)[:, None]
+    total = loops.sum(twice)
+    moment = loops.sum(twice[:, None] * (local + after))
+    mean = loops.mean(local)
     safe = np.where(total == 0.0, 1.0, total)[:, None]
     centroid: Floats = first + np.where(total[:, None] == 0.0, mean, moment / (3.0 * safe))
     return centroid
@@ -142,11 +139,9 @@ def centroids(corner: Floats, start: Ints) -> Floats:
 
 def perimeters(corner: Floats, start: Ints) -> Floats:
     """Length (q,) of the outline of flat polygons."""
-    if len(start) < 2:
-        return np.zeros(0)
-    edge = corner[following(start)] - corner
-    length: Floats = np.add.reduceat(np.hypot(edge[:, 0], edge[:, 1]), start[:-1])
-    return length
+    loops = Ragged(start)
+    edge = corner[loops.following] - corner
+    return loops.sum(np.hypot(edge[:, 0], edge[:, 1]))
 
 
 def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
@@ -163,8 +158,8 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
         Polygons that vanish keep zero corners.
     """
     while len(corner):
-        loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
-        after = following(start)
+        loops = Ragged(start)
+        loop, after = loops.owner, loops.following
         before = np.empty_like(after)
         before[after] = np.arange(len(after))
         forth, back = corner[after] - corner, corner - corner[before]
@@ -174,20 +169,16 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
         spare = near | (twice <= tolerance[loop] * np.hypot(chord[:, 0], chord[:, 1]))
         if not spare.any():
             break
-        spare &= ~spare[before] | _alternate(spare, before, start)
-        small = np.diff(start) - np.bincount(loop, spare, minlength=len(start) - 1) < 3
-        spare |= small[loop]
-        left = np.bincount(loop[~spare], minlength=len(start) - 1)
-        corner, start = corner[~spare], np.concatenate([[0], np.cumsum(left)]).astype(np.intp)
+        spare &= ~spare[before] | _alternate(spare, before, loops)
+        spare |= loops.spread(loops.sum(~spare) < 3)
+        corner, start = corner[~spare], loops.keep(~spare).start
     return corner, start
 
 
-def _alternate(spare: Bools, before: Ints, start: Ints) -> Bools:
+def _alternate(spare: Bools, before: Ints, loops: Ragged) -> Bools:
     """The first corner of polygons of which every corner could be spared, so that some goes."""
-    everything = np.logical_and.reduceat(spare, np.minimum(start[:-1], len(spare) - 1))
-    everything &= np.diff(start) > 0
     first = np.zeros(len(spare), dtype=bool)
-    first[start[:-1][everything]] = True
+    first[loops.first[loops.all(spare) & (loops.counts > 0)]] = True
     return first & spare[before]
 
 

@@ -5,20 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.arrays import Floats, Ints, cross
+from drystone.ragged import Ragged
 
 
 def following(start: Ints) -> Ints:
     """For loops stored one after another, the position of each corner's successor."""
-    result = np.arange(start[-1], dtype=np.intp) + 1
-    filled = np.diff(start) > 0
-    result[start[1:][filled] - 1] = start[:-1][filled]
-    return result
+    return Ragged(start).following
 
 
 def loop_means(values: Floats, start: Ints) -> Floats:
     """Mean of ``values`` (l, d) over each loop; every loop has a corner."""
-    mean: Floats = np.add.reduceat(values, start[:-1], axis=0) / np.diff(start)[:, None]
-    return mean
+    return Ragged(start).mean(values)
 
 
 def area_vectors(corners: Floats, start: Ints) -> Floats:
@@ -28,11 +25,9 @@ def area_vectors(corners: Floats, start: Ints) -> Floats:
     computed about each loop's mean, so that nothing is lost far from the origin.
     Source: Sutherland, Sproull, Schumacker 1974.
     """
-    if len(start) < 2:
-        return np.zeros((0, 3))
-    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    local = corners - loop_means(corners, start)[loop]
-    area: Floats = 0.5 * np.add.reduceat(cross(local, local[following(start)]), start[:-1], axis=0)
+    loops = Ragged(start)
+    local = corners - loops.spread(loops.mean(corners))
+    area: Floats = 0.5 * loops.sum(cross(local, local[loops.following]))
     return area
 
 
@@ -42,11 +37,9 @@ def tributary_areas(corners: Floats, start: Ints) -> Floats:
     Half of the two fan triangles (about the mean of the corners) that meet at the corner;
     the shares of a polygon add up to the area of its fan.
     """
-    if len(start) < 2:
-        return np.zeros(0)
-    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    local = corners - loop_means(corners, start)[loop]
-    after = following(start)
+    loops = Ragged(start)
+    local = corners - loops.spread(loops.mean(corners))
+    after = loops.following
     half = 0.25 * np.linalg.norm(cross(local, local[after]), axis=1)
     share: Floats = half.copy()
     np.add.at(share, after, half)

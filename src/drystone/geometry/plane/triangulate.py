@@ -7,7 +7,7 @@ import shapely
 
 from drystone.arrays import Bools, Floats, Ints
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors, following, loop_means
+from drystone.geometry.plane.polygon import area_vectors
 from drystone.ragged import Ragged
 
 FLAT_TURN = 1e-9
@@ -70,20 +70,19 @@ def _flattened(corners: Floats, start: Ints) -> Floats:
         length[:, None] > 0.0, area / np.where(length > 0.0, length, 1.0)[:, None], [0.0, 0.0, 1.0]
     )
     frame = frames_from_normals(normal)
-    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    local = corners - loop_means(corners, start)[loop]
-    flat: Floats = np.einsum("lij,lj->li", frame[loop, 1:], local)
+    loops = Ragged(start)
+    local = corners - loops.spread(loops.mean(corners))
+    flat: Floats = np.einsum("lij,lj->li", frame[loops.owner, 1:], local)
     return flat
 
 
 def _convex(flat: Floats, start: Ints) -> Bools:
-    after = following(start)
+    loops = Ragged(start)
+    after = loops.following
     edge = flat[after] - flat
     turn = _cross(edge, edge[after])
-    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    area = 0.5 * np.add.reduceat(_cross(flat, flat[after]), start[:-1])
-    inward = turn < -FLAT_TURN * np.abs(area)[loop]
-    return ~np.logical_or.reduceat(inward, start[:-1])
+    area = 0.5 * loops.sum(_cross(flat, flat[after]))
+    return ~loops.any(turn < -FLAT_TURN * loops.spread(np.abs(area)))
 
 
 def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
