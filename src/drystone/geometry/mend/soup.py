@@ -1,4 +1,4 @@
-"""A heap of faces sorted into solids, also where solids touch and share vertices and edges."""
+"""A soup of faces sorted into solids, also where solids touch and share vertices and edges."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ of coordinates, far below the angle of any wedge that one could cut."""
 
 
 def split_solids(
-    vertices: Floats, faces: Sequence[Loop], heap: Ints | None = None
+    vertices: Floats, faces: Sequence[Loop], soup: Ints | None = None
 ) -> list[list[int]]:
     """Faces grouped into solids.
 
@@ -34,9 +34,9 @@ def split_solids(
     vertices : (v, 3) [m]
         Coincident ones merged, see :func:`drystone.geometry.mend.coincidence.weld`.
     faces
-        Loops, oriented alike in each heap.
-    heap : (f,), optional
-        Ascending. Faces of different heaps, which share no vertices, make different solids.
+        Loops, oriented alike in each soup.
+    soup : (f,), optional
+        Ascending. Faces of different soups, which share no vertices, make different solids.
 
     Returns
     -------
@@ -53,8 +53,8 @@ def split_solids(
     if not faces:
         return []
     stacked = _of_shells(vertices, faces, [range(len(faces))])
-    if heap is not None:
-        _, number = np.unique(heap, return_inverse=True)
+    if soup is not None:
+        _, number = np.unique(soup, return_inverse=True)
         stacked = replace(stacked, owner=number.astype(np.intp))
     volume = mass_properties(stacked, int(stacked.owner[-1]) + 1)[0]
     outwards = np.where(volume < 0.0, -1.0, 1.0)[stacked.owner]
@@ -124,7 +124,7 @@ def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: 
 
 
 def _components(faces: Faces, outwards: Floats) -> Ints:
-    """Part (f,) of each face, joined across edges; ``outwards`` is -1 in heaps inside out."""
+    """Part (f,) of each face, joined across edges; ``outwards`` is -1 in soups inside out."""
     from scipy.sparse import coo_array  # slow to import, and few models need it
     from scipy.sparse.csgraph import connected_components
 
@@ -162,7 +162,7 @@ def _sector_pairs(
 
     A face that runs its edge forwards (from the lower vertex) has its material behind it, at
     smaller angles: it ends a sector. One that runs it backwards begins one. (The other way round
-    where the whole heap is inside out.)
+    where the whole soup is inside out.)
     """
     forward = tail[half] < head[half]
     low, high = np.minimum(tail, head)[half], np.maximum(tail, head)[half]
@@ -201,7 +201,7 @@ def _in_turn(angle: Floats, ends: Bools) -> Ints:
 
 
 def _with_cavities(
-    vertices: Floats, faces: Sequence[Loop], part: Ints, heap: Ints, outwards: Floats
+    vertices: Floats, faces: Sequence[Loop], part: Ints, soup: Ints, outwards: Floats
 ) -> list[list[int]]:
     """Faces per solid; a part that is turned inwards and lies in another is its cavity."""
     members: dict[int, list[int]] = defaultdict(list)
@@ -220,7 +220,7 @@ def _with_cavities(
     closed = _closed(stacked, len(shells))
     for cavity in np.flatnonzero((volume < 0.0) & closed).tolist():
         around = ((low <= low[cavity]) & (high >= high[cavity])).all(axis=1)
-        around &= closed & (volume > -volume[cavity]) & (heap[lead] == heap[lead[cavity]])
+        around &= closed & (volume > -volume[cavity]) & (soup[lead] == soup[lead[cavity]])
         for solid in np.flatnonzero(around)[np.argsort(volume[around])].tolist():
             around_it = fan_triangles(_of_shells(vertices, faces, [shells[solid]]))[0]
             middle = 0.5 * (low[cavity] + high[cavity])
