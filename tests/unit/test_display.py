@@ -105,7 +105,7 @@ def values(folder: Path) -> Iterator[object]:
     yield sequence.design_cuts(box((1.0, 1.0, 2.0)), [[plane]])
     yield from (sequence.LocalWorkers(2), sequence.DaskWorkers("tcp://127.0.0.1:8786"))
     shell = shells.sample_shell("barrel")
-    yield from (shell, shells.flat_faces(shell, 0), shells.schedule(shell), shell.shared_faces)
+    yield from (shell, shells.flat_faces(shell, 0), shells.schedule(shell))
     yield shells.cross_vault()
     yield shells.find_form(shells.rectangular_plan(6.0, 8.0), height=2.0)
     grid = [(x, y, 0.1 * x * x) for y in range(3) for x in range(3)]
