@@ -125,7 +125,7 @@ class Browser:
         fragment: str = "",
         ratio: float = 0.5,
     ) -> Tab:
-        """Open a file in a tab of its own and wait until it has drawn, in few pixels to be quick."""
+        """Open a file in a tab of its own and wait until it has drawn; few pixels are quick."""
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         tab = Tab(self, session, target)
