@@ -16,10 +16,10 @@ SIZE = (8.0, 4.8)
 def main(folder: Path = Path()) -> tuple[drystone.Result, drystone.Result]:
     """Check both models and draw them."""
     standing = drystone.check(vault(), friction=0.6)
-    drystone.save_figure(standing, folder / "vault.png", size=SIZE, dpi=110, layers=["resultants"])
+    drystone.save_figure(standing, folder / "vault.png", size=SIZE, dpi=110)
     falling = drystone.check(shelf(), friction=0.9)
     view = (0.25, -1.0, 0.2)
-    drystone.save_figure(falling, folder / "shelf.png", size=SIZE, dpi=110, toward=view, layers=[])
+    drystone.save_figure(falling, folder / "shelf.png", size=SIZE, dpi=110, toward=view)
     return standing, falling
 
 

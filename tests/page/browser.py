@@ -117,14 +117,15 @@ class Browser:
         self,
         path: Path,
         *,
-        size: tuple[int, int] = (1000, 700),
+        size: tuple[int, int] = (760, 480),
         dark: bool = False,
         forced: bool = False,
         still: bool = True,
         touch: bool = False,
         fragment: str = "",
+        ratio: float = 0.5,
     ) -> Tab:
-        """Open a file in a tab of its own and wait until it has drawn."""
+        """Open a file in a tab of its own and wait until it has drawn; few pixels are quick."""
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         tab = Tab(self, session, target)
@@ -132,7 +133,7 @@ class Browser:
             tab.send(f"{domain}.enable")
         tab.send(
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
-            deviceScaleFactor=1, mobile=touch,
+            deviceScaleFactor=ratio, mobile=touch,
         )  # fmt: skip
         features = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
         features.append({"name": "prefers-reduced-motion", "value": "reduce" if still else ""})

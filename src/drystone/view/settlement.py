@@ -39,7 +39,7 @@ def settlement_scene(settlement: SupportResponse, source: str = "") -> Scene:
             headline=_headline(settlement),
             message=f"{after.message}; the motion is enlarged",
             motion=_enlarged(result.assembly, result.displacement)[0],
-            motion_name="SupportResponse, enlarged",
+            motion_name="Settlement, enlarged",
             layers=(*after.layers, *_openings(settlement)),
         )
     title = f"drystone: {after.headline.lower()}"

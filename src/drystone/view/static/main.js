@@ -2,7 +2,9 @@
 
 const FALL_SECONDS = 2.4;
 const STAGE_SECONDS = 1.6;
-const SLOW = 100; // [ms] from asking for a picture to drawing it: leave the edges out meanwhile
+const SLOW = 100; // [ms] from asking for a picture to drawing it: draw coarsely meanwhile
+const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
+const MANY = 3000; // blocks, from which lines wait where pictures come slowly
 const SETTLE = 250; // [ms] without a change: draw everything
 const NEAR_JOINT = 11; // [CSS pixels] from the middle of a joint: it is meant
 const narrow = matchMedia("(max-width: 720px)");
@@ -108,11 +110,18 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     stretch: page.stretch,
     showBlocks: shownLayers.get("blocks"),
     showEdges: shownLayers.get("edges") && !hurried,
+    hurried,
     showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !camera.spread,
     showGround: shownLayers.get("ground") && !camera.spread,
-    layers: time > 0 ? layers.filter((layer) => layer.kind === "markers") : layers,
+    layers: layers.filter((layer) => isDrawn(layer, time)),
     metresPerPixel: (2 * camera.distance * SLOPE) / height,
   };
+}
+
+// While blocks move their joints mean nothing; while pictures of many blocks come slowly, lines wait.
+function isDrawn(layer, time) {
+  if (time > 0) return layer.kind === "markers";
+  return !hurried || data.count < MANY || layer.kind === "polygons";
 }
 
 function sectionPlane() {
@@ -133,8 +142,9 @@ function resized(target, ratio) {
 function draw() {
   if (!renderer || renderer.gl.isContextLost()) return;
   const ratio = window.devicePixelRatio || 1;
-  resized(canvas, ratio);
-  const view = currentView(ratio);
+  const coarse = hurried ? COARSE * ratio : ratio;
+  resized(canvas, coarse);
+  const view = currentView(coarse);
   renderer.draw(view);
   const marks = byId("marks");
   resized(marks, ratio);
@@ -328,7 +338,7 @@ function under(event) {
   if (!renderer) return {};
   const box = canvas.getBoundingClientRect();
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-  const view = currentView();
+  const view = currentView(canvas.width / Math.max(1, canvas.clientWidth));
   const polygons = view.time === 0 ? view.layers.filter((layer) => layer.kind === "polygons") : [];
   const joint = polygons.some((layer) => layer.interface) ? jointNear(x, y, view) : -1;
   if (joint >= 0) return { joint };

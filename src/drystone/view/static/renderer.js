@@ -333,7 +333,7 @@ class Renderer {
   // Far blocks first, so that what shines through is in the right order.
   sortBlocks(view) {
     const key = view.back.join();
-    if (key === this.sortedFor) return;
+    if (key === this.sortedFor || (view.hurried && this.sortedFor)) return;
     this.sortedFor = key;
     const order = farFirst(this.data, view.back);
     const { index, indexStart } = this.mesh;

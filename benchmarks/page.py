@@ -1,0 +1,90 @@
+"""How large a page is, how long it takes to open and to draw: ``python -m benchmarks.page``.
+
+Needs a Chromium. It draws without a graphics card (SwiftShader), which is the slow end: a card of a
+laptop is ten times as fast and more. Interfaces carry made-up forces, so that nothing is solved.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import drystone
+from benchmarks.machine import commit, processor
+from drystone.assembly import Assembly
+from drystone.model import Model
+from drystone.models import wall
+from drystone.results import Result, Verdict
+from drystone.view import page_text, scene_of
+from tests.page.browser import executable, running
+
+SIZES = (100, 400, 10_000)
+FRAMES = 10
+"""Pictures of which the median time is told."""
+
+
+def standing_wall(count: int) -> Result:
+    """A wall of about so many blocks, each corner of an interface with a force."""
+    courses = max(2, int(np.sqrt(count)))
+    assembly: Assembly = wall(courses, max(2, count // courses))
+    model = Model.of(assembly)
+    force = np.zeros((model.contacts.corner_count, 3))
+    height = model.contacts.point[:, 2]
+    force[:, 0] = 1000.0 * (1.0 + height.max() - height)
+    return Result("check", Verdict.STABLE, model, "made up", force=force)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--blocks", type=int, nargs="*", default=SIZES)
+    chosen = parser.parse_args()
+    program = executable()
+    if program is None:
+        raise SystemExit("no Chromium on this machine; the variable CHROMIUM can name one")
+    print(f"drystone {drystone.__version__}, commit {commit()}; {processor()}")
+    print("| blocks | interfaces | page [MB] | written [s] | opened [s] | picture [ms] |")
+    print("|---|---|---|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder, running(program) as browser:
+        for count in chosen.blocks:
+            result = standing_wall(count)
+            began = time.perf_counter()
+            text = page_text(scene_of(result))
+            written = time.perf_counter() - began
+            path = Path(folder) / "page.html"
+            path.write_text(text, encoding="utf-8")
+            began = time.perf_counter()
+            tab = browser.open(path, size=(1600, 1000), ratio=1.0)
+            opened = time.perf_counter() - began
+            frame = tab.run(FRAME.replace("FRAMES", str(FRAMES)))
+            assert tab.complaints() == [], tab.complaints()
+            print(
+                f"| {len(result.assembly):,} | {result.contacts.count:,} | {len(text) / 1e6:.2f} "
+                f"| {written:.2f} | {opened:.2f} | {frame:.0f} |"
+            )
+            tab.close()
+
+
+FRAME = """(async () => {
+  const view = document.getElementById('view');
+  const gl = view.getContext('webgl2');
+  const pixel = new Uint8Array(4);
+  const times = [];
+  for (let i = 0; i < FRAMES; i++) {
+    view.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft' }));
+    await new Promise(requestAnimationFrame);
+    const began = performance.now();
+    await new Promise(requestAnimationFrame);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // waits until it is drawn
+    times.push(performance.now() - began);
+  }
+  times.sort((a, b) => a - b);
+  return times[Math.floor(times.length / 2)];
+})()"""
+
+
+if __name__ == "__main__":
+    main()
