@@ -29,8 +29,6 @@ class CheckOptions(Options):
         degrees and of 265 at 59.5 degrees; discrete elements (3DEC) let it stand up to 58.7.
     seed
         Of the random stiffness distributions.
-    time_limit_s
-        After it the answer is given from what is known by then.
     """
 
     samples: int = 4
@@ -38,7 +36,6 @@ class CheckOptions(Options):
     search_tries: int = 48
     stiffness_ratio: float = 200.0
     seed: int = 0
-    time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -51,10 +48,3 @@ class CheckOptions(Options):
             )
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
-        require_time_limit(self.time_limit_s)
-
-
-def require_time_limit(limit_s: float) -> None:
-    """Raise InputError where a time limit is below zero, or no number."""
-    if not limit_s >= 0.0:
-        raise InputError(f"the time limit is {limit_s} s", remedy="give 0 or more")
