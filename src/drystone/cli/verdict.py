@@ -45,7 +45,9 @@ def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
     waiting.stage("solve", "solving")
     limit = float("inf") if time_limit is None else time_limit
     with waiting.stoppable() as stop:
-        return check(model, progress=waiting, stop=stop, time_limit_s=limit)
+        result = check(model, progress=waiting, stop=stop, time_limit_s=limit)
+    waiting.end_stage()
+    return result
 
 
 def is_sensitive(result: Result) -> bool:

@@ -81,8 +81,8 @@ class Search:
     first: Sequence[Floats] = ()
     iterations: int = 0
 
-    def states(self, ratio: float) -> Iterator[CompatibleState]:
-        """States whose stiffness ratio is at most ``ratio``, each reduced by further steps."""
+    def states(self, ratio: float, *, reduce: bool = True) -> Iterator[CompatibleState]:
+        """States whose stiffness ratio is at most ``ratio``, reduced by further steps if wanted."""
         statics = self.problem.statics
         enough = BALANCED * float(np.linalg.norm(statics.load))
         for motion in self._starts():
@@ -90,7 +90,7 @@ class Search:
                 rest_within_ratio(statics, motion, WIDER * ratio, stop=self.clock.late)
             )
             if wide.unbalanced <= enough:
-                small = min(SMALL_RATIO, ratio)
+                small = min(SMALL_RATIO, ratio) if reduce else ratio
                 state = self._counted(
                     with_reduced_ratio(statics, wide, small, stop=self.clock.late)
                 )
