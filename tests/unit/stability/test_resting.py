@@ -154,7 +154,6 @@ def test_any_forces_exist_where_the_least_ones_do(tilt):
     least = solve_rbe(Model(ARCH, JOINTS, leaning), options=RBEOptions(tension=False))
     some = solve_rbe(Model(ARCH, JOINTS, leaning), options=RBEOptions.feasibility())
     assert some.verdict is least.verdict
-    assert some.iterations <= least.iterations
 
 
 def test_a_certificate_of_any_size_is_a_mechanism():
