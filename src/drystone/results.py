@@ -99,6 +99,9 @@ class Result(Card):
     message
         One sentence for a person, with the remedy where there is one.
     force : (k, 3) [N], local n, u, v, on block b; n >= 0 is compression
+        They balance the loads, with ``tension`` in a penalty form. None where it falls.
+    force_with_props : (k, 3) [N]
+        Forces that balance the loads together with ``prop``, where it falls.
     tension : (k,) [N], where a penalty form found some
     displacement : (n, 6) [m, rad]
         Virtual motion of each block: centroid, rotation vector; world axes. Its size is that of the
@@ -125,6 +128,7 @@ class Result(Card):
     model: Model
     message: str = ""
     force: Floats | None = None
+    force_with_props: Floats | None = None
     tension: Floats | None = None
     displacement: Floats | None = None
     mechanism: Floats | None = None

@@ -99,8 +99,8 @@ def _checked(value: Any, kind: type, name: str) -> Any:
 def checked_call(function: Callable[P, R]) -> Callable[P, R]:
     """A public function that refuses in words what Python or a later step would trip over.
 
-    These are more arguments by position than it has, and a ``progress``, ``stop``, ``check`` or
-    ``executor`` that cannot be called.
+    These are more arguments by position than it has, a ``progress``, ``stop``, ``check`` or
+    ``executor`` that cannot be called, and a time limit below zero.
     """
     known = inspect.signature(function).parameters
     most = sum(one.kind is one.POSITIONAL_OR_KEYWORD for one in known.values())
@@ -121,6 +121,9 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
             if not (usable or (value is None and name in may_be_none)):
                 what = "an Executor" if name == "executor" else "a function"
                 raise InputError(f"{name} is {shortened(repr(value), 60)}", remedy=f"give {what}")
+        limit = named.get("time_limit_s", 0.0)
+        if not number(limit, "time_limit_s", finite=False) >= 0.0:
+            raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
         return function(*given, **named)
 
     return asked

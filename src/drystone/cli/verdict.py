@@ -40,12 +40,12 @@ def answer(
 
 def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
     """The verdict of the whole cascade, or what is known of it when time or Ctrl-C end it."""
-    from drystone.stability import CheckOptions, check
+    from drystone.stability import check
 
     waiting.stage("solve", "solving")
-    chosen = CheckOptions() if time_limit is None else CheckOptions(time_limit_s=time_limit)
+    limit = float("inf") if time_limit is None else time_limit
     with waiting.stoppable() as stop:
-        result = check(model, options=chosen, progress=waiting, stop=stop)
+        result = check(model, progress=waiting, stop=stop, time_limit_s=limit)
     waiting.end_stage()
     return result
 

@@ -18,7 +18,7 @@ from drystone.mcp.folder import Folder
 from drystone.mcp.subject import load_of, model_of, opened
 from drystone.results import Result
 from drystone.sequence import Order, PlanOptions, Rules, plan
-from drystone.stability import CheckOptions, check
+from drystone.stability import check
 
 MOST = 20
 """Entries of a list in an answer. Chosen: more is no help to a reader of text."""
@@ -85,7 +85,7 @@ def _inspect(given: Given, folder: Folder, _: float) -> dict[str, Any]:
 
 def _check(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
-    return _told(check(model, options=CheckOptions(time_limit_s=_left(end))))
+    return _told(check(model, time_limit_s=_left(end)))
 
 
 def _told(result: Result) -> dict[str, Any]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -15,13 +16,16 @@ from drystone.display import OneLine
 from drystone.errors import InputError, counted
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.model import Model
-from drystone.progress import Progress
+from drystone.progress import Clock, Progress
 from drystone.results import Verdict
 from drystone.sequence.plans import Plan
 from drystone.sequence.stage.stages import Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
 from drystone.settings import Options, checked_call
 from drystone.table import Table
+
+Given = TypeVar("Given")
+Found = TypeVar("Found")
 
 PlanAt: TypeAlias = Callable[[Model], Plan]
 """The planner with everything given but the model."""
@@ -77,10 +81,13 @@ class Margins(OneLine):
     ----------
     plan
     stages
+    stopped
+        Why margins of the last stages are missing; empty where all are known.
     """
 
     plan: Plan
     stages: tuple[Margin, ...]
+    stopped: str = ""
 
     def _summary(self) -> str:
         return f"{counted(len(self.stages), 'stage')}, least friction {self.least_friction:.3g}"
@@ -88,12 +95,14 @@ class Margins(OneLine):
     @property
     def least_friction(self) -> float:
         """The coefficient that the most demanding stage needs: the order works down to it."""
-        return max((one.least_friction for one in self.stages), default=0.0)
+        known = (one.least_friction for one in self.stages if not math.isnan(one.least_friction))
+        return max(known, default=0.0)
 
     @property
     def weakest(self) -> int:
         """The step after which the least tilt makes it fall."""
-        return int(np.argmin([one.tilt for one in self.stages]))
+        tilts = [math.inf if math.isnan(one.tilt) else one.tilt for one in self.stages]
+        return int(np.argmin(tilts))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values: each stage, the weakest one, the friction that the order needs."""
@@ -105,6 +114,7 @@ class Margins(OneLine):
             "stages": stages,
             "weakest": stages[self.weakest],
             "least_friction": self.least_friction,
+            "stopped": self.stopped,
         }
 
     def table(self) -> Table:
@@ -125,6 +135,8 @@ def margins(
     options: MarginOptions | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Margins:
     """Least friction and tilt limit of every stage of a plan, its props being in place.
 
@@ -137,18 +149,41 @@ def margins(
     executor
         Works on stages side by side.
     progress
+    stop
+        Asked between two stages; True ends the work.
+    time_limit_s
+        After it the work ends. Margins of the stages that are left are not a number.
     """
     of_type(plan, Plan, "the plan", "give what drystone.plan answers")
     chosen = MarginOptions.of(options)
     task = partial(margin_of, plan.model, options=chosen)
     stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]
-    answers = map(task, stages) if executor is None else executor.map(task, stages)
-    found = []
-    for one in answers:
-        found.append(one)
-        if progress is not None:
-            progress("margins", len(found), len(stages))
-    return Margins(plan, tuple(found))
+    clock = Clock(time_limit_s, stop)
+    found = list(in_turn(task, stages, "margins", executor, progress, clock))
+    unknown = [Margin(math.nan, math.nan)] * (len(stages) - len(found))
+    return Margins(plan, (*found, *unknown), clock.reason if unknown else "")
+
+
+def in_turn(
+    task: Callable[[Given], Found],
+    values: Sequence[Given],
+    name: str,
+    executor: Executor | None,
+    progress: Progress | None,
+    clock: Clock,
+) -> Iterator[Found]:
+    """What a task answers for each of some values, in order, until it is late."""
+    futures = [] if executor is None else [executor.submit(task, value) for value in values]
+    try:
+        for number, value in enumerate(values):
+            if clock.late():
+                return
+            yield futures[number].result() if futures else task(value)
+            if progress is not None:
+                progress(name, number + 1, len(values))
+    finally:
+        for future in futures:
+            future.cancel()
 
 
 def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> Margin:
@@ -200,12 +235,40 @@ class FrictionSweep(OneLine):
         return Table("plans by friction", columns)
 
 
-def sweep_friction(model: Model, frictions: Sequence[float], plan_at: PlanAt) -> FrictionSweep:
-    """Plan at several friction coefficients, one for all joints each."""
+@checked_call
+def sweep_friction(
+    model: Model,
+    frictions: Sequence[float],
+    plan_at: PlanAt,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+) -> FrictionSweep:
+    """Plan at several friction coefficients, one for all joints each.
+
+    Parameters
+    ----------
+    model
+    frictions
+    plan_at
+    executor
+        Works on coefficients side by side.
+    progress
+    stop
+        Asked between two plans; True ends the work.
+    time_limit_s
+        After it the work ends. The sweep then has the plans that were found, from the least
+        friction on.
+    """
     if not frictions:
         raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
     values = tuple(sorted(float(f) for f in frictions))
-    return FrictionSweep(values, tuple(plan_at(model.with_friction(f)) for f in values))
+    clock = Clock(time_limit_s, stop)
+    models = [model.with_friction(value) for value in values]
+    plans = tuple(in_turn(plan_at, models, "friction", executor, progress, clock))
+    return FrictionSweep(values[: len(plans)], plans)
 
 
 def least_buildable_friction(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from typing import Unpack
@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.files import PathLike
 from drystone.io.opening import Given, How, as_model
-from drystone.progress import Progress
+from drystone.progress import Clock, Progress
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
@@ -22,7 +22,7 @@ from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, apart, props_in_time
 from drystone.sequence.search.states import Found, Node, SearchOptions
 from drystone.sequence.stage.checks import Check, check_once
-from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.evaluation import Evaluator, Stopped
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
@@ -30,9 +30,9 @@ from drystone.settings import Options, checked_call
 from drystone.stability.screening import Screening, stage_screening
 
 EFFORT, LARGE = 800.0, 100.0
-"""Checks without progress, times free blocks, before the planner gives in and holds or props, and
-the number of blocks beyond which it gives in sooner still. Chosen: 100 for 8 blocks, where most
-stages can be seen, 20 for a vault of 40, 13 for a dome of 60, none for one of 400."""
+"""The planner holds or props blocks after EFFORT / n checks without progress, n being the number of
+free blocks; beyond LARGE blocks after EFFORT * LARGE / n**2. That is 100 checks for 8 blocks, where
+most stages can be checked, 20 for a vault of 40 blocks, 13 for a dome of 60, and none for 400."""
 
 LISTED = 6
 """Falling blocks that a message names."""
@@ -52,7 +52,8 @@ class PlanOptions(Options):
         number of free blocks, less for more than 100. Infinite: the answer is proved to need the
         fewest props.
     width
-        Blocks tried for removal at each stage. Chosen: the ends of a course and some beyond.
+        Blocks tried for removal at each stage. The default covers the ends of a course and some
+        more.
     anyway
         Plan although the complete structure does not stand; props then stay for good.
     """
@@ -79,6 +80,8 @@ def plan(
     executor: Executor | ExecutorFactory | None = None,
     checkpoint: PathLike | None = None,
     progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Plan:
     """In which order to assemble, what to hold, what to prop.
@@ -103,11 +106,17 @@ def plan(
     checkpoint
         File to go on from after an interruption.
     progress
+    stop
+        Asked before each stage; True ends the search.
+    time_limit_s
+        After it the search ends.
 
     Returns
     -------
     Plan
-        Without steps when the complete structure does not stand.
+        Without steps when the complete structure does not stand, or when the search was ended. In
+        the second case ``stopped`` says why, ``complete`` is known, and the checkpoint keeps every
+        stage that was checked.
 
     Raises
     ------
@@ -130,7 +139,8 @@ def plan(
     model = replace(model, screening=tuple(screening or ()))
     removal = RemovalTest(model)
     bound = bind(chosen.rules, model, removal)
-    with Evaluator(model, executor=executor, checkpoint=checkpoint) as evaluator:
+    clock = Clock(time_limit_s, stop)
+    with Evaluator(model, executor=executor, checkpoint=checkpoint, late=clock.late) as evaluator:
         complete = evaluator.answer(Stage(model.everything))
         if not complete.stands and not chosen.anyway:
             return Plan(
@@ -141,7 +151,17 @@ def plan(
                 solve_s=evaluator.solve_s,
             )
         planner = _Planner(evaluator, bound, removal, chosen, progress)
-        return planner.run(complete)
+        try:
+            return planner.run(complete)
+        except Stopped:
+            return Plan(
+                model,
+                complete,
+                message=f"{clock.reason} before an order was found",
+                solved=evaluator.solved,
+                solve_s=evaluator.solve_s,
+                stopped=clock.reason,
+            )
 
 
 class _Planner:

@@ -120,6 +120,8 @@ class Plan(Card):
         Whether no other order needs fewer props, or as many and fewer simultaneous placements.
     solved
         Checks of connected parts that were made; ``solve_s`` is the time that they took.
+    stopped
+        Why the search ended before an order was found; empty where it did not.
     """
 
     model: Structure
@@ -130,6 +132,7 @@ class Plan(Card):
     proved: bool = False
     solved: int = 0
     solve_s: float = 0.0
+    stopped: str = ""
 
     def _facts(self) -> tuple[str, Mapping[str, object]]:
         return f"{self.verdict}: {self.message}", {
@@ -264,6 +267,7 @@ class Plan(Card):
                 }
                 for prop in self.props
             ],
+            "stopped": self.stopped,
             "checks": self.solved,
             "solve_s": self.solve_s,
         }

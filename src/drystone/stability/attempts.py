@@ -87,7 +87,8 @@ class Attempts:
     standing, falling
         What proves that it stands, and what shows it falling; other tries show nothing.
     stalled : (n, 6) each
-        Scaled motions at which the iteration, not the structure, gave way: hardly a load is left.
+        Scaled motions at which the iteration ended without converging although the ground springs
+        carried less than a thousandth of the load. The search starts from them.
     tried
         Number of stiffness distributions; one that was broken off is not among them.
     iterations

@@ -64,7 +64,7 @@ class Cascade:
             if impossible is not None:
                 return impossible
             if not attempts.falling:
-                # the iteration, not the structure, gave way: a smooth law is followed more easily
+                # the iteration did not converge: a smooth law is followed more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
         samples = compliance.samples(problem.statics, self.options.samples, self.options.seed)
@@ -104,7 +104,7 @@ class Cascade:
             Verdict.UNSTABLE,
             "nothing presses on the blocks that fall, so nothing holds them",
             mechanism=problem.normalised(motion),
-            prop=np.where(falling[:, None], -problem.model.load.wrench, 0.0),
+            prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
         )
 
@@ -251,20 +251,19 @@ class Cascade:
         """With the blocks and props of the state on ground springs where there is one."""
         problem = self.problem
         falling = moving_blocks(problem.model.assembly, mechanism)
-        prop = force = residuals = None
+        prop = force = None
         for trial in self.attempts.falling[:1]:
             share = problem.ground_share(trial.ground)
             chosen = problem.statics.free[share > FALLING_SHARE * share.max()]
             falling = tuple(int(i) for i in chosen)
             prop = -problem.wrench(trial.ground)
-            force, residuals = trial.force, trial.residuals
+            force = trial.force
         return self._answer(
             Verdict.UNSTABLE,
             message,
             mechanism=mechanism,
             prop=prop,
-            force=force,
-            residuals=residuals,
+            force_with_props=force,
             falling=falling,
         )
 

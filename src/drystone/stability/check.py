@@ -9,18 +9,21 @@ from drystone.io.opening import Given, How, as_model
 from drystone.progress import Progress
 from drystone.results import Result
 from drystone.settings import checked_call
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 
 
 @checked_call
+@one_blas_thread()
 def check(
     given: Given,
     *,
     options: CheckOptions | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
     """Does the assembly stand by contact and friction alone, without prestress?
@@ -32,7 +35,9 @@ def check(
     options
     progress
     stop
-        Asked often; True ends the analysis with what is known, like the time limit.
+        Asked often; True ends the analysis with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
 
     Returns
     -------
@@ -54,7 +59,7 @@ def check(
     <Verdict.STABLE: 'stable'>
     """
     chosen = CheckOptions.of(options)
-    clock = Clock(chosen.time_limit_s, stop)
+    clock = Clock(time_limit_s, stop)
     return Cascade(Problem.build(as_model(given, **how)), chosen, progress, clock).run()
 
 

@@ -18,10 +18,12 @@ from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.formulations.stiffness_range import stiffness_ratio
 from drystone.io.opening import Given, How, as_model
+from drystone.progress import Progress
 from drystone.results import Residuals, Result, Verdict
 from drystone.settings import Options, checked_call
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
-from drystone.stability.options import CheckOptions, require_time_limit
+from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.search import SEARCH_LIMIT, Search
 
@@ -39,13 +41,11 @@ class CRAOptions(Options):
         fine mesh needs more than a coarse one.
     slips
         Slip lengths of the friction law, by the local overlap, tried one after another.
-    time_limit_s
     """
 
     tolerance: float = 1e-6
     slide_limit: float = 1000.0
     slips: tuple[float, ...] = (1.0, 10.0, 0.1)
-    time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -57,7 +57,6 @@ class CRAOptions(Options):
             )
         if not self.slide_limit >= 0.0:
             raise InputError(f"the slide limit is {self.slide_limit}", remedy="give 0 or more")
-        require_time_limit(self.time_limit_s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +70,14 @@ class _State:
 
 
 @checked_call
+@one_blas_thread()
 def solve_cra(
     given: Given,
     *,
     options: CRAOptions | None = None,
+    progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
     """Forces and a virtual motion with equal overlaps wherever force passes (eq. 5.6).
@@ -88,8 +90,11 @@ def solve_cra(
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     options
+    progress
     stop
-        Asked often; True ends the analysis with what is known.
+        Asked often; True ends the analysis with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
 
     Returns
     -------
@@ -103,13 +108,15 @@ def solve_cra(
         What was given cannot be made into a model.
     """
     chosen = CRAOptions.of(options)
-    clock = Clock(chosen.time_limit_s, stop)
+    clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    base = Cascade(problem, CheckOptions(samples=2), None, clock).run()
+    base = Cascade(problem, CheckOptions(samples=2), progress, clock).run()
     if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
         method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
         return replace(base, method=method, options=chosen, time_s={"solve": clock.elapsed_s})
     best: _State | None = None
+    if progress is not None:
+        progress("equal overlaps", 0, 1)
     for state in _states(problem, base, chosen, clock):
         if best is None or _worst(state, chosen) < _worst(best, chosen):
             best = state

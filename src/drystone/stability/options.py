@@ -33,8 +33,6 @@ class CheckOptions(Options):
         time.
     seed
         Of the random stiffness distributions.
-    time_limit_s
-        After it the answer is given from what is known by then.
     """
 
     samples: int = 4
@@ -43,7 +41,6 @@ class CheckOptions(Options):
     stiffness_ratio: float = 200.0
     reduce_ratio: bool = True
     seed: int = 0
-    time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -56,10 +53,3 @@ class CheckOptions(Options):
             )
         if self.seed < 0:
             raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
-        require_time_limit(self.time_limit_s)
-
-
-def require_time_limit(limit_s: float) -> None:
-    """Raise InputError where a time limit is below zero, or no number."""
-    if not limit_s >= 0.0:
-        raise InputError(f"the time limit is {limit_s} s", remedy="give 0 or more")

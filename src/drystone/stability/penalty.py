@@ -15,10 +15,12 @@ from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.io.opening import Given, How, as_model
+from drystone.progress import Progress
 from drystone.results import Result, Verdict
 from drystone.settings import Options, checked_call
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
-from drystone.stability.options import CheckOptions, require_time_limit
+from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST
@@ -40,25 +42,25 @@ class PenaltyOptions(Options):
     ----------
     ground
         Stiffness of the ground, far below that of the glue: it carries what glue cannot.
-    time_limit_s
     """
 
     ground: float = 1e-8
-    time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 0.0 < self.ground < np.inf:
             raise InputError(f"the ground is {self.ground}", remedy="give more than 0")
-        require_time_limit(self.time_limit_s)
 
 
 @checked_call
+@one_blas_thread()
 def solve_cra_penalty(
     given: Given,
     *,
     options: PenaltyOptions | None = None,
+    progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
     """Where does it want help: props in place of what is missing, and the glue that would do.
@@ -73,8 +75,11 @@ def solve_cra_penalty(
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     options
+    progress
     stop
-        Asked often; True ends the analysis with what is known.
+        Asked often; True ends the analysis with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
 
     Returns
     -------
@@ -90,9 +95,9 @@ def solve_cra_penalty(
         What was given cannot be made into a model.
     """
     chosen = PenaltyOptions.of(options)
-    clock = Clock(chosen.time_limit_s, stop)
+    clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    dry = Cascade(problem, CheckOptions(samples=2), None, clock).run()
+    dry = Cascade(problem, CheckOptions(samples=2), progress, clock).run()
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
     if dry.verdict is Verdict.STABLE:
@@ -105,6 +110,8 @@ def solve_cra_penalty(
             options=chosen,
             time_s={"solve": clock.elapsed_s},
         )
+    if progress is not None:
+        progress("glue", 0, 1)
     numerics = RestOptions(ground=chosen.ground, tolerance=1e-7)
     statics = problem.statics
     glued = find_rest(problem.system, _glue(statics, GLUE[0]), numerics, stop=clock.late)

@@ -16,10 +16,12 @@ from drystone.formulations.equilibrium import (
     solved,
 )
 from drystone.io.opening import Given, How, as_model
+from drystone.progress import Progress
 from drystone.results import Result, Verdict
 from drystone.settings import Options, checked_call
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import ConicProgram
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import found_mechanism, moving_blocks
 from drystone.statics import Statics
@@ -148,11 +150,14 @@ def _program(statics: Statics, options: RBEOptions, tension: bool) -> ConicProgr
 
 
 @checked_call
+@one_blas_thread()
 def solve_rbe(
     given: Given,
     *,
     options: RBEOptions | None = None,
+    progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
     """Do any contact forces balance the loads?
@@ -164,8 +169,11 @@ def solve_rbe(
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     options
+    progress
     stop
-        Asked at every step; True ends the analysis with what is known, like the time limit.
+        Asked often; True ends the analysis with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
 
     Returns
     -------
@@ -186,10 +194,12 @@ def solve_rbe(
     <Verdict.EQUILIBRIUM_EXISTS: 'equilibrium exists'>
     """
     chosen = RBEOptions.of(options)
-    clock = Clock(chosen.conic.time_limit_s, stop)
+    clock = Clock(min(time_limit_s, chosen.conic.time_limit_s), stop)
     problem = Problem.build(as_model(given, **how))
 
     def run(tension: bool) -> EquilibriumSolution:
+        if progress is not None:
+            progress("forces with tension" if tension else "equilibrium", int(tension), 2)
         return solved(
             _program(problem.statics, chosen, tension),
             replace(chosen.conic, time_limit_s=clock.left_s),

@@ -13,12 +13,14 @@ from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.rest_state import Start, start_from
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FALLING_SHARE, free_acceleration, unpressed
 from drystone.stability.screening import PATIENT, Screening
 
 
+@one_blas_thread()
 def try_rest(
     model: Model,
     *,

@@ -29,30 +29,32 @@ from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.problem import Clock, Problem
 
 FEW = 24
-"""Corners beyond which fewer random motions are tried, in proportion: what a try takes grows so.
-Fewer still of many blocks: hardly one leads to a state there."""
+"""Corners beyond which fewer random motions are tried. Their number is in inverse proportion to the
+number of corners, because the time of one start grows with it, and to the number of blocks, because
+in models of many blocks hardly any random motion leads to a state."""
 
 PARTS, PARTS_LIMIT = 8, 400
-"""Random parts of the corners whose forces begin a search for equal overlaps, a quarter as many as
-random motions of one block, and the corners up to which it is done: a start takes less than a tenth
-of a second there."""
+"""Number of random subsets of corners whose forces start a search for equal overlaps, and the
+corners of the largest model in which that is done. A start takes less than 0.1 s there. Four times
+as many random motions are tried in a model of one block."""
 
 SEARCH_LIMIT = 4000
-"""Corners up to which a state is searched for by convex steps where sampled stiffnesses find none.
-Chosen: one step takes about a second there."""
+"""Corners of the largest model that is searched. One convex step takes about 1 s there."""
 
 SLIDE_LIMIT = 2500.0
-"""eta / eps: largest displacement by the overlap of a state that the search may answer with. The
-source uses up to 1000; where two ways to slide meet a state needs a little more."""
+"""eta / eps: the largest displacement of a corner by the largest overlap, in a state that the
+search answers with. The source uses up to 1000. Some states in which a block slides on two joints
+need more."""
 
 CLOSING = 0.02
 """Overlap of the corners about which a random motion turns, by its largest displacement."""
 
 WIDER = 20.0
-"""Spread to begin with, by what is asked for."""
+"""Stiffness ratio that is allowed at first, by the one that is asked for. More starts then lead to
+a state."""
 
 LEANING = RestOptions(ground=1e-2, tolerance=1e-6)
-"""On ground this stiff every model rests, and shows which corners it presses."""
+"""On ground springs this stiff every model rests. The state shows which corners are pressed."""
 
 
 @dataclass(eq=False)
@@ -80,10 +82,7 @@ class Search:
     iterations: int = 0
 
     def states(self, ratio: float, *, reduce: bool = True) -> Iterator[CompatibleState]:
-        """On joints whose stiffnesses differ by no more than a factor, and as little as steps lead.
-
-        More starts lead to joints that differ more, and from there it is not far.
-        """
+        """States whose stiffness ratio is at most ``ratio``, reduced by further steps if wanted."""
         statics = self.problem.statics
         enough = BALANCED * float(np.linalg.norm(statics.load))
         for motion in self._starts():
@@ -99,12 +98,12 @@ class Search:
                     yield state
 
     def equal_overlap_states(self) -> Iterator[CompatibleState]:
-        """With equal overlaps, as eq. 5.6 asks: the end of the steps from every start."""
+        """States with equal overlaps (eq. 5.6): one at the end of the steps from each start."""
         for motion in chain(self._starts(), self._more_starts()):
             yield self.equal_overlap(motion)
 
     def equal_overlap(self, motion: Floats) -> CompatibleState:
-        """The steps from one start, with equal overlaps."""
+        """The state with equal overlaps at the end of the steps from one start."""
         return self._counted(improve(self.problem.statics, motion, stop=self.clock.late))
 
     def slide(self, state: CompatibleState) -> float:
@@ -135,10 +134,11 @@ class Search:
             yield self._at_random(rng, pivots=number % 2 == 0)
 
     def _at_random(self, rng: np.random.Generator, *, pivots: bool) -> Floats:
-        """A random motion (n, 6) that yields to the loads; each block about one of its corners.
+        """A random motion (n, 6) along which the loads do work.
 
-        The wedges of Kao 2023 close to their limit turn about a corner that hardly slides, or slide
-        on all: of either kind one start in thirty or so leads there.
+        With ``pivots`` each block turns about one of its corners. Close to their limit the wedges
+        of Kao 2023 turn about a corner that hardly slides, or slide on all corners. About one start
+        in 30 of the fitting kind leads to such a state.
         """
         statics = self.problem.statics
         motion = rng.standard_normal(6 * statics.free_count)
@@ -161,7 +161,7 @@ class Search:
         return motion.reshape(-1, 6)
 
     def _more_starts(self) -> Iterator[Floats]:
-        """From forces on random halves, more or less, of the corners, and from any motions."""
+        """Motions that fit forces at 40 to 90 % of the corners, then random motions."""
         statics = self.problem.statics
         count, blocks = statics.corner_count, statics.free_count
         if count > PARTS_LIMIT:

@@ -18,7 +18,16 @@ from drystone.models import (
     tower,
 )
 from drystone.results import Verdict
-from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
+from drystone.sequence import (
+    Order,
+    Plan,
+    PlanOptions,
+    Rules,
+    Status,
+    margins,
+    plan,
+    sweep_friction,
+)
 
 
 def planned(assembly: Assembly, friction: float = 0.6, **options: object) -> Plan:
@@ -242,3 +251,27 @@ def test_a_step_that_needs_help_tells_why():
         assert ("without help" in step.why) == (len(step.blocks) > 1 or bool(new))
     told = {one["block"]: one["why"] for one in found.to_dict()["blocks"]}
     assert all(told[name] for name in ("voussoir-02", "voussoir-03"))
+
+
+def test_a_plan_that_is_stopped_keeps_the_verdict_of_the_complete_structure():
+    asked = []
+    found = plan(Model.of(tower(4)), stop=lambda: bool(asked.append(1)) or len(asked) > 1)
+    assert found.complete.stands
+    assert found.steps == ()
+    assert found.stopped == "it was interrupted"
+    assert "before an order was found" in found.message
+    late = plan(Model.of(tower(4)), time_limit_s=0.0)
+    assert (late.complete.stands, late.stopped) == (True, "the time was up")
+
+
+def test_margins_that_are_stopped_keep_the_stages_that_are_known():
+    found = plan(Model.of(tower(4)))
+    asked = []
+    some = margins(found, stop=lambda: bool(asked.append(1)) or len(asked) > 1)
+    assert some.stopped == "it was interrupted"
+    assert len(some.stages) == 3
+    assert some.stages[0] == margins(found).stages[0]
+    assert np.isnan([one.tilt for one in some.stages[1:]]).all()
+    assert some.weakest == 0
+    sweep = sweep_friction(Model.of(tower(2)), [0.4, 0.5], plan, stop=lambda: True)
+    assert (sweep.friction, sweep.plans) == ((), ())

@@ -7,7 +7,7 @@ from drystone import Assembly, CheckOptions, LoadCase, Verdict, check, find_cont
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.models import box
-from drystone.stability import CRAOptions, PenaltyOptions, solve_cra, solve_cra_penalty
+from drystone.stability import solve_cra, solve_cra_penalty
 
 X = (1.0, 0.0, 0.0)
 
@@ -147,11 +147,11 @@ def test_nothing_free_is_stable():
 @pytest.mark.parametrize(
     "analyse",
     [
-        lambda *model: check(Model(*model), options=CheckOptions(time_limit_s=0.0)),
+        lambda *model: check(Model(*model), time_limit_s=0.0),
         lambda *model: check(Model(*model), stop=lambda: True),
-        lambda *model: solve_cra(Model(*model), options=CRAOptions(time_limit_s=0.0)),
+        lambda *model: solve_cra(Model(*model), time_limit_s=0.0),
         lambda *model: solve_cra(Model(*model), stop=lambda: True),
-        lambda *model: solve_cra_penalty(Model(*model), options=PenaltyOptions(time_limit_s=0.0)),
+        lambda *model: solve_cra_penalty(Model(*model), time_limit_s=0.0),
     ],
 )
 def test_out_of_time_is_undecided_with_a_reason(analyse):

@@ -14,7 +14,7 @@ from drystone import (
     find_contacts,
     models,
 )
-from drystone.checks import mechanism_defects
+from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.equilibrium import EquilibriumSolution
 from drystone.formulations.rest.compliance import uniform
 from drystone.formulations.rest.interior_point import find_rest
@@ -154,7 +154,6 @@ def test_any_forces_exist_where_the_least_ones_do(tilt):
     least = solve_rbe(Model(ARCH, JOINTS, leaning), options=RBEOptions(tension=False))
     some = solve_rbe(Model(ARCH, JOINTS, leaning), options=RBEOptions.feasibility())
     assert some.verdict is least.verdict
-    assert some.iterations <= least.iterations
 
 
 def test_a_certificate_of_any_size_is_a_mechanism():
@@ -238,13 +237,10 @@ def test_that_nothing_balances_is_proved_where_most_blocks_stand_still(friction,
         (CheckOptions, {"stiffness_ratio": 0.5}),
         (CheckOptions, {"stiffness_ratio": float("inf")}),
         (CheckOptions, {"seed": -1}),
-        (CheckOptions, {"time_limit_s": float("nan")}),
         (CRAOptions, {"tolerance": float("nan")}),
         (CRAOptions, {"slide_limit": -1.0}),
         (CRAOptions, {"slips": (1.0, -1.0)}),
-        (CRAOptions, {"time_limit_s": -1.0}),
         (PenaltyOptions, {"ground": 0.0}),
-        (PenaltyOptions, {"time_limit_s": -1.0}),
     ],
 )
 def test_options_out_of_range_are_refused(options, wrong):
@@ -302,3 +298,41 @@ def test_a_quick_screening_finds_that_a_thin_lune_rests_although_it_leans_on_the
     wall = np.isin(contacts.block_a, (1, 2)) | np.isin(contacts.block_b, (1, 2))
     contacts = contacts.with_friction(np.where(wall, 0.0, 1.0))
     assert try_rest(Model(model, contacts), screening=QUICK).verdict is Verdict.STABLE
+
+
+def test_no_forces_are_told_of_what_falls_but_those_beside_its_props():
+    falling = Model.of(models.incline(35.0), friction=0.2)
+    found = check(falling)
+    assert found.falls
+    assert found.force is None
+    assert found.residuals is None
+    assert found.force_with_props is not None
+    rest = check_forces(falling, found.force_with_props, prop=found.prop)
+    assert rest.equilibrium < 1e-5
+    with pytest.raises(InputError, match="no forces"):
+        found.joints()
+
+
+def test_props_of_free_fall_are_the_loads_reversed():
+    found = check(Model.of(models.h_model(), friction=0.3))
+    (block,) = found.falling
+    np.testing.assert_allclose(found.prop[block], -found.load.wrench[block], atol=1e-9)
+    assert not np.signbit(found.prop[~np.isin(np.arange(3), block)]).any()
+
+
+@pytest.mark.parametrize("analysis", [check, solve_rbe, solve_cra, solve_cra_penalty])
+def test_every_analysis_takes_the_same_keywords(analysis):
+    told = []
+    found = analysis(
+        Model(ARCH, JOINTS),
+        progress=lambda *step: told.append(step),
+        stop=lambda: False,
+        time_limit_s=60.0,
+    )
+    assert found.stopped == ""
+    assert told
+    assert all(0 <= done <= total for _, done, total in told)
+    assert analysis(Model(ARCH, JOINTS), time_limit_s=0.0).stopped == "the time was up"
+    for limit in (-1.0, float("nan")):
+        with pytest.raises(InputError, match="time"):
+            analysis(Model(ARCH, JOINTS), time_limit_s=limit)

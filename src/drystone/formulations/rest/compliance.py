@@ -47,7 +47,7 @@ def uniform(
     slip
         Slip length by the local overlap for the smooth law; left out, the stick-slip law is used.
     tangential
-        kt / kn of the stick-slip law. Chosen: 0.1 keeps friction below its limit wherever it can.
+        kt / kn of the stick-slip law. A low value keeps friction below its limit where it can.
     glue
         Stiffness against opening, by kn.
     """

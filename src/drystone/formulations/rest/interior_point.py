@@ -139,8 +139,8 @@ class _Path:
     def polish(self, point: _Point) -> RestState | None:
         """Newton steps on the unrelaxed law; None where they do not end the matter.
 
-        Close to the end every corner has made up its mind, or carries nothing either way, and the
-        law itself is followed quadratically.
+        Close to the end no corner changes between pressing and open any more, or the corners that
+        do carry nothing. Newton's method on the law itself then converges quadratically.
         """
         before = np.inf
         for _ in range(POLISH_STEPS):

@@ -1,8 +1,8 @@
 """From one rest state to the next: Newton's method on the contact law itself.
 
-Next to a rest state few corners change their mind about pressing and slipping. Whole steps on the
-unrelaxed law then end in some five of them, a third of what the relaxed law takes from the same
-start. Where many corners change the steps cycle, and are soon given up.
+Next to a rest state few corners change between pressing and open, or between sticking and sliding.
+Full Newton steps on the unrelaxed law then need about five iterations, a third of those of the
+relaxed law from the same start. Where many corners change, the steps cycle and are given up.
 
 Source: the semismooth Newton method, Qi and Sun 1993.
 """
@@ -25,12 +25,13 @@ from drystone.formulations.rest.rest_state import (
 from drystone.formulations.rest.tangent import TangentSystem
 
 STALL = 3
-"""Steps in a row in which the largest unbalanced share is not halved, after which the steps are
-given up. Chosen: of 382 runs from a neighbouring stage that come to rest 7 need more."""
+"""The steps are given up after this many in a row that do not halve the largest unbalanced share.
+Measured: of 382 runs from a neighbouring stage that come to rest, 7 need more."""
 
 HOPELESS = 0.25
-"""Largest unbalanced share after two steps from which on they are given up. Chosen: of 332 runs
-that come to rest in the end one passes it; those that do not take 2.7 steps instead of 4.1."""
+"""The steps are given up where the largest unbalanced share is above this after two steps.
+Measured: of 332 runs that come to rest one is lost; those that do not take 2.7 steps instead of
+4.1."""
 
 
 def find_rest_nearby(

@@ -1,4 +1,4 @@
-"""What a rest state is, where the way to one begins, and the numerics of that way."""
+"""Rest states, starts of the iteration, and its numerics."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from drystone.formulations.rest.tangent import TangentSystem
 from drystone.statics import Statics
 
 STALL = 20
-"""Chosen: of 1,143 runs that converged, on models near and far from their limit, 11 had more steps
-without progress."""
+"""Measured: of 1,143 runs that converged, near to and far from the limit of their models, 11 had
+more steps without progress."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class RestOptions:
     iteration_limit
         Newton steps, each one sparse factorisation.
     band
-        Products fn s are kept between band * tau and tau / band. Chosen: wide enough that a cut of
-        tau moves nothing.
+        Products fn s are kept between band * tau and tau / band. The band is so wide that a cut of
+        tau moves no product.
     warm_relaxation
         tau to begin with from a given start.
     stall

@@ -29,7 +29,14 @@ TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "r
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
 LOAD = ("name", "wrench", "motion", "parts")
-ARRAYS = {"force": 3, "tension": None, "displacement": 6, "mechanism": 6, "prop": 6}
+ARRAYS = {
+    "force": 3,
+    "force_with_props": 3,
+    "tension": None,
+    "displacement": 6,
+    "mechanism": 6,
+    "prop": 6,
+}
 """Columns of the arrays of a result; ``None`` for a plain vector."""
 RESULT = (
     *("method", "verdict", "message", "load", *ARRAYS, "falling", "samples", "residuals", "eta"),
@@ -164,7 +171,7 @@ def _result(
     falling = tuple(one.integer() for one in field.get("falling", []).elements())
     if any(not 0 <= i < len(assembly) for i in falling):
         raise field["falling"].error("names a block that does not exist")
-    rows = {"force": contacts.corner_count, "tension": contacts.corner_count}
+    rows = dict.fromkeys(("force", "force_with_props", "tension"), contacts.corner_count)
 
     def array(name: str) -> Floats | None:
         return _optional(field, name, (rows.get(name, len(assembly)), ARRAYS[name]))
@@ -182,6 +189,7 @@ def _result(
         iterations=field.get("iterations", 0).integer(),
         time_s={key: value.number() for key, value in field.get("time_s", {}).items()},
         force=array("force"),
+        force_with_props=array("force_with_props"),
         tension=array("tension"),
         displacement=array("displacement"),
         mechanism=array("mechanism"),

@@ -1,4 +1,4 @@
-"""The help that a found order really needs: the search may have given more on the way.
+"""The help that an order needs: the search may have given more.
 
 The search believes its screening and never takes a prop back. A block may be propped or held that
 needs neither at the end.
@@ -17,8 +17,8 @@ POLISHED = 8
 """Props of one stage that are tried one by one whether they are needed there."""
 
 SPARED = 100
-"""Free blocks of models of which every prop is tried at all of its stages. Chosen: a vault of 366
-has hundreds of props, of dozens of stages each."""
+"""Free blocks of the largest model in which every prop is tried at all of its stages. A vault of
+366 blocks has hundreds of props, each of dozens of stages."""
 
 
 def apart(path: Sequence[Node], search: Search) -> list[Node]:

@@ -6,7 +6,7 @@ import functools
 import logging
 import pickle
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
 from types import TracebackType
 
@@ -21,12 +21,16 @@ from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
 
 SAVE_EVERY_S = 10.0
-"""Between two writes of the checkpoint. Chosen: what a user does not mind losing."""
+"""Time between two writes of the checkpoint: the work that an interruption can lose."""
 REVIVALS = 5
-"""Times that workers are started anew before the work is done here. Chosen: a worker that dies
-more often than this dies of the work."""
+"""Times that workers are started again before the work goes on in this process. Workers that die
+more often than this probably die of the work itself."""
 
 _log = logging.getLogger(__name__)
+
+
+class Stopped(Exception):
+    """The time was up, or the caller wished to stop; answers so far are kept."""
 
 
 class Evaluator(OneLine):
@@ -41,6 +45,8 @@ class Evaluator(OneLine):
     checkpoint
         File that keeps every answer; when it exists and belongs to this model, work goes on from
         there.
+    late
+        Asked before parts are checked; True ends the work.
 
     Attributes
     ----------
@@ -64,8 +70,10 @@ class Evaluator(OneLine):
         *,
         executor: Executor | ExecutorFactory | None = None,
         checkpoint: PathLike | None = None,
+        late: Callable[[], bool] = bool,
     ) -> None:
         self.model = model
+        self.late = late
         self.solved = 0
         self.asked = 0
         self.solve_s = 0.0
@@ -125,6 +133,11 @@ class Evaluator(OneLine):
             then, so that no answer depends on how far workers looked ahead.
         forces
             Check again what was kept without its forces.
+
+        Raises
+        ------
+        Stopped
+            It is late; what was found before is kept. The first stage is always checked.
         """
         parts = [self.model.parts(stage) for stage in stages]
         missing = []
@@ -138,6 +151,8 @@ class Evaluator(OneLine):
                     self._known[key] = self._kept[key]
                 else:
                     missing.append(part)
+        if missing and self._known and self.late():
+            raise Stopped
         if missing:
             began = time.perf_counter()
             further = dict.fromkeys(part for stage in ahead for part in self.model.parts(stage))
@@ -248,4 +263,4 @@ def _unpacked(payload: bytes) -> Structure:
     return model
 
 
-__all__ = ["Evaluator", "solve_remote"]
+__all__ = ["Evaluator", "Stopped", "solve_remote"]
