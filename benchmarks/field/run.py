@@ -16,6 +16,7 @@ import queue
 import subprocess
 import sys
 import threading
+import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -195,12 +196,16 @@ def mark(answer: dict[str, Any], stands: bool) -> str:
     return "right" if answer["stands"] is stands else "wrong"
 
 
-def rows_of(asked: list[Question], programs: list[Program]) -> list[dict[str, Any]]:
-    """Every state with the answers of all programs."""
+def rows_of(
+    asked: list[Question], programs: list[Program], end: float = float("inf")
+) -> list[dict[str, Any]]:
+    """Every state with the answers of all programs; none is begun after ``end`` (monotonic) [s]."""
     rows: list[dict[str, Any]] = []
     threads = ThreadPoolExecutor(len(programs))
     with contextlib.suppress(KeyboardInterrupt):
         for question in asked:
+            if time.monotonic() > end:
+                break
             told = threads.map(lambda one, task=question.task: one.ask(task), programs)
             answers = dict(zip([program.name for program in programs], told, strict=True))
             rows.append({"model": question.model, "state": question.state, "answers": answers})
@@ -254,7 +259,9 @@ def main() -> None:
     parser.add_argument("--solver", nargs="+", action="append", default=[], help="another command")
     parser.add_argument("--only", default="", help="models with this in their name; no page then")
     parser.add_argument("--limit", type=float, default=60.0, help="seconds for one state")
+    parser.add_argument("--minutes", type=float, default=float("inf"), help="for the whole run")
     asked = parser.parse_args()
+    end = time.monotonic() + 60.0 * asked.minutes
     commands = [
         [sys.executable, "-m", "benchmarks.field.solve_drystone"],
         [sys.executable, "-m", "benchmarks.field.solve_mujoco"],
@@ -268,7 +275,7 @@ def main() -> None:
         programs = list(threads.map(lambda one: Program(one, asked.limit), commands))
     every, machine = sorted(questions(asked.only), key=in_turn), description()
     try:
-        rows = rows_of(every, programs)
+        rows = rows_of(every, programs, end)
     finally:
         for program in programs:
             program.close()
