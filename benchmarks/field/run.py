@@ -40,8 +40,8 @@ ENDED = "{}\n"
 """Stands for a line where there are no more."""
 START = 300.0
 """[s] for a program to start."""
-SMALL = 10
-"""Blocks of a model that is asked before the others."""
+SMALL = 60
+"""Faces of a model that is asked before the others."""
 
 
 def upright(direction: Floats) -> Floats:
@@ -94,8 +94,8 @@ def questions(only: str = "") -> Iterator[Question]:
 
 def in_turn(question: Question) -> tuple[bool, int, int, str]:
     """Small models first, and of these the first limit of each: a run can be ended early."""
-    blocks = len(question.contents.assembly)
-    return blocks > SMALL, question.number // 2, blocks, question.model
+    faces = sum(len(block.faces) for block in question.contents.assembly.blocks)
+    return faces > SMALL, question.number // 2, faces, question.model
 
 
 def task_of(model: Model, friction: float) -> dict[str, Any]:
