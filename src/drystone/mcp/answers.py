@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from drystone.design import DiagnosisOptions, diagnose
 from drystone.detection import find_contacts
 from drystone.errors import DrystoneError, InputError
 from drystone.io import inspect as inspect_file
@@ -136,6 +137,29 @@ def _hardest(result: Result, by: Any) -> dict[str, Any] | None:
     }
 
 
+def _diagnose(given: Given, folder: Folder, end: float) -> dict[str, Any]:
+    model = model_of(given["model"], folder)
+    options = DiagnosisOptions(needs=given.get("needs", True), time_limit_s=_left(end))
+    told = diagnose(model, options=options).to_dict()
+    kept = ("prop", "support", "friction", "ballast", "glue_holds")
+    return {
+        "verdict": told["verdict"],
+        "message": told["message"],
+        "sentences": told["sentences"][:MOST],
+        "friction_of_all_joints": told["friction_of_all"],
+        "regions": [
+            {
+                "blocks": _few(region["blocks"]),
+                "sentence": region["sentence"],
+                "needs": {key: region["needs"][key] for key in kept},
+            }
+            for region in told["regions"][:MOST]
+        ],
+        "stopped": told["stopped"],
+        "notes": list(model.notes)[:MOST],
+    }
+
+
 def _limit(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
     of, live = given["of"], given.get("load")
@@ -207,6 +231,7 @@ TOOLS: Mapping[str, Callable[[Given, Folder, float], dict[str, Any]]] = {
     "files": _files,
     "inspect": _inspect,
     "check": _check,
+    "diagnose": _diagnose,
     "limit": _limit,
     "plan": _plan,
 }

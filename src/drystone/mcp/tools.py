@@ -116,6 +116,19 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
         """
         return await ask("check", model=model.model_dump())
 
+    async def diagnose(
+        model: Model,
+        needs: Annotated[
+            bool, Field(description="Search what would hold each region; false is much faster.")
+        ] = True,
+    ) -> Answer:
+        """Why does a model fall, and what would hold it? One sentence for each region that falls.
+
+        'needs' of a region: the force that is missing and its point, a support from below,
+        the least friction, ballast on one block, and whether glue would hold.
+        """
+        return await ask("diagnose", model=model.model_dump(), needs=needs)
+
     async def limit(
         model: Model,
         of: Annotated[
@@ -162,7 +175,7 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
         log_level="WARNING",
     )
     reads = ToolAnnotations(read_only_hint=True, open_world_hint=False)
-    for tool in (files, inspect, check, limit, plan):
+    for tool in (files, inspect, check, diagnose, limit, plan):
         server.add_tool(tool, annotations=reads)
     return server
 

@@ -125,7 +125,7 @@ def content(count: int) -> dict[str, Any]:
 
 def test_the_tools_say_what_they_are_for(session: Session) -> None:
     tools = {tool.name: tool for tool in session.run(session.client.list_tools()).tools}
-    assert set(tools) >= {"files", "inspect", "check", "limit", "plan"}
+    assert set(tools) >= {"files", "inspect", "check", "diagnose", "limit", "plan"}
     assert all(tool.description and tool.annotations.read_only_hint for tool in tools.values())
     assert session.client.server_info.version == drystone.__version__
     assert "newtons" in (session.client.instructions or "")
@@ -143,6 +143,17 @@ def test_a_shelf_that_balances_and_falls(session: Session) -> None:
     assert told["falling"] == {"count": 2, "first": ["block-9", "block-10"]}
     assert {row["block"] for row in told["props"]} == {"block-9", "block-10"}
     assert told["largest_force"] is None
+
+
+def test_why_a_shelf_falls_and_what_force_is_missing(session: Session) -> None:
+    model = {"file": "shelf.json", "friction": 0.9}
+    told = session.answer("diagnose", model=model, needs=False)
+    fallen = {name for region in told["regions"] for name in region["blocks"]["first"]}
+    assert fallen == {"block-9", "block-10"}
+    force = sum(region["needs"]["prop"]["force"][2] for region in told["regions"])
+    assert force > 0.0
+    assert len(told["sentences"]) >= len(told["regions"])
+    assert session.answer("diagnose", model={"file": "nested/tower.json"})["regions"] == []
 
 
 def test_an_inline_tower_carries_its_weight(session: Session) -> None:

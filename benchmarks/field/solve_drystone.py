@@ -1,0 +1,23 @@
+"""drystone as a solver of the benchmark: ``check`` with its defaults."""
+
+from __future__ import annotations
+
+import time
+
+import drystone
+from benchmarks.field.tasks import answer_all, model_of
+from drystone import Verdict
+
+KNOWN = {Verdict.STABLE: True, Verdict.UNSTABLE: False}
+
+
+def solve(task):
+    model = model_of(task)
+    began = time.process_time()
+    found = drystone.check(model)
+    seconds = time.process_time() - began
+    return KNOWN.get(found.verdict), found.message, seconds
+
+
+if __name__ == "__main__":
+    answer_all(f"drystone {drystone.__version__}", solve)

@@ -1,0 +1,117 @@
+"""The benchmark of the field: its files, its tasks, and the marks of the answers."""
+
+import json
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.field.cases import FOLDER, cases
+from benchmarks.field.run import Program, in_turn, mark, questions, tables, task_of, upright
+from benchmarks.field.solve_drystone import solve
+from drystone import LoadCase, Model, io, models
+
+FILES = sorted(FOLDER.glob("*.json"))
+
+
+def test_the_files_are_what_the_script_writes() -> None:
+    made = {case.key: json.loads(case.text()) for case in cases()}
+    assert set(made) == {path.stem for path in FILES}
+    for path in FILES:
+        told = json.loads(path.read_text("utf-8"))
+        fresh = made[path.stem]
+        assert told["_benchmark"] == fresh["_benchmark"]
+        for block, again in zip(told["blocks"], fresh["blocks"], strict=True):
+            assert block["faces"] == again["faces"]
+            np.testing.assert_allclose(block["vertices"], again["vertices"], atol=1e-9)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_file_is_a_model_with_a_load_case_for_every_state(path: Any) -> None:
+    told = json.loads(path.read_text("utf-8"))["_benchmark"]
+    contents = io.read_file(path)
+    assert contents.assembly.fixed.any()
+    assert [load.name for load in contents.loads] == [state["name"] for state in told["states"]]
+    assert told["title"]
+    assert told["citation"]
+    for state in told["states"]:
+        assert state["friction"] > 0.0
+        assert isinstance(state["stands"], bool)
+
+
+def test_there_are_as_many_as_the_page_says() -> None:
+    states = sum(len(json.loads(path.read_text("utf-8"))["_benchmark"]["states"]) for path in FILES)
+    page = (FOLDER.parents[2] / "docs" / "benchmark.md").read_text("utf-8")
+    assert f"data: {len(FILES)} files" in page
+    assert f"with {states} states" in page
+
+
+@pytest.mark.parametrize("only", ["slide", "topple", "slanted-joint", "overhang"])
+def test_drystone_knows_the_closed_forms(only: str) -> None:
+    for question in questions(only):
+        stands, _, _ = solve(question.task)
+        assert stands is question.state["stands"], question.state["name"]
+
+
+@pytest.mark.parametrize("direction", [(0, 0, -1), (0.6, 0, -0.8), (0, -1, 0), (0, 0.6, 0.8)])
+def test_a_task_is_turned_so_that_gravity_points_down(direction: Any) -> None:
+    turn = upright(np.array(direction, dtype=float))
+    np.testing.assert_allclose(turn @ direction, [0.0, 0.0, -1.0], atol=1e-12)
+    np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(turn) == pytest.approx(1.0)
+
+
+def test_the_interfaces_of_a_task_lie_on_its_blocks() -> None:
+    assembly = models.tower(2)
+    load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 20.0)
+    task = task_of(Model.of(assembly, friction=0.6, load=load), 0.6)
+    (face,) = task["interfaces"]
+    normal = np.array(face["frame"][0])
+    heights = np.array(face["points"]) @ normal
+    for number, block in enumerate(task["blocks"]):
+        beyond = np.array(block["vertices"]) @ normal - heights[0]
+        assert (beyond.max() if number == face["a"] else beyond.min()) == pytest.approx(0, abs=1e-9)
+    assert task["g"] == pytest.approx(9.81)
+
+
+def test_marks_and_their_counts() -> None:
+    answers = [True, False, None]
+    assert [mark({"stands": one}, True) for one in answers] == ["right", "wrong", "none"]
+    state = {"name": "weight", "stands": True, "limit": "none"}
+    rows = [
+        {
+            "model": "x",
+            "state": state,
+            "answers": {"s 1": {"stands": one, "said": "", "seconds": 0.5}},
+        }
+        for one in answers
+    ]
+    assert "| s 1 | 1 | 0 | 1 | 1 | 0.5 | 2 |" in tables(rows)
+
+
+SOLVER = """
+import json, sys
+print(json.dumps({"name": "told"}), flush=True)
+for line in sys.stdin:
+    if json.loads(line)["friction"] > 1.0:
+        sys.exit(1)
+    print(json.dumps({"stands": True, "said": "", "seconds": 0.0}), flush=True)
+"""
+
+
+def test_a_solver_that_ends_has_no_answer_and_is_started_again() -> None:
+    program = Program([sys.executable, "-c", SOLVER], 60.0)
+    try:
+        assert program.name == "told"
+        assert program.ask({"friction": 0.5})["stands"] is True
+        assert program.ask({"friction": 2.0})["said"] == "it ended without an answer"
+        assert program.ask({"friction": 0.5})["stands"] is True
+    finally:
+        program.close()
+
+
+def test_small_models_are_asked_first() -> None:
+    every = sorted([*questions("slide"), *questions("lemos"), *questions("overhang")], key=in_turn)
+    assert every[0].model == "slide"
+    assert every[-1].model == "lemos"
