@@ -30,8 +30,8 @@ KIND = "support, prop, friction, turn, wedge, let-in, thicker, ballast or glue"
 
 
 @command(
-    "drystone mend arch.json --friction 0.3",
-    "drystone mend arch.json --friction 0.3 --auto --out stands.json --html after.html",
+    "drystone mend arch.json --friction 0.3 --diagnose --html why.html",
+    "drystone mend arch.json --margin friction=0.9x --auto --out firm.json",
 )
 def mend(
     *,
@@ -39,18 +39,26 @@ def mend(
     seismic: loading.Seismic = None,
     finding: Finding,
     diagnose: Annotated[
-        bool, Option("Tell why it falls and what is missing; look for no mends.")
+        bool, Option("Tell why it falls and what is missing; look for no mends.", expert=True)
     ] = False,
     auto: Annotated[
         bool, Option("Make the cheapest mend of each region until all stands.")
     ] = False,
     only: Annotated[
         tuple[str, ...],
-        Option(f"Try this kind of mend only: {KIND}. Can be given several times.", metavar="KIND"),
+        Option(
+            f"Try this kind of mend only: {KIND}. Can be given several times.",
+            metavar="KIND",
+            expert=True,
+        ),
     ] = (),
     keep: Annotated[
         tuple[str, ...],
-        Option("Block that may not be changed. Can be given several times.", metavar="BLOCK"),
+        Option(
+            "Block that may not be changed. Can be given several times.",
+            metavar="BLOCK",
+            expert=True,
+        ),
     ] = (),
     margin: Annotated[
         tuple[str, ...],
@@ -58,6 +66,7 @@ def mend(
             "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
             "friction=0.9x, or sensitive, where one contact stiffness is enough.",
             metavar="WHAT",
+            expert=True,
         ),
     ] = (),
     apply: Annotated[

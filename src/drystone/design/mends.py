@@ -11,7 +11,7 @@ import numpy as np
 from drystone.design.candidates import KINDS, Bench, Candidate, Tried, volume_changed
 from drystone.design.diagnosis import Diagnosis, diagnose
 from drystone.design.margin import DesignMargin
-from drystone.display import OneLine
+from drystone.display import OneLine, shortened
 from drystone.errors import InputError, counted
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -45,7 +45,8 @@ class MendOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        kinds = (self.kinds,) if isinstance(self.kinds, str) else tuple(self.kinds)
+        kinds = _several(self.kinds, str, "kinds")
+        keep = _several(self.keep, int | str, "keep")
         for kind in kinds:
             if kind not in KINDS:
                 raise InputError(
@@ -53,9 +54,21 @@ class MendOptions(Options):
                 )
         if not kinds:
             raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
-        keep = (self.keep,) if isinstance(self.keep, int | str) else tuple(self.keep)
         object.__setattr__(self, "kinds", kinds)
         object.__setattr__(self, "keep", keep)
+
+
+def _several(given: Any, kind: Any, name: str) -> tuple[Any, ...]:
+    """One value or several of a kind, as a tuple."""
+    if isinstance(given, kind) and not isinstance(given, bool):
+        return (given,)
+    remedy = "give names" if kind is str else "give names or positions of blocks"
+    if not isinstance(given, list | tuple):
+        raise InputError(f"{name} is {shortened(repr(given), 60)}", remedy=remedy)
+    for one in given:
+        if not isinstance(one, kind) or isinstance(one, bool):
+            raise InputError(f"{name} has {shortened(repr(one), 60)}", remedy=remedy)
+    return tuple(given)
 
 
 @dataclass(frozen=True, eq=False)
