@@ -1,0 +1,186 @@
+"""Changes that make structures stand: found by themselves, checked again from their files."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import Assembly, InputError, Model
+from drystone.cli import main
+from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
+from drystone.design.surgery import still_edge, turn_joint
+from drystone.models import box, h_model, shelf, tower
+
+SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
+"""[degrees] Of the lower joint of block 10 of the shelf."""
+
+
+def again(model: Model, folder: Path) -> drystone.Result:
+    """The check of a model as it is read from its file."""
+    path = folder / "mended.json"
+    drystone.write(model, path)
+    return drystone.check(drystone.read(path))
+
+
+@pytest.fixture(scope="module")
+def fallen() -> Mends:
+    """All that is found for the shelf of the source, in which two pieces fall."""
+    return find_mends(shelf(), friction=0.9)
+
+
+@pytest.mark.parametrize(("block", "lower"), [("block-9", "block-5"), ("block-10", "block-8")])
+def test_each_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(
+    fallen: Mends, block: str, lower: str
+) -> None:
+    found = fallen.of([block])
+    assert {"support", "prop", "wedge", "let-in"} <= {one.kind for one in found}
+    joints = [one.description for one in found if one.kind in ("turn", "wedge", "let-in")]
+    assert any(text.startswith(f"the lower joint, with '{lower}'") for text in joints)
+    assert any(text.startswith("the upper joint, with 'frame'") for text in joints)
+    assert [one.cost for one in found] == sorted(one.cost for one in found)
+
+
+def test_every_mend_of_the_shelf_stands_when_it_is_read_from_its_file(
+    fallen: Mends, tmp_path: Path
+) -> None:
+    for one in fallen.mends:
+        path = tmp_path / "one.json"
+        drystone.write(one.model, path)
+        read = drystone.read(path)
+        fixed = [read.assembly.names[i] for i in np.flatnonzero(read.assembly.fixed)]
+        result = drystone.check(read.with_supports([*fixed, *one.held]))
+        assert result.stable, one.description
+        assert result.samples.standing == result.samples.tried, one.description
+
+
+def test_the_least_turn_is_that_of_a_scan_and_that_of_the_friction_angle(fallen: Mends) -> None:
+    (turned,) = [one for one in fallen.of(["block-10"]) if one.kind == "turn"]
+    assert turned.value == pytest.approx(SLOPE - np.rad2deg(np.arctan(0.9)), abs=0.1)
+    model = fallen.diagnosis.model.with_supports([i for i in range(11) if i != 10])
+    (joint,) = [i for i in range(model.contacts.count) if model.contacts[i].blocks == (8, 10)]
+
+    def stands(angle: float) -> bool:
+        pivot = still_edge(model, joint, angle)
+        return drystone.check(turn_joint(model, joint, angle, pivot=pivot)).stable
+
+    scanned = [round(0.1 * k, 1) for k in range(79, 84)]
+    standing = [angle for angle in scanned if stands(angle) or stands(-angle)]
+    assert min(standing) == pytest.approx(turned.value, abs=0.1)
+
+
+@pytest.mark.parametrize("fix", [1, 2, 3])
+def test_the_partial_fixes_of_the_source_are_mended(fix: int, tmp_path: Path) -> None:
+    model = Model.of(shelf(fix), friction=0.9)  # type: ignore[arg-type]
+    made = mend(model, options=MendOptions(kinds=("turn",)))
+    assert [step.blocks for step in made.steps] == [("block-10",)]
+    assert made.stands
+    assert again(made.model, tmp_path).stable
+    assert model.assembly.volume.sum() == pytest.approx(made.model.assembly.volume.sum(), rel=1e-6)
+
+
+def test_regions_are_mended_one_after_the_other_until_all_stands(tmp_path: Path) -> None:
+    base = box((1.0, 1.0, 1.0), name="base")
+    right = box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "right")
+    left = box((0.8, 1.0, 0.2), (-0.7, 0.0, 1.0), "left")
+    model = Model.of(Assembly((base, right, left)).with_fixed([0]), friction=0.6)
+    made = mend(model, options=MendOptions(kinds=("glue",)))
+    assert [step.blocks for step in made.steps] == [("right",), ("left",)]
+    assert made.stands
+    assert made.log[-1].startswith("it stands: ")
+    assert again(made.model, tmp_path).stable
+
+
+def test_the_friction_for_a_margin_of_tilt_is_its_tangent() -> None:
+    options = MendOptions(margin=DesignMargin(tilt=35.0), kinds=("friction",))
+    (found,) = find_mends(tower(2), friction=0.6, options=options).mends
+    assert found.value == pytest.approx(np.tan(np.deg2rad(35.0)), abs=0.011)
+    assert found.value >= np.tan(np.deg2rad(35.0))
+
+
+def test_what_stands_already_is_said_to_stand() -> None:
+    found = find_mends(tower(2), friction=0.6)
+    assert found.mends == ()
+    assert found.message.startswith("it stands already: ask for a margin")
+    assert mend(tower(2), friction=0.6).steps == ()
+
+
+def test_what_was_tried_is_told_where_nothing_holds() -> None:
+    made = mend(h_model(), friction=0.9, options=MendOptions(kinds=("friction", "ballast")))
+    assert not made.stands
+    assert made.steps == ()
+    assert (
+        "no mend of the list holds block: friction: it falls up to a coefficient of 4"
+        in (made.log[-1])
+    )
+
+
+def test_blocks_to_keep_are_not_changed() -> None:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    options = MendOptions(kinds=("let-in", "glue", "thicker"), keep=("out",))
+    found = find_mends(Assembly((base, out)).with_fixed([0]), friction=0.6, options=options)
+    assert found.mends == ()
+    assert {one.kind for _, one in found.tried} == {"let-in", "glue", "thicker"}
+    assert sum("may not be changed" in one.what for _, one in found.tried) >= 2
+
+
+def test_wrong_options_are_refused_in_words() -> None:
+    with pytest.raises(InputError, match="no kind of mend 'magic'"):
+        MendOptions(kinds=("magic",))
+    with pytest.raises(InputError, match="no kind of mend is allowed"):
+        MendOptions(kinds=())
+    with pytest.raises(InputError, match=r"margin of friction is 1\.5"):
+        DesignMargin(friction=1.5)
+    with pytest.raises(InputError, match="no block is called 'nobody'"):
+        find_mends(tower(2), options=MendOptions(keep=("nobody",)))
+
+
+@pytest.fixture
+def overhang(tmp_path: Path) -> str:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    path = tmp_path / "overhang.json"
+    drystone.write(Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6), path)
+    return str(path)
+
+
+def test_the_command_writes_a_model_that_stands_and_a_page_with_what_it_was(
+    overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, page = tmp_path / "stands.json", tmp_path / "after.html"
+    arguments = ["--auto", "--only", "glue", "--out", str(out), "--html", str(page)]
+    assert main(["mend", overhang, *arguments]) == 0
+    assert "STABLE" in capsys.readouterr().out
+    assert drystone.check(out).stable
+    assert "edges before" in page.read_text(encoding="utf-8")
+
+
+def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
+    overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--only", "prop", "--only", "glue", "--margin", "friction=0.9x", "--json"]
+    assert main(["mend", overhang, *arguments]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
+    out = tmp_path / "propped.json"
+    assert main(["mend", overhang, *arguments, "--apply", "1", "--out", str(out)]) == 0
+    assert json.loads(capsys.readouterr().out)["applied"]["verdict"] == "stable"
+    assert drystone.check(out).stable
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--auto", "--diagnose"], "ask for different things"),
+        (["--out", "x.json"], "no mend is made"),
+        (["--margin", "tilt=steep"], "has no number"),
+        (["--margin", "wind=3"], "is no margin"),
+        (["--margin", "load=1.1", "--margin", "load=1.2"], "given twice"),
+        (["--only", "prop", "--apply", "7"], "there is no mend 7"),
+    ],
+)
+def test_the_command_refuses_what_contradicts_itself(
+    overhang: str, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["mend", overhang, *arguments]) == 2
+    assert said in capsys.readouterr().err
