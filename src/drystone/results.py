@@ -115,6 +115,9 @@ class Result(Card):
     stiffness_ratio
         The largest contact stiffness by the smallest one in the state that was found, where none
         of the stiffnesses tried leads to rest.
+    settlement
+        Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Forces of
+        a structure that stands after settling balance the loads on the moved blocks.
     stopped
         Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
         where nothing was left out.
@@ -135,6 +138,7 @@ class Result(Card):
     eta: float | None = None
     stiffness_ratio: float | None = None
     stopped: str = ""
+    settlement: Any = None
     options: Any = None
     solver: str = ""
     iterations: int = 0

@@ -28,7 +28,7 @@ SEARCHED = 500
 where it does not stand, and a limit asks often; there only rest with a few friction laws is tried,
 and falling is left to the limit of equilibrium."""
 
-ONE_STIFFNESS = stability.CheckOptions(samples=0, search=False)
+ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 OTHER = stability.QUICK.with_slip_lengths(10.0, 0.1)
