@@ -55,4 +55,4 @@ def test_blocks_fit(shape, layout, thickness):
             found.contacts.block_a.tolist(), found.contacts.block_b.tolist(), strict=True
         )
     }
-    assert pairs == {frozenset((face.block_a, face.block_b)) for face in shell.shared_faces}
+    assert pairs == {frozenset(joint.blocks) for joint in shell.contacts}

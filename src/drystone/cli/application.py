@@ -23,6 +23,7 @@ from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
 from drystone.cli.limit import friction, load, shrink, tilt
 from drystone.cli.limit_models import thickness, tolerance
+from drystone.cli.mcp import mcp
 from drystone.cli.mend import mend
 from drystone.cli.plan import plan
 from drystone.cli.reproduce import reproduce
@@ -92,7 +93,7 @@ limit = _group(
 app = _group(
     "drystone",
     "Does a structure of loose blocks stand by contact and friction alone?",
-    (check, convert, demo, inspect, limit, mend, plan, reproduce, settle, shell),
+    (check, convert, demo, inspect, limit, mcp, mend, plan, reproduce, settle, shell),
     "drystone demo",
     "drystone check arch.json --html arch.html",
 )

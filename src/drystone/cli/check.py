@@ -37,5 +37,5 @@ def check(
     model = subject.prepared(waiting, finding, seismic)
     result = verdict.solve(model, waiting, time_limit)
     why = mend.short(result, waiting)
-    files = partial(wanted.of, result)
+    files = partial(wanted.all_of, result, subject.model)
     return verdict.answer(result, waiting, subject.model, files, strict, why)

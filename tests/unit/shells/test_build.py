@@ -155,7 +155,7 @@ def test_ground_blocks_stand_under_every_springer():
     roles = np.array([block.metadata["role"] for block in VAULT.assembly.blocks])
     springer = np.flatnonzero(roles == "springer")
     assert (VAULT.assembly.fixed == (roles == "ground")).all()
-    pairs = [(f.block_a, f.block_b) for f in VAULT.shared_faces]
+    pairs = [joint.blocks for joint in VAULT.contacts]
     under = {a for a, b in pairs if VAULT.ground[b] and not VAULT.ground[a]}
     assert under == set(springer.tolist())
 
@@ -170,7 +170,7 @@ def test_springers_may_be_fixed_instead():
 def test_a_keystone_closes_the_eye():
     shell = build_shell(dome(keystone=True), Layout(courses=6, blocks=12))
     stone = shell.assembly.index("keystone")
-    beside = {f.block_a for f in shell.shared_faces if f.block_b == stone}
+    beside = {joint.blocks[0] for joint in shell.contacts if joint.blocks[1] == stone}
     assert {shell.assembly.names[i][:3] for i in beside} == {"c05"}
     assert len(beside) == 12
 
@@ -195,7 +195,7 @@ def test_seams_have_no_corner_on_one_side_only():
     shell = SHELLS["cross vault"]()
     across = [
         (a, b)
-        for a, b in ((f.block_a, f.block_b) for f in shell.shared_faces)
+        for a, b in (joint.blocks for joint in shell.contacts)
         if not (shell.ground[a] or shell.ground[b])
         and shell.mesh.of_patch[a] != shell.mesh.of_patch[b]
     ]
