@@ -116,8 +116,9 @@ class Result(Card):
         The largest contact stiffness by the smallest one in the state that was found, where none
         of the stiffnesses tried leads to rest.
     settlement
-        Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Forces of
-        a structure that stands after settling balance the loads on the moved blocks.
+        Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Where no
+        stiffness that was tried holds a structure that stands after settling, its forces balance
+        the loads on the moved blocks. It is not written to files.
     stopped
         Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
         where nothing was left out.

@@ -154,12 +154,25 @@ class Cascade:
         return replace(self._unstable(words, motion), settlement=found)
 
     def _rests(self, found: Settlement, why: str) -> Result:
-        """STABLE after settling; the forces are told in the axes of the first joints."""
+        """STABLE after settling, with a rest state in place where a stiffness has one.
+
+        Where none has, the forces are those on the moved blocks, in the axes of the first joints.
+        """
+        words = f"{found.message}; {why}: {SENSITIVE}"
+        for one in self.attempts.standing[:1]:
+            return self._answer(
+                Verdict.STABLE,
+                words,
+                force=one.force,
+                displacement=one.displacement,
+                residuals=one.residuals,
+                settlement=found,
+            )
         contacts, path = self.problem.model.contacts, found.path
         world = np.einsum("ki,kij->kj", path.force, path.axes)
         return self._answer(
             Verdict.STABLE,
-            f"{found.message}; {why}: {SENSITIVE}",
+            words,
             force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
             displacement=path.displacement,
             residuals=path.residuals,
