@@ -139,6 +139,8 @@ class Cascade:
         held = f"{stood or 'none'} of {tried} contact stiffnesses tried would hold it in place"
         if found.outcome is Outcome.RESTS:
             return self._rests(found, held)
+        if found.outcome is Outcome.UNKNOWN and not stood:
+            return replace(self._first_motion(), settlement=found)
         if found.outcome not in (Outcome.FALLS, Outcome.DISPLACED):
             return self._open(found, held)
         motions = (first_motion(self.problem, one.state) for one in self.attempts.falling)
