@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from drystone.io.draft import Contents, Draft, Shape
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh import ply_body
 from drystone.io.mesh.heap import Heap, in_double, shape_of, shapes_of
+from drystone.io.mesh.ply_body import Element, Header, Property
 
 MARK = "drystone block "
 END = re.compile(rb"[\r\n][ \t]*end_header")
@@ -43,34 +43,6 @@ TYPES = {
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 EXACT, SINGLE = 1e-9, 1e-6
 """What counts as the same place, relative to the extent, in double and in single precision."""
-
-
-@dataclass(frozen=True)
-class Property:
-    """A column of an element; a list has a type for its length."""
-
-    name: str
-    type: str
-    length: str | None = None
-
-
-@dataclass(frozen=True)
-class Element:
-    """A table in the file."""
-
-    name: str
-    count: int
-    properties: tuple[Property, ...]
-
-
-@dataclass(frozen=True)
-class Header:
-    """What a file says about its body."""
-
-    order: str
-    elements: tuple[Element, ...]
-    comments: tuple[str, ...]
-    size: int
 
 
 def read(data: bytes, path: Path) -> Draft:

@@ -3,18 +3,44 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from drystone.errors import FormatError
 
-if TYPE_CHECKING:
-    from drystone.io.mesh.ply import Element, Header
-
 Table = dict[str, Any]
 """Columns by name: arrays of numbers, and for list properties a list of lists."""
+
+
+@dataclass(frozen=True)
+class Property:
+    """A column of an element; a list has a type for its length."""
+
+    name: str
+    type: str
+    length: str | None = None
+
+
+@dataclass(frozen=True)
+class Element:
+    """A table in the file."""
+
+    name: str
+    count: int
+    properties: tuple[Property, ...]
+
+
+@dataclass(frozen=True)
+class Header:
+    """What a file says about its body."""
+
+    order: str
+    elements: tuple[Element, ...]
+    comments: tuple[str, ...]
+    size: int
 
 
 def read(body: bytes, header: Header, path: Path) -> dict[str, Table]:
