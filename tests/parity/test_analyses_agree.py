@@ -7,7 +7,7 @@ from drystone import LoadCase, Verdict, check, find_contacts, solve_rbe
 from drystone.checks import check_forces, mechanism_defects
 from drystone.model import Model
 from drystone.models import a_model, arch, concave, cube_curve, h_model, shelf, stool, vault, wedge
-from drystone.stability import CheckOptions, solve_cra, solve_cra_penalty
+from drystone.stability import CheckOptions, could_hold, solve_cra, solve_cra_penalty
 
 STANDING = {
     "arch": (arch(0.15), 0.9, None),
@@ -16,10 +16,13 @@ STANDING = {
     "concave": (concave("short"), 0.84, None),
     "stool": (stool(), 0.6, None),
     "shelf without two": (shelf().without([9, 10]), 0.9, None),
-    "wedge b tilted 57": (wedge("b"), 0.84, ((1, 0, 0), 57.0)),
-    "wedge c tilted 44": (wedge("c"), 0.84, ((1, 0, 0), 44.0)),
     "wedge d tilted about xy 48": (wedge("d"), 0.84, ((3**0.5, 1, 0), 48.0)),
 }
+WEDGED = {
+    "wedge b tilted 57": (wedge("b"), 0.84, ((1, 0, 0), 57.0)),
+    "wedge c tilted 44": (wedge("c"), 0.84, ((1, 0, 0), 44.0)),
+}
+"""What stiffnesses exist for; left to themselves the ends of their joints decide."""
 FALLING = {
     "H": (h_model(), 0.6, None),
     "A": (a_model(), 0.6, None),
@@ -39,10 +42,10 @@ def build(case):
     return model, find_contacts(model, friction=friction).contacts, load
 
 
-@pytest.mark.parametrize("name", STANDING)
+@pytest.mark.parametrize("name", [*STANDING, *WEDGED])
 def test_what_stands_stands_for_every_analysis(name):
-    model, contacts, load = build(STANDING[name])
-    result = check(Model(model, contacts, load))
+    model, contacts, load = build((STANDING | WEDGED)[name])
+    result = (could_hold if name in WEDGED else check)(Model(model, contacts, load))
     assert result.verdict is Verdict.STABLE
     again = check_forces(Model(model, contacts, load), result.force, result.displacement)
     assert again.largest <= 1e-8
