@@ -17,7 +17,7 @@ def main(folder: Path = Path()) -> Result:
     layout = Layout(courses=5, width=1.6)
     body = Body(thickness=0.35, register_deg=10.0, ground=Ground.SPRINGERS)
     shell = build_shell(shape, layout, body)
-    result = check(shell.assembly, friction=0.6)
+    result = check(shell.model(friction=0.6))
     save_page(result, folder / "dome.html")
     write_schedule(shell, folder / "dome.csv")
     print(

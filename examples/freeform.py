@@ -15,7 +15,7 @@ def main(folder: Path = Path()) -> Result:
     """Find the form, build, check, and write the page and the schedule."""
     form = find_form(three_legged_plan(reach=6.0, waist=2.5, foot=2.4), height=2.5, thickness=0.2)
     shell = build_shell(form.shape, Layout(courses=6, width=1.0, wedge=-0.1))
-    result = check(shell.assembly, friction=0.6)
+    result = check(shell.model(friction=0.6))
     save_page(result, folder / "freeform.html")
     write_schedule(shell, folder / "freeform.csv")
     print(

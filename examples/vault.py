@@ -16,7 +16,7 @@ def main(folder: Path = Path()) -> Result:
     shape = barrel_vault(span=5.0, length=4.0, rise=2.0)
     layout = Layout(courses=11, blocks=4, wedge=0.2)
     shell = build_shell(shape, layout, Body(thickness=0.35))
-    result = check(shell.assembly, friction=0.6)
+    result = check(shell.model(friction=0.6))
     save_page(result, folder / "vault.html")
     write_schedule(shell, folder / "vault.csv")
     write_unrolled(shell, folder / "vault.svg")

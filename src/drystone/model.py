@@ -12,11 +12,11 @@ from drystone.arrays import FARTHEST, Bools, Floats, of_type
 from drystone.assembly import Assembly, Block, Blocks
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
+from drystone.detection.report.block_overlaps import overlap_lines
 from drystone.display import Card, shortened
 from drystone.errors import InputError, counted
 from drystone.loads import LoadCase
 from drystone.supports import UP, Joints, remarks, select, up_of
-
 
 REPRESENTED = (1e-100, 1e100)
 """[N, N m], chosen: far from anything that is built, and products of forces fit a float."""
@@ -113,6 +113,7 @@ class Model(Card):
         density: float | None = None,
         load: Any = None,
         detection: DetectionOptions | None = None,
+        anyway: bool = False,
     ) -> Model:
         """The model of an assembly, its contacts found here.
 
@@ -131,8 +132,16 @@ class Model(Card):
             See :class:`Model`.
         detection
             Tolerances of the contact search.
+        anyway
+            Accept blocks that overlap by more than a tenth of the smaller one.
+
+        Raises
+        ------
+        InputError
+            Two blocks share more than a tenth of the smaller one.
         """
         of_type(assembly, Assembly, "the assembly of a model")
+        of_type(anyway, bool, "anyway")
         if density is not None:
             assembly = assembly.with_density(density)
         found = find_contacts(
@@ -140,10 +149,13 @@ class Model(Card):
             friction=DEFAULT_FRICTION if friction is None else friction,
             options=detection,
         )
+        if not anyway:
+            found.report.require_apart()
         contacts = found.contacts
         notes: tuple[str, ...] = ()
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)
+        notes = (*notes, *overlap_lines(assembly.names, found.report.overlaps))
         model = cls(assembly, contacts, load, found.report, notes)
         return model if supports is None else model.with_supports(supports, up_of_load(load))
 

@@ -1,10 +1,40 @@
-"""How long work tells how far it is: one callback, rendered by the command line."""
+"""How long work tells how far it is, and when it ends early."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import TypeAlias
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called as ``progress(stage, done, total)`` with 0 <= done <= total; it must not raise.
 Nothing is stopped through it: that is what ``stop`` is for."""
+
+
+class Clock:
+    """Time since the start, the limit, and the caller's wish to stop: once late, always late."""
+
+    def __init__(self, limit_s: float, stop: Callable[[], bool] | None = None) -> None:
+        self.began = time.perf_counter()
+        self.limit_s = limit_s
+        self.wish = stop
+        self.reason = ""
+
+    @property
+    def elapsed_s(self) -> float:
+        """[s]."""
+        return time.perf_counter() - self.began
+
+    @property
+    def left_s(self) -> float:
+        """[s], until the limit."""
+        return max(self.limit_s - self.elapsed_s, 0.0)
+
+    def late(self) -> bool:
+        """Whether to stop now with what is known; ``reason`` then says why."""
+        if not self.reason:
+            if self.wish is not None and self.wish():
+                self.reason = "it was interrupted"
+            elif self.elapsed_s > self.limit_s:
+                self.reason = "the time was up"
+        return bool(self.reason)

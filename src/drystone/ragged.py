@@ -178,6 +178,11 @@ class Ragged(OneLine):
         """Only some rows (l,) of the same owners."""
         return Ragged.from_counts(self.sum(rows))
 
+    def batches(self, most: int) -> Iterator[Ints]:
+        """Positions of owners, in runs that have about ``most`` rows together, or one owner."""
+        run = self.first // most
+        yield from np.split(np.arange(len(self)), np.flatnonzero(np.diff(run)) + 1)
+
     def _reduced(self, how: np.ufunc, values: NDArray[Any], empty: Any) -> NDArray[Any]:
         """``how`` over the rows of each owner; numpy takes no owner without a row."""
         if len(values) != self.rows:

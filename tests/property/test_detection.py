@@ -79,7 +79,7 @@ def test_contacts_are_those_of_the_model(
         atol=3e-6 if move < 1e3 else 1e-5,
     )
     assert found.report.isolated == ()
-    assert found.report.penetrations == ()
+    assert found.report.overlaps == ()
 
 
 @settings(max_examples=8, derandomize=True, deadline=None)

@@ -48,11 +48,11 @@ def test_blocks_fit(shape, layout, thickness):
     assert {len(users) for users in shell.beside.values()} <= {1, 2}
     assert abs(shell.volume / shape_volume(shape, thickness) - 1.0) < 0.02
     found = find_contacts(shell.assembly, options=DetectionOptions(gap=1e-6))
-    assert found.report.penetrations == ()
+    assert found.report.overlaps == ()
     pairs = {
         frozenset(pair)
         for pair in zip(
             found.contacts.block_a.tolist(), found.contacts.block_b.tolist(), strict=True
         )
     }
-    assert pairs == {frozenset((face.block_a, face.block_b)) for face in shell.shared_faces}
+    assert pairs == {frozenset(joint.blocks) for joint in shell.contacts}

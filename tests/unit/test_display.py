@@ -23,6 +23,7 @@ from drystone import (
     limits,
     reproduce,
     sequence,
+    settlement,
     shells,
     stability,
     view,
@@ -70,7 +71,10 @@ def values(folder: Path) -> Iterator[object]:
     yield drystone.find_contacts(drystone.Assembly((tower(2).blocks[0], sunk)))
     yield Shortfall(0, 1, 0.1, 0.2, 0.01, 3.0)
     yield gap_sweep(tower(3), [1e-4, 1e-3])
-    yield drystone.settle(arch(), {"springer-right": (0.01, 0.0, 0.0)}, friction=0.9)
+    moves = {"springer-right": (0.01, 0.0, 0.0)}
+    yield settlement.support_response(arch(), moves, friction=0.9)
+    settled = drystone.settle(tower(2))
+    yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
     stack = Model.of(tower(3), friction=0.6)
     yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)
@@ -100,7 +104,7 @@ def values(folder: Path) -> Iterator[object]:
     yield sequence.design_cuts(box((1.0, 1.0, 2.0)), [[plane]])
     yield from (sequence.LocalWorkers(2), sequence.DaskWorkers("tcp://127.0.0.1:8786"))
     shell = shells.sample_shell("barrel")
-    yield from (shell, shells.flat_faces(shell, 0), shells.schedule(shell), shell.shared_faces)
+    yield from (shell, shells.flat_faces(shell, 0), shells.schedule(shell))
     yield shells.cross_vault()
     yield shells.find_form(shells.rectangular_plan(6.0, 8.0), height=2.0)
     grid = [(x, y, 0.1 * x * x) for y in range(3) for x in range(3)]

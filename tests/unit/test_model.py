@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import InputError, LoadCase, Model, Verdict
-from drystone.models import arch, tower
+from drystone import Assembly, InputError, LoadCase, Model, Verdict
+from drystone.models import arch, box, prism, tower
 
 
 def test_contacts_and_self_weight_are_found_when_they_are_left_out() -> None:
@@ -95,3 +95,55 @@ def test_a_file_whose_y_axis_points_up_is_turned(tmp_path: Path) -> None:
     assert model.assembly.fixed.tolist() == [True, False, False]
     with pytest.raises(InputError, match="cannot point up"):
         drystone.read(tmp_path / "tower.obj", up="x")
+
+
+def ells() -> Assembly:
+    """Two blocks of three cubes, in one plane, that have a cube in common."""
+    one = prism([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], (0.0, 1.0), "one")
+    other = one.transformed(np.diag([-1.0, 1.0, -1.0]), (1.0, 0.0, 1.0)).renamed("other")
+    return Assembly((one, other), np.array([True, False]))
+
+
+def sunk_lintel() -> Assembly:
+    """A lintel whose ends fill the tops of both legs of a U, flush with its outside."""
+    outline = [(0, 0), (4, 0), (4, 3), (3, 3), (3, 1), (1, 1), (1, 3), (0, 3)]
+    u = prism(outline, (0.0, 1.0), "U")
+    return Assembly((u, box((4.0, 1.0, 1.0), (0.0, 0.0, 2.0), "lintel")), np.array([True, False]))
+
+
+@pytest.mark.parametrize(
+    ("assembly", "said"),
+    [
+        (ells(), r"'one' and 'other': overlap: they share 1 m3 \(33 % of the smaller one\)"),
+        (sunk_lintel(), r"'U' and 'lintel': overlap: they share 2 m3 \(50 % of the smaller one\)"),
+    ],
+)
+def test_blocks_that_share_much_are_refused_unless_they_are_accepted(
+    assembly: Assembly, said: str
+) -> None:
+    with pytest.raises(InputError, match=said):
+        Model.of(assembly)
+    with pytest.raises(InputError, match=said):
+        drystone.check(assembly)
+    accepted = Model.of(assembly, anyway=True)
+    assert "m3" in accepted.notes[0]
+    assert accepted.report is not None
+    (overlap,) = accepted.report.overlaps
+    assert overlap.share == pytest.approx(overlap.volume / min(assembly.volume))
+
+
+def test_blocks_that_share_little_are_a_note() -> None:
+    low = tower(2).blocks[1].transformed(translation=(0.0, 0.0, -0.05))
+    model = Model.of(Assembly((tower(2).blocks[0], low), np.array([True, False])))
+    assert model.notes == (
+        "blocks 'block-0' and 'block-1' overlap: they share 0.05 m3 (5 % of the smaller one),"
+        " 50 mm deep",
+    )
+
+
+def test_overlaps_are_told_where_the_file_brings_its_contacts(tmp_path: Path) -> None:
+    drystone.write(Model.of(ells(), anyway=True), tmp_path / "ells.json")
+    with pytest.raises(InputError, match="they share 1 m3"):
+        drystone.read(tmp_path / "ells.json")
+    notes = drystone.read(tmp_path / "ells.json", anyway=True).notes
+    assert sum("they share 1 m3" in note for note in notes) == 1

@@ -23,7 +23,7 @@ def test_the_bridge_is_symmetric_and_its_blocks_touch_without_overlap():
     assembly = model.assembly
     assert len(assembly) == 11
     assert model.contacts.count == 32  # 33 published: an odd number on a symmetric bridge
-    assert model.report.penetrations == ()
+    assert model.report.overlaps == ()
     mirrored = assembly.centroid * (-1.0, 1.0, 1.0)
     for right, left in ((0, 1), (2, 3), (4, 5), (6, 7), (9, 10)):
         np.testing.assert_allclose(mirrored[right], assembly.centroid[left], atol=1e-12)
@@ -81,7 +81,7 @@ def test_there_is_no_fourth_fix():
 def test_the_snake_stands_at_its_friction_and_not_at_half_of_it():
     model = Model.of(snake(), friction=0.7)
     assert len(model.assembly) == 4
-    assert model.report.penetrations == ()
+    assert model.report.overlaps == ()
     assert check(model).verdict is Verdict.STABLE
     assert check(model.with_friction(0.35)).verdict is Verdict.UNSTABLE
 

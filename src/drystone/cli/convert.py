@@ -67,7 +67,7 @@ def convert(
         read = replace(read, assembly=select(read.assembly, supports), results=(), loads=())
     if contacts:
         waiting.stage("detect", "finding contacts")
-        made = Model.of(read.assembly, friction=friction)
+        made = Model.of(read.assembly, friction=friction, anyway=True)
         notes += [*made.notes, *([] if made.report is None else warnings_of(made.report))]
         read = replace(read, contacts=made.contacts, results=())
     waiting.stage("write", f"writing {target}")

@@ -87,6 +87,14 @@ Edges: TypeAlias = Annotated[
 FindContacts: TypeAlias = Annotated[
     bool, Option("Find contacts anew where the file brings some.", CONTACTS, expert=True)
 ]
+Anyway: TypeAlias = Annotated[
+    bool,
+    Option(
+        "Go on where blocks overlap by more than a tenth of the smaller one; plan also where the "
+        "complete model does not stand.",
+        CONTACTS,
+    ),
+]
 Html: TypeAlias = Annotated[
     Path | None,
     Option("Write a page to look at the answer in a browser.", OUTPUT,

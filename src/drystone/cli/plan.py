@@ -82,7 +82,6 @@ def plan(
     best: Annotated[
         bool, Option("Search until no order with fewer props is left.", expert=True)
     ] = False,
-    anyway: Annotated[bool, Option("Plan even if the complete model does not stand.")] = False,
     thorough: Annotated[
         bool, Option("Let stages stand that are sensitive to joint stiffness.", expert=True)
     ] = False,
@@ -131,7 +130,7 @@ def plan(
 
     waiting.stage("plan", "planning")
     chosen = sequence.PlanOptions(
-        rules=rules, exact=exact, patience=float("inf") if best else None, anyway=anyway
+        rules=rules, exact=exact, patience=float("inf") if best else None, anyway=finding.anyway
     )
     check = sequence.check_thoroughly if thorough else None
 

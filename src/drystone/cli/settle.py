@@ -19,7 +19,7 @@ from drystone.errors import InputError
 
 if TYPE_CHECKING:
     from drystone.cli.answer import Files
-    from drystone.settlement import Settlement
+    from drystone.settlement import SupportResponse
 
 
 @command(
@@ -53,18 +53,18 @@ def settle(
         raise InputError(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
-    from drystone.settlement import SettlementOptions  # work is imported when there is some
-    from drystone.settlement import settle as solve
+    # work is imported when there is some
+    from drystone.settlement import SupportResponseOptions, support_response
 
     waiting.stage("solve", "settling")
-    found = solve(model, options=SettlementOptions(compliance=compliance))
+    found = support_response(model, options=SupportResponseOptions(compliance=compliance))
     data = _content(found, subject.model)
     code = verdict.exit_code(found.result, strict=False)
     files = partial(_files, found, wanted)
     return Answer(data, partial(_show, data), code, model.notes, files)
 
 
-def _files(found: Settlement, wanted: Written) -> Files:
+def _files(found: SupportResponse, wanted: Written) -> Files:
     tables, said = wanted.tables(found.result)
     if wanted.html is None and wanted.png is None:
         return tables, said
@@ -75,7 +75,7 @@ def _files(found: Settlement, wanted: Written) -> Files:
     return [*wanted.jobs(page, partial(view.save_figure, moved_scene(found))), *tables], said
 
 
-def _content(answer: Settlement, model: str) -> dict[str, Any]:
+def _content(answer: SupportResponse, model: str) -> dict[str, Any]:
     """The answer as plain values: forces in N, lengths in m, rotations in rad."""
     import numpy as np  # as above
 

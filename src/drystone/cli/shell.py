@@ -11,7 +11,6 @@ from drystone.cli import kinds, options, verdict
 from drystone.cli.answer import Answer
 from drystone.cli.command import OUTPUT, Option, command
 from drystone.cli.output import Screen
-from drystone.cli.subject import warnings_of
 from drystone.cli.surfaces import Wanted, surface_of
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures, apart
@@ -106,7 +105,6 @@ def shell(
         raise InputError(
             "is for --block-files", where="--block-format", remedy="name a folder with that"
         )
-    from drystone.model import Model
     from drystone.shells import Body, Intrados, Layout, build_shell, write_blocks
 
     body = Body(
@@ -125,10 +123,8 @@ def shell(
         wedge=0.0 if wedge is None and not straight else wedge,
     )
     made = build_shell(base.shape, layout, body, progress=waiting)
-    waiting.stage("detect", "finding contacts")
-    model = Model.of(made.assembly, friction=friction)
-    said = [] if model.report is None else warnings_of(model.report)
-    model = replace(model, notes=(*base.notes, *made.notes, *said))
+    model = made.model() if friction is None else made.model(friction=friction)
+    model = replace(model, notes=(*base.notes, *made.notes))
     result = verdict.solve(model, waiting, time_limit)
     if block_files is not None:
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")

@@ -58,6 +58,7 @@ class Finding(Tolerances):
     """How the contacts of a model are found."""
 
     find_contacts: options.FindContacts = False
+    anyway: options.Anyway = False
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,7 @@ class Subject(Source):
             up=self.up,
             skip_defects=self.skip_defects,
             search=finding.find_contacts,
+            anyway=finding.anyway,
             **self.how(),
             progress=lambda stage, *_: waiting.stage(*stages[stage]),
         )
@@ -180,8 +182,6 @@ def _refuse_supports(model: Model, subject: Subject) -> None:
 
 def warnings_of(report: ContactReport) -> list[str]:
     """What a user must hear of the contact search even when he did not ask for its report."""
-    from drystone.detection.report.advice import millimetres  # the commands start fast
-
     names = report.names
     said = []
     if report.isolated:
@@ -189,12 +189,4 @@ def warnings_of(report: ContactReport) -> list[str]:
         more = len(report.isolated) - PAIRS
         said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
         said += report.suggestions()
-    deepest = sorted(report.penetrations, key=lambda pair: -pair.depth)
-    said += [
-        f"blocks '{names[pair.block_a]}' and '{names[pair.block_b]}' stand"
-        f" {millimetres(pair.depth)} mm in each other"
-        for pair in deepest[:PAIRS]
-    ]
-    if len(deepest) > PAIRS:
-        said.append(f"and {len(deepest) - PAIRS} more pairs of blocks stand in each other")
     return said

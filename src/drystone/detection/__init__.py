@@ -1,13 +1,13 @@
 """From an assembly to its contacts, with a report of what was found, left out and why."""
 
-from drystone.detection.find import Detection, find_contacts
+from drystone.detection.find import Detection, find_contacts, find_overlaps
 from drystone.detection.freeform.given import contacts_from_mesh
 from drystone.detection.freeform.regroup import regroup
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.options import DetectionOptions, EdgeContacts
+from drystone.detection.report.block_overlaps import Overlap
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.gap_sweep import GapSweep, gap_sweep
-from drystone.detection.report.penetration import Penetration
 from drystone.detection.report.reasons import Missed, Reason
 
 __all__ = [
@@ -17,11 +17,12 @@ __all__ = [
     "EdgeContacts",
     "GapSweep",
     "Missed",
-    "Penetration",
+    "Overlap",
     "Reason",
     "Shortfall",
     "contacts_from_mesh",
     "find_contacts",
+    "find_overlaps",
     "gap_sweep",
     "regroup",
 ]

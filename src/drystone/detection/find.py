@@ -13,10 +13,10 @@ from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.freeform.shortfall import Shortfall, shortfalls
 from drystone.detection.options import DetectionOptions, EdgeContacts
+from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.edgemisses import edge_misses
 from drystone.detection.report.misses import dropped, judge, misses
-from drystone.detection.report.penetration import penetrations
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import (
     Pairs,
@@ -184,10 +184,8 @@ def _report(
 ) -> ContactReport:
     touched = np.zeros(len(assembly), dtype=bool)
     touched[found.block_a] = touched[found.block_b] = True
-    a, b = pairs
-    together = np.isin(a * len(assembly) + b, found.block_a * len(assembly) + found.block_b)
-    most = np.maximum.reduceat(most_slack(patches, options), patches.first_patch[:-1])
-    tolerance = options.gap * np.minimum(patches.size[a], patches.size[b]) + most[a] + most[b]
+    plane = found.area > 0.0
+    joined = found.block_a[plane] * len(assembly) + found.block_b[plane]
     return ContactReport(
         names=assembly.names,
         options=options,
@@ -207,13 +205,52 @@ def _report(
         undirected=tuple((a, b) for a, b in undirected.tolist()),
         near_undirected=tuple((a, b) for a, b in near_undirected.tolist()),
         isolated=tuple(np.flatnonzero(~touched).tolist()),
-        penetrations=penetrations(assembly, patches, pairs, np.flatnonzero(together), tolerance),
+        overlaps=_overlaps(assembly, patches, pairs, joined, options),
         duplicates=_duplicates(assembly, patches, pairs),
         parts=_parts(assembly, patches),
         repairs=tuple(
             (i, what) for i, block in enumerate(assembly.blocks) for what in block.repairs
         ),
     )
+
+
+def find_overlaps(
+    assembly: Assembly, options: DetectionOptions | None = None
+) -> tuple[Overlap, ...]:
+    """Pairs of blocks that are deeper in each other than the tolerances allow.
+
+    :func:`find_contacts` reports them too; this is for contacts that come from elsewhere.
+
+    Parameters
+    ----------
+    assembly
+    options
+        Tolerances; the defaults when left out.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> from drystone.assembly import Assembly
+    >>> sunk = box((1, 1, 1), (0, 0, 0.75), name="sunk")
+    >>> found = find_overlaps(Assembly((box((1, 1, 1), name="base"), sunk)))
+    >>> found[0].volume, found[0].share, found[0].depth
+    (0.25, 0.25, 0.25)
+    """
+    options = DetectionOptions.of(options)
+    patches = patches_of(assembly)
+    pairs = near_blocks(patches, options)
+    return _overlaps(assembly, patches, pairs, np.zeros(0, dtype=np.intp), options)
+
+
+def _overlaps(
+    assembly: Assembly, patches: Patches, pairs: Pairs, joined: Ints, options: DetectionOptions
+) -> tuple[Overlap, ...]:
+    """See :func:`block_overlaps`; ``joined`` are pairs as ``a * number + b``."""
+    a, b = pairs
+    most = np.maximum.reduceat(most_slack(patches, options), patches.first_patch[:-1])
+    tolerance = options.gap * np.minimum(patches.size[a], patches.size[b]) + most[a] + most[b]
+    together = np.flatnonzero(np.isin(a * len(assembly) + b, joined))
+    return block_overlaps(assembly, patches, pairs, together, tolerance)
 
 
 def _parts(assembly: Assembly, patches: Patches) -> tuple[tuple[int, int], ...]:
@@ -236,4 +273,4 @@ def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tup
     return tuple((blocks[i], blocks[j]) for i, j in twins)
 
 
-__all__ = ["Detection", "find_contacts"]
+__all__ = ["Detection", "find_contacts", "find_overlaps"]

@@ -16,7 +16,6 @@ from drystone.arrays import Floats, Ints
 from drystone.errors import FormatError
 from drystone.files import decode
 
-
 LARGEST_WHOLE = 2**53
 """Up to here floats hold every whole number."""
 

@@ -10,8 +10,10 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 
 import numpy as np
 
+from drystone.arrays import of_type
 from drystone.assembly import Assembly
-from drystone.detection import DetectionOptions
+from drystone.detection import DetectionOptions, find_overlaps
+from drystone.detection.report.block_overlaps import overlap_lines, require_apart
 from drystone.display import shortened
 from drystone.errors import InputError, counted
 from drystone.files import PathLike
@@ -42,6 +44,7 @@ class How(TypedDict, total=False):
     up: str
     split: bool
     search: bool
+    anyway: bool
     skip_defects: bool
     layers: Sequence[str]
     hidden: bool
@@ -64,6 +67,7 @@ def read(
     up: str = "z",
     split: bool = False,
     search: bool = False,
+    anyway: bool = False,
     skip_defects: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
@@ -96,6 +100,8 @@ def read(
         Separate parts of a block become blocks of their own.
     search
         Search the contacts although the file has some.
+    anyway
+        Accept blocks that overlap by more than a tenth of the smaller one.
     skip_defects
         Leave out blocks that cannot be used, with a note.
     layers
@@ -109,7 +115,8 @@ def read(
     FormatError
         The file cannot be read, or something in it is wrong: file, place and remedy are named.
     InputError
-        A unit, an axis or a support is not known.
+        A unit, an axis or a support is not known; or two blocks overlap by more than a tenth of
+        the smaller one.
     MissingDependency
         The format needs an extra.
 
@@ -126,6 +133,7 @@ def read(
     """
     if not isinstance(up, str) or up not in UP:
         raise InputError(f"the axis '{up}' cannot point up", where="up", remedy="give y or z")
+    of_type(anyway, bool, "anyway")
     if progress is not None:
         progress("read", 0, 2)
     contents = read_file(
@@ -157,12 +165,17 @@ def read(
             density=density,
             load=load,
             detection=detection,
+            anyway=anyway,
         )
     else:
         assembly = assembly if density is None else assembly.with_density(density)
         contacts = contacts if friction is None else contacts.with_friction(friction)
         verb = "is" if contacts.count == 1 else "are"
         notes.append(f"the {counted(contacts.count, 'interface')} of the file {verb} used")
+        overlaps = find_overlaps(assembly, detection)
+        if not anyway:
+            require_apart(assembly.names, overlaps)
+        notes += overlap_lines(assembly.names, overlaps)
         model = Model(assembly, contacts, load)
         if supports is not None:
             model = model.with_supports(supports, up_of_load(load))
@@ -203,7 +216,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
             f"{shortened(repr(given), 60)} cannot be analysed",
             remedy="give a Model, an Assembly or the path of a file",
         )
-    _refuse(how, (*FILE_ONLY, "detection", "density"), "a model")
+    _refuse(how, (*FILE_ONLY, "anyway", "detection", "density"), "a model")
     model = given
     if how.get("supports") is not None:
         model = model.with_supports(how["supports"])  # type: ignore[arg-type]

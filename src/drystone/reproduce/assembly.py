@@ -82,7 +82,7 @@ def shells() -> Case:
         "vault": plan(Model.of(niche(0.2), friction=0.6), options=BY_COURSE),
         "dome": plan(Model.of(ring_dome(), friction=0.66), options=BY_COURSE),
         "three-vault shell": plan(
-            Model.of(sample_shell("freeform", 40).assembly, friction=0.66), options=BY_COURSE
+            sample_shell("freeform", 40).model(friction=0.66), options=BY_COURSE
         ),
     }
     lines = (

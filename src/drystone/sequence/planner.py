@@ -19,7 +19,7 @@ from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
 from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.exact import search_exactly
-from drystone.sequence.search.helping import apart, props_in_time
+from drystone.sequence.search.helping import SPARED, apart, props_in_time
 from drystone.sequence.search.states import Found, Node, SearchOptions
 from drystone.sequence.stage.checks import Check, check_once
 from drystone.sequence.stage.evaluation import Evaluator
@@ -188,13 +188,15 @@ class _Planner:
 
     def describe(self, complete: Answer, found: Found, search: Search) -> Plan:
         path = found.path[::-1]
-        if search.levels != (None,):
+        if len(search.levels) > 1:
             path = apart(path, search)
         active = props_in_time(path, search)
         steps = []
+        told = len(self.model.assembly.free) <= SPARED
         for number in range(1, len(path)):
             props = active[number - 1], active[number]
-            steps.append(self.step(path[number - 1], path[number], *props))
+            step = self.step(path[number - 1], path[number], *props)
+            steps.append(replace(step, why=self.why(step, *props)) if told else step)
             if self.progress is not None:
                 self.progress("verifying stages", number, len(path) - 1)
         impossible = {b: self.bound.reasons[b] for b in members(self.bound.core)}
@@ -204,12 +206,12 @@ class _Planner:
             tuple(steps),
             impossible,
             _message(complete, steps, impossible),
-            self.proves(complete, found, search, steps),
+            self.proves(complete, found, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
         )
 
-    def proves(self, complete: Answer, found: Found, search: Search, steps: list[Step]) -> bool:
+    def proves(self, complete: Answer, found: Found, steps: list[Step]) -> bool:
         """Whether no order can need less help: there is none, or the search left nothing out."""
         props = {block for step in steps for block in step.props}
         together = sum(len(step.blocks) - 1 for step in steps)
@@ -217,8 +219,24 @@ class _Planner:
             return False
         if together == 0 and len(props) <= (0 if complete.stands else 1):
             return True
-        # screening proves no fall, and other props may hold the complete structure
-        return found.proved and search.levels == (None,) and complete.stands
+        # other props may hold a complete structure that does not stand
+        return found.proved and complete.stands
+
+    def why(self, step: Step, standing: int, props: int) -> str:
+        """What the check says of a step without its hands and without its new props."""
+        before = step.placed & ~mask_of(step.blocks)
+        alone = []
+        if len(step.blocks) > 1:
+            first = before | 1 << step.blocks[0]
+            alone.append(Stage(first, (props | standing) & first))
+        if props & ~standing:
+            alone.append(Stage(step.placed, props & standing))
+        found = (self.evaluator.answer(stage) for stage in alone)
+        return "; ".join(
+            "without help: " + _falls(one, self.model.assembly.names) + one.message
+            for one in found
+            if not one.stands
+        )
 
     def step(self, before: Node, after: Node, standing: int, props: int) -> Step:
         """Assembly from one stage to the next; the group of the search left in reverse."""
@@ -249,20 +267,25 @@ class _Planner:
 
 def _refusal(complete: Answer, names: Sequence[str]) -> str:
     """Why nothing is planned."""
-    falling = complete.falling
-    if not falling:
-        words = ""
-    elif len(falling) == 1:
-        words = f": {names[falling[0]]} falls"
-    else:
-        more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
-        words = f": {', '.join(names[b] for b in falling[:LISTED])}{more} fall"
+    words = _falls(complete, names)
+    words = f": {words.removesuffix('; ')}" if words else ""
     if complete.verdict is Verdict.UNSTABLE:
         return f"the complete structure does not stand{words}; {complete.message}"
     return (
         f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "
         "check (--thorough) tries more"
     )
+
+
+def _falls(answer: Answer, names: Sequence[str]) -> str:
+    """The blocks that fall, with a semicolon behind them; nothing where they are not known."""
+    falling = answer.falling
+    if not falling:
+        return ""
+    if len(falling) == 1:
+        return f"{names[falling[0]]} falls; "
+    more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
+    return f"{', '.join(names[b] for b in falling[:LISTED])}{more} fall; "
 
 
 def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]) -> str:

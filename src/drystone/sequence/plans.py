@@ -53,6 +53,9 @@ class Step(OneLine):
         Of the stage at the end of the step.
     during
         Answers while blocks are held, one after each block but the last.
+    why
+        Why the step needs hands or a new prop: what the check says without them. Empty where it
+        needs none, and in models of more than 100 free blocks.
     """
 
     blocks: tuple[int, ...]
@@ -61,6 +64,7 @@ class Step(OneLine):
     placed: int
     answer: Answer
     during: tuple[Answer, ...] = ()
+    why: str = ""
 
     def _summary(self) -> str:
         propped = f", propped {self.props}" if self.props else ""
@@ -243,7 +247,7 @@ class Plan(Card):
                     "status": self.status[b].value,
                     "step": self.step_of.get(b),
                     "partners": [names[p] for p in self.partners(b)],
-                    "why": self.impossible.get(b, ""),
+                    "why": self._why(b),
                 }
                 for b in range(len(names))
                 if self.steps or b in self.impossible
@@ -264,6 +268,13 @@ class Plan(Card):
             "solve_s": self.solve_s,
         }
 
+    def _why(self, block: int) -> str:
+        """Why a block cannot be put in, or needs help."""
+        if block in self.impossible:
+            return self.impossible[block]
+        step = self.step_of.get(block)
+        return "" if step is None or self.status[block] is Status.FREE else self.steps[step].why
+
     def _step(self, number: int) -> dict[str, Any]:
         step = self.steps[number]
         names = self.model.assembly.names
@@ -275,6 +286,7 @@ class Plan(Card):
             "directions": [ways.tolist() for ways in self.directions(number)],
             "propped": [names[b] for b in step.props],
             "verdict": step.answer.verdict,
+            "why": step.why,
             "friction_used": step.answer.used,
         }
 

@@ -2,7 +2,7 @@
 
 from drystone.shells.blocks.extent import shape_volume
 from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise
-from drystone.shells.build import SharedFace, Shell, build_shell
+from drystone.shells.build import Shell, build_shell
 from drystone.shells.options import Body, FormOptions, Ground, Intrados, Layout
 from drystone.shells.samples import SAMPLES, sample_shell
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
@@ -45,7 +45,6 @@ __all__ = [
     "ScheduleRow",
     "Seam",
     "Shape",
-    "SharedFace",
     "Shell",
     "Side",
     "barrel_vault",

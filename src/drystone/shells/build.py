@@ -9,11 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.arrays import Bools, Floats, Ints, dot, unit
 from drystone.assembly import Assembly
+from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.display import OneLine
 from drystone.errors import InputError, counted
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.plane.polygon import area_vectors
+from drystone.model import Model
 from drystone.progress import Progress
+from drystone.ragged import Ragged
 from drystone.shells.blocks.extent import check_radius, mean_width
 from drystone.shells.blocks.flat_cells import fit_cells
 from drystone.shells.blocks.materialise import Pins, cell_faces, make_blocks
@@ -38,22 +43,6 @@ from drystone.shells.options import Body, Ground, Layout
 from drystone.shells.surface.lengths import refuse_unless_positive
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
-
-
-@dataclass(frozen=True)
-class SharedFace(OneLine):
-    """A planar face that two blocks have in common.
-
-    Attributes
-    ----------
-    block_a, block_b
-        Positions in the assembly.
-    corner : (k, 3) [m], counter-clockwise seen from block b
-    """
-
-    block_a: int
-    block_b: int
-    corner: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,16 +105,54 @@ class Shell(OneLine):
         return users
 
     @cached_property
-    def shared_faces(self) -> tuple[SharedFace, ...]:
-        """Every face that two blocks share, as made."""
-        shared = []
+    def contacts(self) -> Contacts:
+        """The joints between its blocks as they were made, one for each face that two share.
+
+        They are those that :func:`drystone.find_contacts` finds, without a search.
+        """
+        loops, ends = [], []
         for block, cell in enumerate(self.mesh.cells):
             for face in cell_faces(self.mesh, self.pins, cell)[2]:
                 users = self.beside[frozenset(face)]
                 if len(users) == 2 and users[0] == block:
-                    corner = self.pins.point[list(face)]
-                    shared.append(SharedFace(block, users[1], corner))
-        return tuple(shared)
+                    loops.append(face)
+                    ends.append(users)
+        order = sorted(range(len(loops)), key=ends.__getitem__)
+        corners = Ragged.of([loops[i] for i in order])
+        point = self.pins.point[[pin for i in order for pin in loops[i]]]
+        normal, area = unit(area_vectors(point, corners.start))
+        height = dot(point - corners.spread(corners.mean(point)), corners.spread(normal))
+        a, b = np.array([ends[i] for i in order], dtype=np.intp).reshape(-1, 2).T
+        return Contacts(
+            a,
+            b,
+            frames_from_normals(normal),
+            area,
+            np.full(len(area), DEFAULT_FRICTION),
+            point - height[:, None] * corners.spread(normal),
+            corners.owner,
+        )
+
+    def model(self, *, friction: float = DEFAULT_FRICTION, load: Any = None) -> Model:
+        """The shell as a model, which every analysis takes; its contacts are not searched.
+
+        Parameters
+        ----------
+        friction
+            Coefficient of every joint.
+        load
+            See :class:`drystone.Model`.
+
+        Examples
+        --------
+        >>> import drystone
+        >>> from drystone.shells import Layout, barrel_vault, build_shell
+        >>> shell = build_shell(barrel_vault(span=6.0, length=6.0), Layout(courses=10, blocks=4))
+        >>> drystone.check(shell.model(friction=0.6)).stable
+        True
+        """
+        contacts = self.contacts.with_friction(friction)
+        return Model(self.assembly, contacts, load, notes=self.notes)
 
 
 def build_shell(
@@ -149,7 +176,7 @@ def build_shell(
     ------
     InputError
         No support, a thickness above the radius of curvature, too few blocks, joints that stay
-        warped, blocks turned inside out, or blocks that stand in each other: the surface crosses
+        warped, blocks turned inside out, or blocks that overlap: the surface crosses
         itself.
 
     Examples

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +11,7 @@ from drystone.arrays import Bools, Floats
 from drystone.checks import block_speed
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
+from drystone.progress import Clock
 from drystone.statics import Statics, build_statics
 
 
@@ -88,30 +87,4 @@ class Problem:
         return carried / np.where(size > 0.0, size, 1.0)
 
 
-class Clock:
-    """Time since the start, the limit, and the caller's wish to stop: once late, always late."""
-
-    def __init__(self, limit_s: float, stop: Callable[[], bool] | None = None) -> None:
-        self.began = time.perf_counter()
-        self.limit_s = limit_s
-        self.wish = stop
-        self.reason = ""
-
-    @property
-    def elapsed_s(self) -> float:
-        """[s]."""
-        return time.perf_counter() - self.began
-
-    @property
-    def left_s(self) -> float:
-        """[s], until the limit."""
-        return max(self.limit_s - self.elapsed_s, 0.0)
-
-    def late(self) -> bool:
-        """Whether to stop now with what is known; ``reason`` then says why."""
-        if not self.reason:
-            if self.wish is not None and self.wish():
-                self.reason = "it was interrupted"
-            elif self.elapsed_s > self.limit_s:
-                self.reason = "the time was up"
-        return bool(self.reason)
+__all__ = ["Clock", "Problem"]

@@ -11,7 +11,7 @@ from drystone.assembly import Assembly
 from drystone.checks import block_speed
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotation_about
-from drystone.settlement import Settlement
+from drystone.settlement import SupportResponse
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.staging import stage_of
@@ -20,15 +20,15 @@ PLAYED = 0.3
 """Largest motion of a block in pictures, by the median size of the blocks; chosen by eye."""
 
 
-def settlement_scene(settlement: Settlement) -> Scene:
+def settlement_scene(settlement: SupportResponse) -> Scene:
     """A scene that compares the forces before and after, and plays the motion, enlarged.
 
     Examples
     --------
-    >>> import drystone
+    >>> from drystone.settlement import support_response
     >>> from drystone.models import arch
     >>> moved = {"springer-right": (0.01, 0.0, 0.0)}
-    >>> settled = drystone.settle(arch(0.2, 8), moved, friction=0.7)
+    >>> settled = support_response(arch(0.2, 8), moved, friction=0.7)
     >>> [stage.label for stage in settlement_scene(settled).stages]
     ['after', 'before']
     """
@@ -47,7 +47,7 @@ def settlement_scene(settlement: Settlement) -> Scene:
     return Scene(result.assembly, result.contacts, (after, before), title)
 
 
-def moved_scene(settlement: Settlement) -> Scene:
+def moved_scene(settlement: SupportResponse) -> Scene:
     """The blocks moved, enlarged, so that a figure shows which joints open.
 
     Without an answer it is the scene of :func:`settlement_scene`.
@@ -71,7 +71,7 @@ def moved_scene(settlement: Settlement) -> Scene:
     return Scene(moved, Contacts.empty(), (stage,), f"drystone: {headline.lower()}")
 
 
-def _headline(settlement: Settlement) -> str:
+def _headline(settlement: SupportResponse) -> str:
     count = len(settlement.open_joints())
     return f"Settled: {count} joint{'' if count == 1 else 's'} open{'s' if count == 1 else ''}"
 
@@ -82,7 +82,7 @@ def _enlarged(assembly: Assembly, motion: Floats) -> tuple[Floats, float]:
     return motion * factor, factor
 
 
-def _openings(settlement: Settlement) -> tuple[Layer, ...]:
+def _openings(settlement: SupportResponse) -> tuple[Layer, ...]:
     contacts = settlement.result.contacts
     opens = np.isin(np.arange(contacts.count), settlement.open_joints())
     opens &= np.diff(contacts.start) >= 3

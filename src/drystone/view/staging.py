@@ -61,17 +61,18 @@ def stage_of(result: Result, label: str = "result") -> Stage:
     if falling:
         verb = "falls" if len(falling) == 1 else "fall"
         headline += f": {len(falling)} of {len(assembly)} blocks {verb}"
+    message = "; ".join([result.message, *result.model.notes])
     layers = interface_layers(contacts, visible=False)
     if result.force is None:
         return Stage(
-            label, headline, result.message, state, result.verdict, result.mechanism,
+            label, headline, message, state, result.verdict, result.mechanism,
             _needed(result), layers=layers,
         )  # fmt: skip
     resultants = result.resultants
     return Stage(
         label,
         headline,
-        result.message,
+        message,
         state,
         verdict=result.verdict,
         motion=result.mechanism,

@@ -78,12 +78,15 @@ def test_a_block_that_touches_nothing_falls_and_is_named(tmp_path: Path, capsys:
     assert any("touching nothing" in note and "'lone'" in note for note in told["notes"])
 
 
-def test_blocks_that_interpenetrate_are_warned_of_with_the_depth(
+def test_blocks_that_overlap_are_refused_or_told_with_the_depth(
     tmp_path: Path, capsys: Capsys
 ) -> None:
     model = boxes(base=(0, 0, 0), on=(0, 0, 1), deep=(0, 0, 1.8))
-    _, told = answer(capsys, "check", file(tmp_path, model))
-    (note,) = [note for note in told["notes"] if "in each other" in note]
+    assert main(["check", file(tmp_path, model)]) == 2
+    said = capsys.readouterr().err
+    assert "blocks 'on' and 'deep': overlap: they share 0.2 m3 (20 % of the smaller one)" in said
+    _, told = answer(capsys, "check", file(tmp_path, model), "--anyway")
+    (note,) = [note for note in told["notes"] if "they share" in note]
     assert "'on' and 'deep'" in note
     assert "200 mm" in note
 

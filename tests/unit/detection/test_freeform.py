@@ -27,7 +27,7 @@ def test_differently_meshed_sides_keep_their_area(strips: tuple[int, int, int]) 
     for joint, area in ((1, 1.2130), (2, 1.2469)):
         assert report.area[report.block_b == joint].sum() == pytest.approx(area, rel=0.02)
     assert report.area.sum() == pytest.approx(AREA, rel=0.02)
-    assert report.penetrations == ()
+    assert report.overlaps == ()
 
 
 def test_differently_meshed_rims_keep_their_area() -> None:

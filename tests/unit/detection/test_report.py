@@ -82,7 +82,9 @@ def test_report_is_json_and_complete() -> None:
     assert data["isolated"] == ["slab", "cube", "deep"]
     assert data["missed"][0]["blocks"] == ["slab", "cube"]
     assert data["missed"][0]["reason"] == "too far apart"
-    assert data["penetrations"] == [{"blocks": ["slab", "deep"], "depth": pytest.approx(0.1)}]
+    (overlap,) = data["overlaps"]
+    assert overlap["blocks"] == ["slab", "deep"]
+    assert overlap["depth"] == pytest.approx(0.1)
     assert data["options"]["gap"] == 0.005
     whole = json.loads(json.dumps(find_contacts(concave()).report.to_dict()))
     assert len(whole["interfaces"]) == 7
@@ -176,7 +178,7 @@ def test_overlap_that_a_larger_angle_joins_is_not_to_be_moved_apart() -> None:
     model = Assembly((SLAB, tilted))
     options = DetectionOptions(edges="never")
     report = find_contacts(model, options=options).report
-    assert report.penetrations != ()
+    assert report.overlaps != ()
     (text,) = report.suggestions()
     assert text.startswith("raise angle from 2 to 4")
 

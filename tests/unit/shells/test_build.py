@@ -155,7 +155,7 @@ def test_ground_blocks_stand_under_every_springer():
     roles = np.array([block.metadata["role"] for block in VAULT.assembly.blocks])
     springer = np.flatnonzero(roles == "springer")
     assert (VAULT.assembly.fixed == (roles == "ground")).all()
-    pairs = [(f.block_a, f.block_b) for f in VAULT.shared_faces]
+    pairs = [joint.blocks for joint in VAULT.contacts]
     under = {a for a, b in pairs if VAULT.ground[b] and not VAULT.ground[a]}
     assert under == set(springer.tolist())
 
@@ -170,7 +170,7 @@ def test_springers_may_be_fixed_instead():
 def test_a_keystone_closes_the_eye():
     shell = build_shell(dome(keystone=True), Layout(courses=6, blocks=12))
     stone = shell.assembly.index("keystone")
-    beside = {f.block_a for f in shell.shared_faces if f.block_b == stone}
+    beside = {joint.blocks[0] for joint in shell.contacts if joint.blocks[1] == stone}
     assert {shell.assembly.names[i][:3] for i in beside} == {"c05"}
     assert len(beside) == 12
 
@@ -195,7 +195,7 @@ def test_seams_have_no_corner_on_one_side_only():
     shell = SHELLS["cross vault"]()
     across = [
         (a, b)
-        for a, b in ((f.block_a, f.block_b) for f in shell.shared_faces)
+        for a, b in (joint.blocks for joint in shell.contacts)
         if not (shell.ground[a] or shell.ground[b])
         and shell.mesh.of_patch[a] != shell.mesh.of_patch[b]
     ]
@@ -282,7 +282,7 @@ def test_a_surface_that_crosses_itself_is_refused():
     """The section is an eight on its side; it crosses itself in the middle."""
     with pytest.raises(
         InputError,
-        match=r"blocks 'c\d+-b\d+' and 'c\d+-b\d+': stand in each other, .* and \d+ more pairs; "
+        match=r"blocks 'c\d+-b\d+' and 'c\d+-b\d+': overlap, .* and \d+ more pairs; "
         "the surface must not cross itself",
     ):
         bent(40)(lambda t: (4.0 * np.sin(t), 2.0 * np.sin(2.0 * t)), (0.3, 2.0 * np.pi + 0.1))
@@ -301,7 +301,7 @@ def test_a_surface_may_come_as_near_to_itself_as_it_is_thick(gap):
             bent(60)(spiral, (0.0, 3.0 * np.pi))
     else:
         shell = bent(60)(spiral, (0.0, 3.0 * np.pi))
-        assert find_contacts(shell.assembly).report.penetrations == ()
+        assert find_contacts(shell.assembly).report.overlaps == ()
 
 
 def test_a_patch_may_not_cross_another():
@@ -310,7 +310,7 @@ def test_a_patch_may_not_cross_another():
         lambda u, v: arch.point(u, v)[:, [1, 0, 2]] + [-1.0, 1.0, 0.3], name="across"
     )
     shape = Shape((arch, other), (), tuple(Edge(k, Side.BOTTOM) for k in (0, 1)))
-    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
+    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': overlap"):
         build_shell(shape, Layout(courses=9, blocks=3), Body(thickness=0.2))
 
 
@@ -372,7 +372,7 @@ def test_a_closed_patch_has_no_left_and_right(side):
 
 def test_a_patch_may_not_be_there_twice():
     shape = Shape(barrel_vault().patches * 2, (), (Edge(0, Side.BOTTOM), Edge(1, Side.BOTTOM)))
-    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': stand in each other"):
+    with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': overlap"):
         build_shell(shape, Layout(courses=6, blocks=3))
 
 

@@ -96,9 +96,9 @@ def test_flat_faces_keep_lengths_and_areas():
     for face in flat_faces(SHELL, i):
         beside = {SHELL.assembly.names[k] for k in (i,)} | {face.neighbour}
         solid = [
-            f.corner
-            for f in SHELL.shared_faces
-            if {SHELL.assembly.names[f.block_a], SHELL.assembly.names[f.block_b]} == beside
+            joint.corners
+            for joint in SHELL.contacts
+            if {SHELL.assembly.names[i] for i in joint.blocks} == beside
         ]
         lengths = sorted(np.linalg.norm(face.corner - np.roll(face.corner, 1, axis=0), axis=1))
         assert any(

@@ -39,7 +39,7 @@ def suggestions(report: ContactReport) -> tuple[str, ...]:
     if report.parts:
         said.append("split separate parts into blocks (--split, drystone.repair.split_shells)")
     explained = {i for pair in (*report.undirected, *report.near_undirected) for i in pair}
-    explained |= {i for p in report.penetrations for i in (p.block_a, p.block_b)}
+    explained |= {i for p in report.overlaps for i in (p.block_a, p.block_b)}
     explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
     lost = [report.names[i] for i in report.isolated if i not in explained]
     if lost and len(report.names) > 1:
@@ -60,7 +60,7 @@ def _steps(needed: dict[tuple[int, int], float], digits: int, unit: str) -> str:
 
 
 def _for_overlaps(report: ContactReport, apart: list[Missed]) -> list[str]:
-    """What to do about blocks that stand in each other, or are there twice."""
+    """What to do about blocks that overlap, or are there twice."""
     said = []
     twice = set(report.duplicates)
     if twice:
@@ -71,7 +71,7 @@ def _for_overlaps(report: ContactReport, apart: list[Missed]) -> list[str]:
         for m in apart
         if m.reason in (Reason.ANGLE, Reason.OVERLAP) and not np.isnan(m.needed)
     }
-    deep = {(p.block_a, p.block_b) for p in report.penetrations} - twice - joinable
+    deep = {(p.block_a, p.block_b) for p in report.overlaps} - twice - joinable
     if deep:
         said.append(f"{counted(len(deep), 'pair')} of blocks overlap: move them apart in the model")
     return said

@@ -13,7 +13,7 @@ from drystone.arrays import Bools, Floats, Ints
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.options import DetectionOptions
 from drystone.detection.report.advice import SHOWN, counted, listed, millimetres, suggestions
-from drystone.detection.report.penetration import Penetration
+from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.display import Card
 from drystone.table import Table
@@ -57,8 +57,8 @@ class ContactReport(Card):
         Pairs whose parallel edges or corners are near each other, beyond the gap.
     isolated
         Blocks that touch nothing.
-    penetrations
-        Blocks that stand in each other.
+    overlaps
+        Pairs of blocks that share volume, deeper than is tolerated.
     duplicates
         Pairs of blocks that are the same solid in the same place.
     parts
@@ -85,7 +85,7 @@ class ContactReport(Card):
     undirected: tuple[tuple[int, int], ...]
     near_undirected: tuple[tuple[int, int], ...]
     isolated: tuple[int, ...]
-    penetrations: tuple[Penetration, ...]
+    overlaps: tuple[Overlap, ...]
     duplicates: tuple[tuple[int, int], ...]
     parts: tuple[tuple[int, int], ...]
     repairs: tuple[tuple[int, str], ...]
@@ -103,7 +103,7 @@ class ContactReport(Card):
         return (
             f"{counted(len(self.names), 'block')}, {counted(len(self.area), 'interface')} in "
             f"{counted(self.pair_count, 'pair')}, {counted(apart, 'pair')} missed, "
-            f"{counted(len(self.penetrations), 'overlap')}"
+            f"{counted(len(self.overlaps), 'overlap')}"
         )
 
     @property
@@ -164,14 +164,7 @@ class ContactReport(Card):
                 f" {'touches' if len(self.isolated) == 1 else 'touch'} nothing:"
                 f" {listed([self.names[i] for i in self.isolated])}"
             )
-        deepest = sorted(self.penetrations, key=lambda pair: -pair.depth)
-        lines += _first(
-            [
-                f"blocks '{self.names[deep.block_a]}' and '{self.names[deep.block_b]}'"
-                f" stand {millimetres(deep.depth)} mm in each other"
-                for deep in deepest
-            ]
-        )
+        lines += overlap_lines(self.names, self.overlaps)
         lines += _first(
             [
                 f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
@@ -183,6 +176,16 @@ class ContactReport(Card):
         )
         lines += _first([f"block '{self.names[i]}': {what}" for i, what in self.repairs])
         return lines + [f"suggestion: {text}" for text in self.suggestions()]
+
+    def require_apart(self) -> None:
+        """Refuse blocks that share more than a tenth of the smaller one.
+
+        Raises
+        ------
+        InputError
+            There are such blocks; the pair that shares most is named.
+        """
+        require_apart(self.names, self.overlaps)
 
     def _missed_lines(self) -> list[str]:
         apart: dict[Reason, dict[tuple[int, int], Missed]] = {}
@@ -276,9 +279,14 @@ class ContactReport(Card):
             "undirected": [[name[a], name[b]] for a, b in self.undirected],
             "near_undirected": [[name[a], name[b]] for a, b in self.near_undirected],
             "isolated": [name[i] for i in self.isolated],
-            "penetrations": [
-                {"blocks": [name[p.block_a], name[p.block_b]], "depth": p.depth}
-                for p in self.penetrations
+            "overlaps": [
+                {
+                    "blocks": [name[pair.block_a], name[pair.block_b]],
+                    "depth": pair.depth,
+                    "volume": pair.volume,
+                    "share": pair.share,
+                }
+                for pair in self.overlaps
             ],
             "duplicates": [[name[a], name[b]] for a, b in self.duplicates],
             "parts": [{"block": name[i], "count": count} for i, count in self.parts],
@@ -312,4 +320,4 @@ def _first(lines: list[str]) -> list[str]:
     return lines[:SHOWN] + more
 
 
-__all__ = ["ContactReport", "Missed", "Penetration", "Reason"]
+__all__ = ["ContactReport", "Missed", "Overlap", "Reason"]

@@ -187,7 +187,7 @@ def write(model: Contents, path: Path) -> None:
     lines = ["# drystone, metres"]
     offset = 1
     for block in model.assembly.blocks:
-        name = NEWLINE.sub(" ", block.name)
+        name = " ".join(lines_of(block.name))
         lines.append(f"o {name}")
         lines += ["v " + " ".join(map(repr, point)) for point in block.vertices.tolist()]
         lines += ["f " + " ".join(str(i + offset) for i in face) for face in block.faces]

@@ -1,8 +1,12 @@
 """Best-first search over stages, backwards from the complete structure.
 
 A state is a stage and the props that were spent on it. Its cost is lexicographic: props, then
-simultaneous placements. States wait unchecked; the cheapest and, among those, the one with the
-fewest blocks left is checked next, so that without trouble the search walks straight down.
+simultaneous placements. States wait unchecked. The cheapest is checked next; among those, the one
+with the fewest blocks left. Where every stage stands the search therefore takes away one block
+after the other.
+
+A stage is screened first. Where the screening finds no rest state the stage waits, and is checked
+before any stage with more help is looked at. An order that the user gives is checked at once.
 
 Where a stage falls, every cure moves or holds one of the blocks that fall: a mechanism that leaves
 a block at rest is still one when that block is held or gone. So the ways on are, for each falling
@@ -19,7 +23,7 @@ from dataclasses import replace
 from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.rules import Bound
+from drystone.sequence.rules import Bound, Order
 from drystone.sequence.search.hands import can_hold
 from drystone.sequence.search.needs import LocalBalance
 from drystone.sequence.search.states import Cost, Found, Node, SearchOptions
@@ -66,24 +70,34 @@ class Search:
         self.progress = progress
         # a proof that no order is better needs the full check of every stage
         screening = () if math.isinf(options.patience) else self.model.screening
-        self.levels: tuple[Screening | None, ...] = screening or (None,)
-        self.small = len(self.model.assembly.free) < FEW_BLOCKS
-        self.heap: list[tuple[Cost, int, int, int, Node]] = []
+        self.levels: tuple[Screening | None, ...] = (*screening, None)
+        self.few = len(self.model.assembly.free) < FEW_BLOCKS
+        every, screened = len(self.levels), max(1, len(screening))
+        imposed = not isinstance(bound.rules.order, Order)
+        # how many levels are asked at first, and once help was given
+        self.first_levels = every if imposed else screened if self.few else 1
+        self.later_levels = every if self.few else screened
+        self.heap: list[tuple[Cost, int, int, int, int, bool, Node]] = []
         self.pushed = 0
         self.rounds = 0
 
     def run(self, root: Node) -> Found:
         """Search from a stage that stands down to the core."""
         closed: dict[tuple[int, int, frozenset[int]], Cost] = {}
-        proved = self.options.width >= len(self.model.assembly)
+        every = self.later_levels == len(self.levels)
+        proved = every and self.options.width >= len(self.model.assembly)
         best = root
         waited = 0.0
         self.push([root])
         while self.heap:
-            node = heapq.heappop(self.heap)[-1]
+            *_, screened, node = heapq.heappop(self.heap)
             before = self.evaluator.asked
-            answer = self.look_well(node) if self.small else self.look(node)
-            waited += max(LOOK, self.evaluator.asked - before)
+            answer = self.answer(node, len(self.levels) if screened else self.first_levels)
+            if not screened:
+                waited += max(LOOK, self.evaluator.asked - before)
+                if answer.verdict is Verdict.UNDECIDED and self.to_check(node):
+                    self.push([node], screened=True)
+                    continue
             stands = answer.stands and self.can_hold(node)
             key = (node.placed, node.props, frozenset(() if stands else node.group))
             if key in closed and closed[key] <= node.cost:
@@ -116,8 +130,31 @@ class Search:
             left = (node.placed & ~self.bound.core).bit_count()
             self.progress("planning", total - left, total)
 
+    def to_check(self, node: Node) -> bool:
+        """Whether a node that was screened in vain waits to be checked.
+
+        A check takes long in larger models. There it comes before the first help, and before help
+        is forced; what is given beyond need is taken back at the end.
+        """
+        left = self.first_levels < len(self.levels)
+        return left and (self.few or (node.cost == (0, 0) and len(node.group) < 2))
+
+    def answer(self, node: Node, levels: int = 2**30) -> Answer:
+        """The answer of a node by the first levels, until one proves that it stands or falls.
+
+        Where none does, an answer that tells which blocks fall.
+        """
+        answers = []
+        for number in range(min(levels, len(self.levels))):
+            answers.append(self.look(node, number))
+            if answers[-1].stands:
+                return answers[-1]
+            if answers[-1].verdict is Verdict.UNSTABLE:
+                break
+        return next((one for one in answers if one.falling), answers[-1])
+
     def look(self, node: Node, number: int = 0) -> Answer:
-        """The answer of a node; with workers, those that are likely next are asked for too.
+        """The answer of a node by one level; with workers, likely nodes are asked for too.
 
         Neighbours of what just left that cannot be balanced settle it without a check.
         """
@@ -138,28 +175,24 @@ class Search:
             return Stage(node.placed, node.props, level)
         return Stage(node.placed, node.props, level, (node.parent.placed, node.parent.props))
 
-    def look_well(self, node: Node) -> Answer:
-        """The answer of a node by every level until it stands; else one that tells what falls."""
-        answers = []
-        for number in range(len(self.levels)):
-            answers.append(self.look(node, number))
-            if answers[-1].stands:
-                return answers[-1]
-        return next((one for one in answers if one.falling), answers[-1])
-
     def widened(self, blocks: int) -> int:
         """Some blocks and all that touch them."""
         for block in members(blocks):
             blocks |= self.model.neighbours[block]
         return blocks
 
-    def push(self, nodes: list[Node]) -> None:
-        """Let nodes wait; earlier ones of a later call are looked at first."""
+    def push(self, nodes: list[Node], *, screened: bool = False) -> None:
+        """Let nodes wait; earlier ones of a later call are looked at first.
+
+        Nodes that were ``screened`` in vain are checked before any node with more blocks, or with
+        more help, is looked at.
+        """
         self.rounds += 1
         for node in nodes:
             self.pushed += 1
             count = node.placed.bit_count()
-            entry = (self.estimate(node), count, -self.rounds, self.pushed, node)
+            when = (count, screened) if self.few else (screened, count)
+            entry = (self.estimate(node), *when, -self.rounds, self.pushed, screened, node)
             heapq.heappush(self.heap, entry)
 
     def estimate(self, node: Node) -> Cost:
@@ -235,7 +268,18 @@ class Search:
 
     def can_hold(self, node: Node) -> bool:
         """Whether a group can be placed block by block, hands holding those that are in."""
-        return can_hold(self.evaluator, self.bound, node, self.levels[0])
+        return can_hold(self.held_answer, self.bound, self.model, node)
+
+    def held_answer(self, stage: Stage) -> Answer:
+        """The answer of a stage within a step, by every level until it stands."""
+        answer = None
+        for level in self.levels:
+            near = stage.near if level is not None and level.from_neighbour else None
+            answer = self.evaluator.answer(stage._replace(screening=level, near=near))
+            if answer.stands:
+                break
+        assert answer is not None
+        return answer
 
     def force(self, node: Node) -> Node:
         """One step further down from a stage that stands, with held blocks, else with props."""
@@ -266,7 +310,7 @@ class Search:
                 group=(*node.group, joining[0]),
                 cost=(props, together + 1),
             )
-            answer = self.look_well(node)
+            answer = self.answer(node, self.later_levels)
         return node if self.can_hold(node) else None
 
     def prop(self, node: Node, answer: Answer) -> Node:
@@ -280,12 +324,12 @@ class Search:
                 reach, wider = wider, self.widened(wider)
             reach = wider
             node = replace(node, props=node.props | (falling & reach or falling))
-            answer = self.look_well(node)
+            answer = self.answer(node, self.later_levels)
         added = node.props & ~given
         if added.bit_count() <= 2 * self.options.tries:
             for block in members(added):
                 fewer = replace(node, props=node.props & ~(1 << block))
-                if self.look_well(fewer).stands:
+                if self.answer(fewer, self.later_levels).stands:
                     node = fewer
         props, together = node.cost
         return replace(node, cost=(props + (node.props & ~given).bit_count(), together))

@@ -52,7 +52,7 @@ def search_exactly(search: Search, root: Node) -> Found:
     while heap:
         (_, _, drop), _, state = heapq.heappop(heap)
         node = state.node
-        answer = search.look(node)
+        answer = search.answer(node)
         stands = answer.stands and search.can_hold(node)
         group = frozenset(() if stands else node.group)
         key = ((node.placed, node.props, state.last), group)

@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from drystone.loads import STANDARD_GRAVITY
 from drystone.sequence.rules import Bound
 from drystone.sequence.search.states import Node
-from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.stages import Stage, mask_of
-from drystone.stability import Screening
+from drystone.sequence.stage.stages import Answer, Stage, mask_of
+from drystone.sequence.stage.structure import Structure
 
 
-def can_hold(evaluator: Evaluator, bound: Bound, node: Node, screening: Screening | None) -> bool:
+def can_hold(
+    answer_of: Callable[[Stage], Answer], bound: Bound, model: Structure, node: Node
+) -> bool:
     """Whether the group of a node can be placed, hands holding those of it that are in.
 
     Parameters
     ----------
-    evaluator
+    answer_of
+        Tells whether a stage in between stands.
     bound
         Payload, and hands that each block takes.
+    model
     node
-    screening
-        Level at which the stages in between are screened; None checks them.
     """
     if len(node.group) < 2 or node.parent is None:
         return True
-    load, mass = evaluator.model.load.wrench, evaluator.model.assembly.mass
-    for stage in held_stages(node, screening):
-        answer = evaluator.answer(stage)
+    load, mass = model.load.wrench, model.assembly.mass
+    for stage in held_stages(node):
+        answer = answer_of(stage)
         if not answer.stands:
             return False
         for block in node.group:
@@ -43,7 +46,7 @@ def can_hold(evaluator: Evaluator, bound: Bound, node: Node, screening: Screenin
     return True
 
 
-def held_stages(node: Node, screening: Screening | None) -> list[Stage]:
+def held_stages(node: Node) -> list[Stage]:
     """Stages within a step, backwards: after each block but the last has left."""
     placed = node.placed | mask_of(node.group)
     near = (node.placed, node.props)
@@ -51,7 +54,7 @@ def held_stages(node: Node, screening: Screening | None) -> list[Stage]:
     for number, block in enumerate(node.group[:-1]):
         placed &= ~(1 << block)
         held = node.props | mask_of(node.group[number + 1 :])
-        out.append(Stage(placed, held, screening, near if screening else None))
+        out.append(Stage(placed, held, None, near))
     return out
 
 

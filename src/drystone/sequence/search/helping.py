@@ -37,7 +37,7 @@ def apart(path: Sequence[Node], search: Search) -> list[Node]:
             placed = node.placed | mask_of(node.group[start:])
             props = (node.props | (node.parent.props if node.parent else 0)) & placed
             early = replace(node, placed=placed, props=props, group=node.group[:start])
-            if search.look_well(early).stands and search.can_hold(early):
+            if search.answer(early).stands and search.can_hold(early):
                 out.append(replace(late, group=node.group[start:end], parent=early))
                 late, end = early, start
         out.append(late)
@@ -55,9 +55,9 @@ def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
         when = [i for i, mask in enumerate(needed) if mask >> block & 1]
         for i in range(when[0], when[-1] + 1):
             active[i] |= 1 << block
-    look = search.levels[0]
+    level = search.levels[0]
     stages = [
-        Stage(node.placed, mask, look, (node.placed, node.props) if look else None)
+        Stage(node.placed, mask, level, (node.placed, node.props) if level else None)
         for node, mask in zip(path, active, strict=True)
     ]
     answers = search.evaluator.answers(stages)
@@ -108,7 +108,7 @@ def _spare(path: Sequence[Node], active: list[int], search: Search) -> None:
 
 def _stands(node: Node, search: Search, *, well: bool) -> bool:
     """Whether a stage stands, and hands can hold what is placed together up to the next one."""
-    answer = search.look_well(node) if well else search.look(node)
+    answer = search.answer(node) if well else search.look(node)
     return answer.stands and search.can_hold(node)
 
 

@@ -1,4 +1,4 @@
-"""How deep polyhedra stand in each other, concave ones too."""
+"""How much volume polyhedra share and how deep they are in each other, concave ones too."""
 
 from __future__ import annotations
 
@@ -6,20 +6,26 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly, Block
-from drystone.geometry.body.depth import depths
+from drystone.geometry.body.convexity import convex_bodies
+from drystone.geometry.body.shared_volume import shared_volumes
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, prism
 
 ELL = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0), (1.0, 2.0), (0.0, 2.0)]
-UP = (0.0, 0.0, 1.0)
 
 
-def depth(*blocks: Block, direction: tuple[float, float, float] = UP) -> list[float]:
+def shared(*blocks: Block) -> tuple[list[float], list[float]]:
+    """Depth and volume of all pairs, zero for those that are apart."""
     a, b = np.triu_indices(len(blocks), 1)
-    found = depths(
-        Assembly(blocks).faces, a, b, np.full(len(a), 1e-6), np.tile(direction, (len(a), 1))
-    )
-    return found.tolist()
+    convex = convex_bodies([one.vertices for one in blocks], [one.faces for one in blocks])
+    found = shared_volumes(Assembly(blocks).faces, a, b, np.full(len(a), 1e-6), convex)
+    depth, volume = np.zeros(len(a)), np.zeros(len(a))
+    depth[found.row], volume[found.row] = found.depth, found.volume
+    return depth.tolist(), volume.tolist()
+
+
+def depth(*blocks: Block) -> list[float]:
+    return shared(*blocks)[0]
 
 
 def ells(seed: int, count: int) -> list[Block]:
@@ -42,22 +48,42 @@ def test_blocks_that_fill_the_notch_of_another_touch_it_only() -> None:
 
 def test_a_block_wholly_inside_is_found() -> None:
     inner = box((0.2, 0.2, 0.2), (0.4, 0.4, 0.4), "inner")
-    assert depth(box((1.0, 1.0, 1.0), name="outer"), inner) == pytest.approx([0.4])
+    found = shared(box((1.0, 1.0, 1.0), name="outer"), inner)
+    assert found == (pytest.approx([0.6]), pytest.approx([0.008]))
 
 
 @pytest.mark.parametrize(
-    ("size", "corner", "deep"),
+    ("size", "corner", "deep", "volume"),
     [
-        ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 0.5),
-        ((1.0, 1.0, 1.0), (0.6, 0.0, 0.0), 0.2),
-        ((1.0, 1.0, 2.0), (0.0, 0.0, 0.5), 0.25),
+        ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 1.0, 1.0),
+        ((1.0, 1.0, 1.0), (0.6, 0.0, 0.0), 0.4, 0.4),
+        ((1.0, 1.0, 2.0), (0.0, 0.0, 0.5), 0.5, 0.5),
     ],
 )
-def test_blocks_whose_edges_lie_on_each_other_can_share_a_space(
-    size: tuple[float, float, float], corner: tuple[float, float, float], deep: float
+def test_boxes_whose_edges_lie_on_each_other_can_share_a_space(
+    size: tuple[float, float, float],
+    corner: tuple[float, float, float],
+    deep: float,
+    volume: float,
 ) -> None:
-    found = depth(box((1.0, 1.0, 1.0), name="one"), box(size, corner, "other"))
-    assert found == pytest.approx([deep])
+    found = shared(box((1.0, 1.0, 1.0), name="one"), box(size, corner, "other"))
+    assert found == (pytest.approx([deep]), pytest.approx([volume]))
+
+
+def test_two_ells_that_share_a_cube_in_the_grid() -> None:
+    """No edge of the one passes through the other, and all corners of the cube are on both."""
+    ell = prism(ELL, (0.0, 1.0), "ell")
+    other = ell.transformed(np.diag([-1.0, 1.0, -1.0]), (1.0, 0.0, 1.0)).renamed("other")
+    deep, volume = shared(ell, other)
+    assert volume == pytest.approx([1.0])
+    assert deep == pytest.approx([0.5])
+
+
+def test_a_concave_block_and_its_copy() -> None:
+    ell = prism(ELL, (0.0, 1.0), "ell")
+    deep, volume = shared(ell, ell.renamed("copy"))
+    assert volume == pytest.approx([3.0])
+    assert deep == pytest.approx([6.0 * 3.0 / 14.0])
 
 
 def test_a_tongue_that_fills_a_groove_shares_no_space() -> None:
@@ -74,14 +100,6 @@ def test_a_tongue_that_fills_a_groove_shares_no_space() -> None:
     ]
     tongue = [(1.0, 1.0), (2.0, 1.0), (2.0, 2.0), (1.0, 2.0)]
     assert depth(prism(groove, (0.0, 1.0), "groove"), prism(tongue, (0.0, 1.0), "tongue")) == [0.0]
-
-
-def test_the_direction_decides_nothing() -> None:
-    blocks = ells(0, 6)
-    along = [depth(*blocks, direction=tuple(axis)) for axis in np.eye(3)]
-    assert max(along[0]) > 0.1
-    assert along[0] == pytest.approx(along[1])
-    assert along[0] == pytest.approx(along[2])
 
 
 def test_pairs_measured_together_are_as_deep_as_alone() -> None:

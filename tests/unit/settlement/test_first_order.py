@@ -17,7 +17,12 @@ from drystone import (
 from drystone.limits import thrust_bounds
 from drystone.model import Model
 from drystone.models import arch, box, tower, wall
-from drystone.settlement import Settlement, SettlementOptions, settle, support_forces
+from drystone.settlement import (
+    SupportResponse,
+    SupportResponseOptions,
+    support_forces,
+    support_response,
+)
 from drystone.view.settlement import moved_scene, settlement_scene
 from drystone.virtual import to_edge
 from tests.oracle import touching_faces
@@ -29,13 +34,13 @@ def beam() -> Assembly:
     return Assembly((*feet, box((4.0, 1.0, 0.2), (0.0, 0.0, 0.2), "beam"))).with_fixed(list("abc"))
 
 
-def settled(assembly: Assembly, block: str, motion: tuple[float, ...]) -> Settlement:
-    answer = settle(Model(assembly, touching_faces(assembly, 0.6)), {block: motion})
+def settled(assembly: Assembly, block: str, motion: tuple[float, ...]) -> SupportResponse:
+    answer = support_response(Model(assembly, touching_faces(assembly, 0.6)), {block: motion})
     assert answer.result.verdict is Verdict.STABLE
     return answer
 
 
-def reactions(answer: Settlement) -> list[float]:
+def reactions(answer: SupportResponse) -> list[float]:
     """Normal forces at the three feet, by the weight of the beam."""
     result = answer.result
     normal = result.resultants.normal
@@ -50,7 +55,7 @@ def test_settlement_changes_nothing_where_the_forces_are_determinate(drop: float
     beams = [box((1.99, 1.0, 0.2), (x, 0.0, 0.2), f"beam-{x:g}") for x in (0.0, 2.01)]
     assembly = Assembly((*feet, *beams)).with_fixed(list("abc"))
     edges = to_edge(touching_faces(assembly, 0.6), (1.0, 0.0, 0.0))
-    answer = settle(Model(assembly, edges), {"b": (0.0, 0.0, drop)})
+    answer = support_response(Model(assembly, edges), {"b": (0.0, 0.0, drop)})
     assert answer.result.verdict is Verdict.STABLE
     left = (1.99 - 0.995) / (1.99 - 0.2)
     right = (4.0 - 3.005) / (4.0 - 2.1)
@@ -78,7 +83,7 @@ def test_spreading_supports_bring_an_arch_to_its_least_thrust_and_closing_to_its
     assembly = arch(0.2, 20)
     contacts = touching_faces(assembly, 0.7)
     bounds = thrust_bounds(Model(assembly, contacts), "springer-right", (1.0, 0.0, 0.0))
-    answer = settle(Model(assembly, contacts), {"springer-right": (move, 0.0, 0.0)})
+    answer = support_response(Model(assembly, contacts), {"springer-right": (move, 0.0, 0.0)})
     assert answer.result.verdict is Verdict.STABLE
     resultants = answer.result.resultants
     foot = contacts.block_b == assembly.index("springer-right")
@@ -87,7 +92,9 @@ def test_spreading_supports_bring_an_arch_to_its_least_thrust_and_closing_to_its
 
 def test_friction_of_a_settled_wall_is_coulomb_and_opposes_the_slide() -> None:
     assembly = wall(4, 4)
-    answer = settle(Model(assembly, touching_faces(assembly, 0.6)), {"c00-b01": (0.0, 0.0, -0.01)})
+    answer = support_response(
+        Model(assembly, touching_faces(assembly, 0.6)), {"c00-b01": (0.0, 0.0, -0.01)}
+    )
     residuals = answer.result.residuals
     assert residuals is not None
     assert residuals.largest < 1e-6
@@ -97,8 +104,10 @@ def test_friction_of_a_settled_wall_is_coulomb_and_opposes_the_slide() -> None:
 def test_stiffness_tells_how_much_of_a_settlement_the_blocks_follow() -> None:
     whole = beam()
     contacts = touching_faces(whole, 0.6)
-    soft = settle(
-        Model(whole, contacts), {"b": (0.0, 0.0, -0.01)}, options=SettlementOptions(compliance=10.0)
+    soft = support_response(
+        Model(whole, contacts),
+        {"b": (0.0, 0.0, -0.01)},
+        options=SupportResponseOptions(compliance=10.0),
     )
     # three springs of four corners each, stiffness 1 / 10 per corner, the middle one let down by 1
     assert reactions(soft)[1] == pytest.approx(1.0 / 3.0 - 2.0 / 3.0 * 4.0 / 10.0, abs=1e-6)
@@ -108,7 +117,7 @@ def test_a_motion_may_come_with_the_load_and_adds_to_the_one_that_is_named() -> 
     whole = beam()
     contacts = touching_faces(whole, 0.6)
     case = LoadCase.gravity(whole) + LoadCase.settlement(whole, "b", (0.0, 0.0, -0.004))
-    answer = settle(Model(whole, contacts, case), {"b": (0.0, 0.0, -0.006)})
+    answer = support_response(Model(whole, contacts, case), {"b": (0.0, 0.0, -0.006)})
     assert answer.size == pytest.approx(0.01)
     assert reactions(answer) == pytest.approx([0.5, 0.0, 0.5], abs=1e-6)
     assert support_forces(answer.before)[:, 2].sum() == pytest.approx(0.8 * 2400.0 * 9.81)
@@ -154,12 +163,12 @@ def test_a_settlement_is_drawn_with_its_joints_open() -> None:
 def test_without_weight_nothing_settles() -> None:
     case = LoadCase.settlement(beam(), "b", (0.0, 0.0, -0.01))
     with pytest.raises(InputError, match="nothing loads the free blocks"):
-        settle(Model(beam(), touching_faces(beam(), 0.6), case))
+        support_response(Model(beam(), touching_faces(beam(), 0.6), case))
 
 
 def test_a_structure_without_equilibrium_is_undecided() -> None:
     slope = tower(2).transformed([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])
-    answer = settle(Model(slope, touching_faces(slope, 0.3)), {0: (0.0, 0.0, -0.01)})
+    answer = support_response(Model(slope, touching_faces(slope, 0.3)), {0: (0.0, 0.0, -0.01)})
     assert answer.result.verdict is Verdict.UNDECIDED
     assert "balance" in answer.result.message
 
@@ -176,4 +185,4 @@ def test_a_structure_without_equilibrium_is_undecided() -> None:
 def test_motions_that_cannot_be_used_are_refused(motion, words) -> None:  # type: ignore[no-untyped-def]
     assembly = tower(2)
     with pytest.raises(InputError, match=words):
-        settle(Model(assembly, touching_faces(assembly, 0.6)), motion)
+        support_response(Model(assembly, touching_faces(assembly, 0.6)), motion)

@@ -16,9 +16,7 @@ CUBE = box((1.0, 1.0, 1.0), name="a")
 def depths(*blocks: object) -> list[float]:
     assembly = Assembly(blocks)  # type: ignore[arg-type]
     turned = assembly.transformed(rotation_about([1.0, 2.0, 3.0], 40.0), (100.0, 0.0, 0.0))
-    found = [
-        [p.depth for p in find_contacts(each).report.penetrations] for each in (assembly, turned)
-    ]
+    found = [[p.depth for p in find_contacts(each).report.overlaps] for each in (assembly, turned)]
     assert found[0] == pytest.approx(found[1])
     return found[0]
 
@@ -65,4 +63,4 @@ def test_bar_through_a_concave_block_is_found() -> None:
 )
 def test_blocks_that_touch_do_not_penetrate(model: Assembly) -> None:
     for each in (model, model.transformed(rotation_about([3.0, 1.0, 2.0], 71.0), (1e4, 0.0, 0.0))):
-        assert find_contacts(each).report.penetrations == ()
+        assert find_contacts(each).report.overlaps == ()

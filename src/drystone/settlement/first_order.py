@@ -1,4 +1,4 @@
-"""Settlement: which way the load goes when supports move, and which joints open."""
+"""SupportResponse: which way the load goes when supports move, and which joints open."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from drystone.assembly import Assembly
 from drystone.checks import block_speed, check_forces, corner_motion
 from drystone.display import OneLine
 from drystone.errors import InputError, counted
-from drystone.formulations.settlement import solve_settlement
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals, Result, Verdict
 from drystone.settings import Options, checked_call
+from drystone.settlement.response import solve_response
 from drystone.solvers.conic import ConicStatus
 from drystone.statics import build_statics
 
@@ -29,8 +29,8 @@ point on a problem whose compliance is small against the motion."""
 
 
 @dataclass(frozen=True)
-class SettlementOptions(Options):
-    """Options of :func:`settle`.
+class SupportResponseOptions(Options):
+    """Options of :func:`support_response`.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class SettlementOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Settlement(OneLine):
+class SupportResponse(OneLine):
     """First-order answer to a motion of supports.
 
     Attributes
@@ -119,13 +119,13 @@ def support_forces(result: Result) -> Floats:
 
 
 @checked_call
-def settle(
+def support_response(
     given: Given,
     motion: Mapping[int | str, Any] | None = None,
     *,
-    options: SettlementOptions | None = None,
+    options: SupportResponseOptions | None = None,
     **how: Unpack[How],
-) -> Settlement:
+) -> SupportResponse:
     """The load path that small motions of supports cause in stiff, compliant blocks.
 
     Parameters
@@ -148,16 +148,17 @@ def settle(
     A plank on three supports leaves the middle one when that goes down:
 
     >>> import drystone
+    >>> from drystone.settlement import support_response
     >>> from drystone.models import box
     >>> feet = [box((0.2, 1.0, 0.2), (x, 0.0, 0.0), n) for n, x in zip("abc", (0.0, 1.9, 3.8))]
     >>> plank = box((4.0, 1.0, 0.2), (0.0, 0.0, 0.2), "plank")
     >>> assembly = drystone.Assembly((*feet, plank)).with_fixed(list("abc"))
     >>> model = drystone.Model.of(assembly)
-    >>> settled = settle(model, {"b": (0.0, 0.0, -0.01)})
+    >>> settled = support_response(model, {"b": (0.0, 0.0, -0.01)})
     >>> [assembly.names[model.contacts.block_a[i]] for i in settled.open_joints()]
     ['b']
     """
-    chosen = SettlementOptions.of(options)
+    chosen = SupportResponseOptions.of(options)
     given = as_model(given, **how)
     assembly, contacts = given.assembly, given.contacts
     case = _case(assembly, motion, given.load)
@@ -168,12 +169,12 @@ def settle(
     moved = prescribed if after.displacement is None else after.displacement
     relative = corner_motion(Assembly(assembly.blocks), contacts, moved)
     slide = np.linalg.norm(relative[:, 1:], axis=1)
-    return Settlement(after, before, relative[:, 0], slide, size)
+    return SupportResponse(after, before, relative[:, 0], slide, size)
 
 
 class _Task(NamedTuple):
     model: Model
-    options: SettlementOptions
+    options: SupportResponseOptions
     size: float
 
 
@@ -189,7 +190,7 @@ def _state(task: _Task, prescribed: Floats) -> Result:
         raise InputError("nothing loads the free blocks", remedy="add their weight")
     loose = Assembly(assembly.blocks)  # supports that move are no supports to the kinematics
     imposed = corner_motion(loose, part, prescribed) / size
-    solution = solve_settlement(
+    solution = solve_response(
         statics, imposed, compliance=chosen.compliance, step_limit=chosen.step_limit
     )
     moved = prescribed + statics.physical_motion(solution.motion, len(assembly), size)
@@ -247,4 +248,4 @@ def _residuals(model: Model, force: Floats, moved: Floats) -> Residuals:
     return replace(following, equilibrium=at_rest.equilibrium)
 
 
-__all__ = ["Settlement", "SettlementOptions", "settle", "support_forces"]
+__all__ = ["SupportResponse", "SupportResponseOptions", "support_forces", "support_response"]

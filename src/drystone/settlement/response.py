@@ -33,7 +33,7 @@ TANGENTIAL = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class SettlementSolution:
+class ResponseSolution:
     """Scaled answer.
 
     Attributes
@@ -54,7 +54,7 @@ class SettlementSolution:
     raw: ConicSolution
 
 
-def solve_settlement(
+def solve_response(
     statics: Statics,
     imposed: Floats,
     *,
@@ -62,7 +62,7 @@ def solve_settlement(
     tolerance: float = 1e-7,
     step_limit: int = 60,
     options: ConicOptions | None = None,
-) -> SettlementSolution:
+) -> ResponseSolution:
     """Forces and motion under the loads of ``statics`` and a motion of the supports.
 
     Parameters
@@ -103,7 +103,7 @@ def solve_settlement(
         last = defect
         bound = bound + relaxation * (target - bound)
     motion = raw.z[program.rows["equilibrium"]].reshape(-1, 6)
-    return SettlementSolution(raw.x.reshape(k, 3), motion, step, defect, raw)
+    return ResponseSolution(raw.x.reshape(k, 3), motion, step, defect, raw)
 
 
 def _program(statics: Statics, coupling: Floats, costs: Mapping[str, Any]) -> ConicProgram:
@@ -132,4 +132,4 @@ def _associative(
     return statics.friction * np.maximum(0.0, raw.x.reshape(-1, 3)[:, 0])
 
 
-__all__ = ["SettlementSolution", "solve_settlement"]
+__all__ = ["ResponseSolution", "solve_response"]

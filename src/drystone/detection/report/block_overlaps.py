@@ -1,0 +1,113 @@
+"""Blocks that overlap: which pairs, how much volume they share, and how deep."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints
+from drystone.assembly import Assembly
+from drystone.detection.report.advice import SHOWN, counted, millimetres
+from drystone.detection.search.candidates import Pairs, block_boxes
+from drystone.detection.search.patches import Patches
+from drystone.display import OneLine
+from drystone.errors import InputError
+from drystone.geometry.body.shared_volume import shared_volumes
+
+REFUSED = 0.1
+"""Blocks that share more than this part of the smaller one are no model of a structure; chosen: far
+above what rounded coordinates and warped faces cause."""
+
+
+@dataclass(frozen=True)
+class Overlap(OneLine):
+    """Two blocks that share volume.
+
+    Attributes
+    ----------
+    block_a, block_b
+        Positions, a < b.
+    depth : [m]
+        For convex blocks the shortest way that frees them. Otherwise the largest distance from a
+        point on the surface of one, inside the other, to the surface of that other.
+    volume : [m3]
+        That both fill.
+    share
+        That volume by the volume of the smaller block.
+    """
+
+    block_a: int
+    block_b: int
+    depth: float
+    volume: float
+    share: float
+
+
+def block_overlaps(
+    assembly: Assembly, patches: Patches, pairs: Pairs, joined: Ints, tolerance: Floats
+) -> tuple[Overlap, ...]:
+    """Pairs of blocks that are deeper in each other than is tolerated.
+
+    Parameters
+    ----------
+    pairs
+        Near blocks, a < b.
+    joined : (j,)
+        Positions in ``pairs`` of those with a face contact: convex ones are parted by its plane.
+    tolerance : (p,) [m] per pair
+    """
+    a, b = pairs
+    low, high = block_boxes(patches)
+    near = (np.minimum(high[a], high[b]) - np.maximum(low[a], low[b])).min(axis=1) > tolerance
+    parted = np.zeros(len(a), dtype=bool)
+    parted[joined] = True
+    near &= ~(parted & patches.block_convex[a] & patches.block_convex[b])
+    a, b = a[near], b[near]
+    faces = replace(assembly.faces, point=assembly.faces.point - patches.origin)
+    found = shared_volumes(faces, a, b, tolerance[near], patches.block_convex)
+    a, b = a[found.row], b[found.row]
+    share = found.volume / np.minimum(assembly.volume[a], assembly.volume[b])
+    columns = (a.tolist(), b.tolist(), found.depth.tolist(), found.volume.tolist(), share.tolist())
+    return tuple(Overlap(*each) for each in zip(*columns, strict=True))
+
+
+def overlap_lines(names: Sequence[str], overlaps: Sequence[Overlap]) -> list[str]:
+    """A sentence for each pair of blocks that overlap, the largest share first; a few at most."""
+    worst = sorted(overlaps, key=lambda pair: (-pair.share, -pair.depth))
+    lines = [f"{_named(names, pair)} overlap: they share {_shared(pair)}" for pair in worst[:SHOWN]]
+    more = len(worst) - SHOWN
+    return lines + ([f"{counted(more, 'more pair')} of blocks overlap"] if more > 0 else [])
+
+
+def require_apart(names: Sequence[str], overlaps: Sequence[Overlap]) -> None:
+    """Refuse blocks that share more than a tenth of the smaller one.
+
+    Raises
+    ------
+    InputError
+        There are such blocks; the pair that shares most is named.
+    """
+    refused = [pair for pair in overlaps if pair.share > REFUSED]
+    if not refused:
+        return
+    worst = max(refused, key=lambda pair: (pair.share, pair.depth))
+    more = f"; {counted(len(refused) - 1, 'more pair')} of blocks overlap by more than a tenth"
+    raise InputError(
+        f"overlap: they share {_shared(worst)}{more if len(refused) > 1 else ''}",
+        where=_named(names, worst),
+        remedy="move them apart in the model, or accept them with --anyway (anyway=True in Python)",
+    )
+
+
+def _named(names: Sequence[str], pair: Overlap) -> str:
+    return f"blocks '{names[pair.block_a]}' and '{names[pair.block_b]}'"
+
+
+def _shared(pair: Overlap) -> str:
+    share = f"{100.0 * pair.share:.2g} % of the smaller one"
+    return f"{pair.volume:.3g} m3 ({share}), {millimetres(pair.depth)} mm deep"
+
+
+__all__ = ["REFUSED", "Overlap", "block_overlaps", "overlap_lines", "require_apart"]

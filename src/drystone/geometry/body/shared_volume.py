@@ -1,0 +1,273 @@
+"""Pairs of bodies that share volume: how much, and how deep they are in each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import manifold3d
+import numpy as np
+
+from drystone.arrays import Bools, Floats, Ints, dot, unit
+from drystone.display import OneLine
+from drystone.errors import InputError
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.body.solid import squared_distance
+from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.triangulate import triangulate
+from drystone.ragged import Ragged
+
+BATCH = 500_000
+"""Rows of a face and a corner worked on at a time, chosen: bounds the memory to some 100 MB."""
+CROSS = 1e-6
+"""Cross products of unit directions shorter than this name no direction of their own."""
+COPY = 0.5
+"""Bodies whose surfaces are nowhere farther apart than the tolerance are copies of each other when
+they share more than this part of the larger volume; chosen, anything between 0 and 1 will do."""
+
+
+@dataclass(frozen=True, eq=False)
+class SharedVolume(OneLine):
+    """Pairs of bodies that share volume.
+
+    Attributes
+    ----------
+    row : (s,)
+        Positions of the pairs among those asked about.
+    depth : (s,) [m]
+        For two convex bodies the shortest way that frees them. Otherwise the largest distance from
+        a point on the surface of one, inside the other, to the surface of that other. For copies
+        six times the volume over the surface, the edge of a cube.
+    volume : (s,) [m3]
+    """
+
+    row: Ints
+    depth: Floats
+    volume: Floats
+
+
+def shared_volumes(
+    faces: Faces, a: Ints, b: Ints, tolerance: Floats, convex: Bools
+) -> SharedVolume:
+    """Which of the given pairs of bodies are deeper in each other than is tolerated.
+
+    Pairs that a plane separates, up to the tolerance, are sorted out first. Tried are the plane
+    square to the line between their middles and those of the faces that look along it; for convex
+    pairs those of all faces. The volume that the others share is intersected by manifold3d.
+
+    Parameters
+    ----------
+    faces
+        Of all bodies, turned outwards; a warped face counts as its triangles.
+    a, b : (p,)
+        Pairs of bodies, by the owners in ``faces``.
+    tolerance : (p,) [m]
+    convex : (n,)
+        Which bodies are known to be convex.
+
+    Raises
+    ------
+    InputError
+        manifold3d takes a body for no solid.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> from drystone.assembly import Assembly
+    >>> pair = Assembly((box((1, 1, 1), name="a"), box((1, 1, 1), (0.5, 0.25, 0.9), name="b")))
+    >>> found = shared_volumes(
+    ...     pair.faces, np.array([0]), np.array([1]), np.array([1e-6]), np.array([True, True]))
+    >>> found.depth.round(6).tolist(), found.volume.round(6).tolist()
+    ([0.1], [0.0375])
+    """
+    row = np.arange(len(a), dtype=np.intp)
+    if len(row) == 0:
+        return SharedVolume(row, np.zeros(0), np.zeros(0))
+    bodies = _Bodies.of(faces, a, b)
+    convex = convex[bodies.number]
+    a, b = (np.searchsorted(bodies.number, body) for body in (a, b))
+    for sieve in (_near_along_a_line, _near_along_faces):
+        near = sieve(bodies, a, b, tolerance[row], convex)
+        row, a, b = row[near], a[near], b[near]
+    commons = [
+        bodies.solid(i) ^ bodies.solid(j) for i, j in zip(a.tolist(), b.tolist(), strict=True)
+    ]
+    some = np.flatnonzero([common.num_tri() > 0 for common in commons])
+    row, a, b, commons = row[some], a[some], b[some], [commons[i] for i in some]
+    volume = np.array([common.volume() for common in commons])
+    depth = _deepest(bodies, a, b, commons)
+    for i in np.flatnonzero(convex[a] & convex[b]):
+        depth[i] = _way_out(bodies, a[i], b[i])
+    whole = np.array(
+        [[bodies.solid(i).volume() for i in pair] for pair in np.stack([a, b], axis=1)]
+    ).reshape(-1, 2)
+    for i in np.flatnonzero((depth <= tolerance[row]) & (volume > COPY * whole.max(axis=1))):
+        depth[i] = 6.0 * volume[i] / commons[i].surface_area()
+    deep = depth > tolerance[row]
+    return SharedVolume(row[deep], depth[deep], volume[deep])
+
+
+@dataclass(frozen=True, eq=False)
+class _Bodies:
+    """Some bodies; ``corners`` and ``faces`` say which points and faces are of which."""
+
+    number: Ints  # (n,) among all bodies
+    point: Floats  # (c, 3)
+    corners: Ragged
+    normal: Floats  # (f, 3) unit
+    middle: Floats  # (f, 3)
+    faces: Ragged
+    loop: Ints  # (l,) points, face after face
+    loops: Ragged
+    solids: dict[int, manifold3d.Manifold]
+
+    @classmethod
+    def of(cls, every: Faces, a: Ints, b: Ints) -> _Bodies:
+        """Those of the pairs."""
+        number = np.unique(np.concatenate([a, b]))
+        chosen = np.isin(every.owner, number)
+        loops, place = every.corners.take(chosen)
+        used, loop = np.unique(every.loop[place], return_inverse=True)
+        owner = np.searchsorted(number, every.owner[chosen])
+        of_point = np.zeros(len(used), dtype=np.intp)
+        of_point[loop] = loops.spread(owner)
+        point = every.point[used]
+        return cls(
+            number,
+            point,
+            Ragged.from_owners(of_point, len(number)),
+            unit(area_vectors(point[loop], loops.start))[0],
+            loops.mean(point[loop]),
+            Ragged.from_owners(owner, len(number)),
+            loop.astype(np.intp),
+            loops,
+            {},
+        )
+
+    @cached_property
+    def triangles(self) -> tuple[Ints, Ragged]:
+        """(t, 3) points of the triangles of all faces, and which are of which body."""
+        triangle, face = triangulate(self.point[self.loop], self.loops.start)
+        owner = self.faces.owner[face]
+        return self.loop[triangle], Ragged.from_owners(owner, len(self.number))
+
+    def solid(self, body: int) -> manifold3d.Manifold:
+        """One body as manifold3d takes it."""
+        if body not in self.solids:
+            triangle, of = self.triangles
+            mine = self.corners[body]
+            mesh = manifold3d.Mesh64(
+                np.array(self.point[mine]), (triangle[of[body]] - mine.start).astype(np.uint64)
+            )
+            solid = manifold3d.Manifold(mesh)
+            if solid.status() != manifold3d.Error.NoError:
+                raise InputError(
+                    f"body {self.number[body]} is no solid: {solid.status().name}",
+                    remedy="write it with planar faces, or with triangles",
+                )
+            self.solids[body] = solid
+        return self.solids[body]
+
+    def extent(self, body: Ints, direction: Floats) -> tuple[Floats, Floats]:
+        """Least and largest coordinate (p,) of bodies along directions (p, 3)."""
+        part, corner = self.corners.take(body)
+        along = dot(self.point[corner], part.spread(direction))
+        return part.min(along), part.max(along)
+
+    def facing(self, body: Ints, direction: Floats) -> Floats:
+        """Normal (p, 3) of the face of each body that is most nearly square to a direction."""
+        part, face = self.faces.take(body)
+        square = np.abs(dot(self.normal[face], part.spread(direction)))
+        order = np.lexsort((square, part.owner))
+        return self.normal[face[order[part.start[1:] - 1]]]
+
+    def edges(self, body: int) -> Floats:
+        """Unit directions (e, 3) of the edges of one body, parallel ones once, up to rounding."""
+        loops = self.loops.take(np.arange(len(self.loops))[self.faces[body]])[1]
+        edge = unit(
+            self.point[self.loop[self.loops.following[loops]]] - self.point[self.loop[loops]]
+        )[0]
+        main = edge[np.arange(len(edge)), np.argmax(np.abs(edge) > 0.5, axis=1)]
+        edge = edge * np.where(main < 0.0, -1.0, 1.0)[:, None]
+        return edge[np.unique(np.round(edge, 7), axis=0, return_index=True)[1]]
+
+
+def _near_along_a_line(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, _: Bools) -> Ints:
+    """Pairs that overlap along the line between their middles, and square to the faces along it."""
+    row = np.arange(len(a))
+    middle = bodies.corners.mean(bodies.point)
+    for which in (None, a, b):
+        line = middle[b[row]] - middle[a[row]]
+        if which is not None:
+            line = bodies.facing(which[row], line)
+        direction = unit(line)[0]
+        one, other = (bodies.extent(body[row], direction) for body in (a, b))
+        overlap = np.minimum(one[1] - other[0], other[1] - one[0])
+        row = row[(overlap > tolerance[row]) | ~direction.any(axis=1)]
+    return row
+
+
+def _near_along_faces(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, convex: Bools) -> Ints:
+    """Pairs that overlap square to every face, as far as both are convex; and all others."""
+    both = np.flatnonzero(convex[a] & convex[b])
+    near = np.ones(len(a), dtype=bool)
+    for one, other in ((a, b), (b, a)):
+        left = both[near[both]]
+        near[left] = _least_depth(bodies, one[left], other[left]) > tolerance[left]
+    return np.flatnonzero(near)
+
+
+def _least_depth(bodies: _Bodies, a: Ints, b: Ints) -> Floats:
+    """Least depth (p,) [m] of convex bodies b below any face plane of the bodies a."""
+    of_pair, face = bodies.faces.take(a)
+    other = of_pair.spread(b)
+    depth = np.zeros(len(face))
+    for part in Ragged.from_counts(bodies.corners.counts[other]).batches(BATCH):
+        each, corner = bodies.corners.take(other[part])
+        mine = each.spread(face[part])
+        along = dot(bodies.point[corner] - bodies.middle[mine], bodies.normal[mine])
+        depth[part] = -each.min(along)
+    return of_pair.min(depth)
+
+
+def _way_out(bodies: _Bodies, a: int, b: int) -> float:
+    """Shortest way [m] that frees one convex body from another.
+
+    It is square to a face of one of them or to an edge of each. Source: Gottschalk, Lin, Manocha
+    1996.
+    """
+    across = np.cross(bodies.edges(a)[:, None], bodies.edges(b)[None]).reshape(-1, 3)
+    across, length = unit(across)
+    faces = [bodies.normal[bodies.faces[body]] for body in (a, b)]
+    direction = np.concatenate([*faces, across[length > CROSS]])
+    x, y = (bodies.point[bodies.corners[body]] @ direction.T for body in (a, b))
+    return float(np.minimum(x.max(axis=0) - y.min(axis=0), y.max(axis=0) - x.min(axis=0)).min())
+
+
+def _deepest(bodies: _Bodies, a: Ints, b: Ints, commons: Sequence[manifold3d.Manifold]) -> Floats:
+    """Depth (p,) [m] of the solids that bodies have in common; see :class:`SharedVolume`.
+
+    Looked at are the corners of their triangles, and the middles of the edges and of the triangles.
+    """
+    tried = []
+    for common in commons:
+        mesh = common.to_mesh64()
+        point = np.asarray(mesh.vert_properties)[:, :3]
+        corner = point[np.asarray(mesh.tri_verts).astype(np.intp)]
+        edges = 0.5 * (corner + np.roll(corner, -1, axis=1))
+        every = np.concatenate([point, edges.reshape(-1, 3), corner.mean(axis=1)])
+        tried.append(np.unique(every, axis=0))
+    points = Ragged.of(tried)
+    place = np.concatenate([np.zeros((0, 3)), *tried])
+    depth = np.zeros(points.rows)
+    triangle, of = bodies.triangles
+    for body in (points.spread(a), points.spread(b)):
+        for part in Ragged.from_counts(of.counts[body]).batches(BATCH):
+            each, row = of.take(body[part])
+            near = squared_distance(each.spread(place[part]), bodies.point[triangle[row]])
+            depth[part] = np.maximum(depth[part], np.sqrt(each.min(near)))
+    return points.max(depth)
+
+
+__all__ = ["SharedVolume", "shared_volumes"]

@@ -1,0 +1,154 @@
+"""The blocks of a model as rigid bodies that move by finite amounts, in scaled numbers.
+
+Lengths are divided by the mean size of a free block (the cube root of its volume), forces by the
+mean load of a free block. The contacts are springs at the corners of the interfaces: a normal one
+in proportion to the tributary area, such that under the mean load the corners of a block overlap by
+``overlap`` block sizes, and a tangential one of ``TANGENTIAL`` times that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.arrays import Floats, Ints, cross
+from drystone.assembly import Assembly
+from drystone.geometry.body.polyhedron import fan_triangles
+from drystone.model import Model
+from drystone.settlement.corners import Carrier, shares
+
+LEAST_AREA = 0.05
+"""Corners of less tributary area than this share of the mean of their interface are as stiff as
+that: slivers spoil the conditioning. Lines and points get this share of the mean of all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """What does not change while n blocks move on k corners.
+
+    Attributes
+    ----------
+    free : (f,) positions of the free blocks
+    slot : (n,) number of each block among the free ones, -1 for a support
+    centroid : (n, 3) before the motion
+    radius : (n,) of gyration about the centroid, the mean over all axes
+    mass : (f,) by the mean
+    load : (f, 6) force, and moment by the radius of gyration
+    size : (n,) cube root of the volume
+    block_a, block_b : (k,) positions of the blocks
+    arm_a, arm_b : (k, 3) from the centroid to the corner, before the motion
+    frame : (k, 3, 3) rows n, u, v, before the motion
+    share : (k, 2, 2) T of :mod:`drystone.settlement.corners`
+    friction : (k,)
+    normal, tangential : (k,) stiffness
+    overlap : of a corner under the mean load
+    length_unit : [m]
+    force_unit : [N]
+    """
+
+    free: Ints
+    slot: Ints
+    centroid: Floats
+    radius: Floats
+    mass: Floats
+    load: Floats
+    size: Floats
+    block_a: Ints
+    block_b: Ints
+    arm_a: Floats
+    arm_b: Floats
+    frame: Floats
+    share: Floats
+    friction: Floats
+    normal: Floats
+    tangential: Floats
+    overlap: float
+    length_unit: float
+    force_unit: float
+
+
+def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: float) -> Bodies:
+    """The scaled bodies of a model whose interfaces all have a free block.
+
+    Parameters
+    ----------
+    model
+    carrier
+    overlap
+        Of the corners of a block under the mean load, by the mean size of a free block.
+    tangential
+        Stiffness by the normal one.
+    """
+    assembly, contacts = model.assembly, model.contacts
+    free = assembly.free
+    slot = np.full(len(assembly), -1, dtype=np.intp)
+    slot[free] = np.arange(len(free))
+    size = np.cbrt(assembly.volume)
+    length = float(size[free].mean())
+    # measured from a point of the model, so that a place far from the origin loses no digits
+    origin = assembly.centroid[free].mean(axis=0)
+    centroid = (assembly.centroid - origin) / length
+    radius = gyration_radii(assembly) / length
+    wrench = model.load.wrench[free]
+    load = np.concatenate([wrench[:, :3], wrench[:, 3:] / (length * radius[free, None])], axis=1)
+    strength = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
+    unit = float(strength.mean()) if strength.any() else 1.0
+    a, b = contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
+    point = (contacts.point - origin) / length
+    mass = assembly.mass[free]
+    stiffness = _weights(contacts.tributary, contacts.interface)
+    if len(stiffness):
+        # all corners together carry the whole load at the overlap
+        stiffness = stiffness * (len(free) / (overlap * stiffness.sum()))
+    return Bodies(
+        free=free,
+        slot=slot,
+        centroid=centroid,
+        radius=radius,
+        mass=mass / mass.mean(),
+        load=load / unit,
+        size=size / length,
+        block_a=a,
+        block_b=b,
+        arm_a=point - centroid[a],
+        arm_b=point - centroid[b],
+        frame=contacts.frame[contacts.interface],
+        share=shares(assembly, contacts, carrier),
+        friction=contacts.friction[contacts.interface],
+        normal=stiffness,
+        tangential=tangential * stiffness,
+        overlap=overlap,
+        length_unit=length,
+        force_unit=unit,
+    )
+
+
+def _weights(area: Floats, interface: Ints) -> Floats:
+    """(k,) tributary areas, slivers, lines and points made no smaller than a share of the mean."""
+    if not area.any():
+        return np.ones(len(area))
+    count = np.bincount(interface)
+    mean = np.bincount(interface, area) / np.maximum(count, 1)
+    mean = np.where(mean > 0.0, mean, area.mean())
+    return np.maximum(area, LEAST_AREA * mean[interface])
+
+
+def gyration_radii(assembly: Assembly) -> Floats:
+    """(n,) [m] root of the mean moment of inertia about an axis through the centroid, by mass.
+
+    Independent of the axes of the model.
+    """
+    faces = assembly.faces
+    triangles, face = fan_triangles(faces)
+    owner = faces.owner[face]
+    a, b, c = (triangles - assembly.centroid[owner][:, None]).transpose(1, 0, 2)
+    six = (a * cross(b, c)).sum(axis=1)
+    squares = ((a + b + c) ** 2).sum(axis=1) + sum((x**2).sum(axis=1) for x in (a, b, c))
+    # of a tetrahedron over the centroid: integral of r^2 is V / 20 times this sum
+    polar = np.bincount(owner, six * squares, minlength=len(assembly)) / 120.0
+    result: Floats = np.sqrt(2.0 / 3.0 * polar / assembly.volume)
+    return result
+
+
+__all__ = ["Bodies", "build_bodies", "gyration_radii"]

@@ -1,0 +1,322 @@
+"""The corner springs at one position of the blocks: gaps, directions, forces and tangents."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+from scipy.spatial.transform import Rotation
+
+from drystone.arrays import Bools, Floats, Ints, cross
+from drystone.errors import SolverError
+from drystone.settlement.bodies import Bodies
+from drystone.solvers.multifrontal import BlockOrdering
+
+DENSE = 24
+"""Free blocks up to which the tangent is one dense matrix: timed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where all n blocks are, scaled.
+
+    Attributes
+    ----------
+    place : (n, 3) centroids
+    turn : (n, 3, 3) rotation from the beginning
+    """
+
+    place: Floats
+    turn: Floats
+
+    def moved(self, blocks: Ints, motion: Floats) -> Pose:
+        """Some blocks moved by translations and rotation vectors (f, 6)."""
+        place, turn = self.place.copy(), self.turn.copy()
+        place[blocks] += motion[:, :3]
+        turn[blocks] = rotations(motion[:, 3:]) @ turn[blocks]
+        return Pose(place, turn)
+
+
+class Placed(NamedTuple):
+    """The corners at one pose.
+
+    Attributes
+    ----------
+    point : (k, 3) where the force acts
+    axes : (k, 3, 3) rows n, u, v: n is the direction in which the gap grows
+    gap : (k,) between the faces
+    """
+
+    point: Floats
+    axes: Floats
+    gap: Floats
+
+
+def place_corners(bodies: Bodies, pose: Pose) -> Placed:
+    """Corners on the moved faces.
+
+    The corner slides over the face of a with the share T of the slide of b; the gap is that of the
+    face of b there.
+    """
+    a, b = bodies.block_a, bodies.block_b
+    turn_a, turn_b = pose.turn[a], pose.turn[b]
+    on_a = pose.place[a] + np.einsum("kij,kj->ki", turn_a, bodies.arm_a)
+    on_b = pose.place[b] + np.einsum("kij,kj->ki", turn_b, bodies.arm_b)
+    frame = bodies.frame @ np.swapaxes(turn_a, 1, 2)
+    local = np.einsum("kij,kj->ki", frame, on_b - on_a)
+    normal_b = np.einsum("kij,kj->ki", frame, np.einsum("kij,kj->ki", turn_b, bodies.frame[:, 0]))
+    slide, lean = local[:, 1:], normal_b[:, 1:]
+    carried = np.einsum("kij,kj->ki", bodies.share, slide)
+    gap = normal_b[:, 0] * local[:, 0] + (lean * (slide - carried)).sum(axis=1)
+    left = lean - np.einsum("kji,kj->ki", bodies.share, lean)
+    axes = _orthonormal(frame, normal_b[:, 0], left)
+    point = on_a + np.einsum("ki,kij->kj", carried, frame[:, 1:])
+    return Placed(point, axes, gap)
+
+
+def _orthonormal(frame: Floats, along: Floats, left: Floats) -> Floats:
+    """Axes (k, 3, 3) whose normal leans away from that of a frame by (k, 2) in its plane."""
+    normal = along[:, None] * frame[:, 0] + np.einsum("ki,kij->kj", left, frame[:, 1:])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    u = frame[:, 1] - (frame[:, 1] * normal).sum(axis=1, keepdims=True) * normal
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    return np.stack([normal, u, cross(normal, u)], axis=1)
+
+
+def rotations(vectors: Floats) -> Floats:
+    """Matrices (n, 3, 3) of rotation vectors (n, 3). Source: Rodrigues 1840."""
+    angle = np.linalg.norm(vectors, axis=1)
+    axis = vectors / np.where(angle > 0.0, angle, 1.0)[:, None]
+    x, y, z = axis.T
+    zero = np.zeros_like(x)
+    skew = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    result: Floats = (
+        np.eye(3)
+        + np.sin(angle)[:, None, None] * skew
+        + (1.0 - np.cos(angle))[:, None, None] * (skew @ skew)
+    )
+    return result
+
+
+def rotation_vectors(turn: Floats) -> Floats:
+    """(n, 3) of rotation matrices (n, 3, 3)."""
+    return np.asarray(Rotation.from_matrix(turn).as_rotvec())
+
+
+class Response(NamedTuple):
+    """Forces of the corners after an increment of motion.
+
+    Attributes
+    ----------
+    force : (k, 3) local n, u, v, on block b
+    pressed, sliding : (k,)
+    direction : (k, 2) of the friction
+    softening : (k,) friction limit by trial friction, where it slides
+    """
+
+    force: Floats
+    pressed: Bools
+    sliding: Bools
+    direction: Floats
+    softening: Floats
+
+
+def respond(bodies: Bodies, gap: Floats, friction: Floats, moved: Floats) -> Response:
+    """Coulomb friction that is built up by increments of slide.
+
+    Parameters
+    ----------
+    gap : (k,) before the increment
+    friction : (k, 2) before the increment
+    moved : (k, 3) of block b over block a, local
+    """
+    opening = gap + moved[:, 0]
+    pressed = opening < 0.0
+    normal = np.where(pressed, -bodies.normal * opening, 0.0)
+    trial = np.where(pressed[:, None], friction - bodies.tangential[:, None] * moved[:, 1:], 0.0)
+    size = np.sqrt(trial[:, 0] ** 2 + trial[:, 1] ** 2)
+    limit = bodies.friction * normal
+    sliding = size > limit
+    safe = np.where(size > 0.0, size, 1.0)
+    ratio = np.where(sliding, limit / safe, 1.0)
+    force = np.concatenate([normal[:, None], ratio[:, None] * trial], axis=1)
+    return Response(force, pressed, sliding & pressed, trial / safe[:, None], ratio)
+
+
+def tangents(bodies: Bodies, response: Response) -> Floats:
+    """(k, 3, 3) by how much less force each corner gives per motion."""
+    out = np.zeros((len(response.pressed), 3, 3))
+    pressed, sliding, along = response.pressed, response.sliding, response.direction
+    normal = np.where(pressed, bodies.normal, 0.0)
+    out[:, 0, 0] = normal
+    stiffness = np.where(pressed, bodies.tangential * response.softening, 0.0)
+    lost = np.where(sliding, stiffness, 0.0)
+    x, y = along[:, 0], along[:, 1]
+    out[:, 1, 1] = stiffness - lost * x * x
+    out[:, 2, 2] = stiffness - lost * y * y
+    out[:, 1, 2] = out[:, 2, 1] = -lost * x * y
+    coupling = np.where(sliding, bodies.friction * normal, 0.0)
+    out[:, 1, 0] = coupling * x
+    out[:, 2, 0] = coupling * y
+    return out
+
+
+class DenseMaps:
+    """Between corners and the motions of few free blocks, as full matrices."""
+
+    def __init__(self, bodies: Bodies) -> None:
+        self.bodies = bodies
+        self.width = 6 * len(bodies.free)
+        corner = np.arange(len(bodies.block_a))
+        self.sides = []
+        for block, sign in ((bodies.block_a, -1.0), (bodies.block_b, 1.0)):
+            slot = bodies.slot[block]
+            here = np.flatnonzero(slot >= 0)
+            columns = 6 * slot[here, None] + np.arange(6)
+            self.sides.append((corner[here], block[here], columns, sign))
+
+    def at(self, pose: Pose, placed: Placed) -> None:
+        """Renew the maps for a pose."""
+        rows = np.zeros((len(placed.gap), 3, self.width))
+        for corner, block, columns, sign in self.sides:
+            part = _rows(self.bodies, pose, placed, corner, block, sign)
+            rows[corner[:, None, None], np.arange(3)[:, None], columns[:, None, :]] = part
+        self.rows = rows
+        self.flat = rows.reshape(-1, self.width)
+
+    def moved(self, motion: Floats) -> Floats:
+        """(k, 3) local motion of b over a at each corner, from motions (f, 6)."""
+        result: Floats = (self.flat @ motion.ravel()).reshape(-1, 3)
+        return result
+
+    def wrench(self, force: Floats) -> Floats:
+        """(f, 6) of the corner forces (k, 3) on the free blocks."""
+        result: Floats = (force.ravel() @ self.flat).reshape(-1, 6)
+        return result
+
+    def solve(self, tangent: Floats, weight: Floats, right: Floats) -> Floats:
+        """Motion (f, 6) that ``tangent`` (k, 3, 3) and a diagonal (f, 6) answer with a wrench."""
+        matrix = self.flat.T @ (tangent @ self.rows).reshape(-1, self.width)
+        matrix[np.diag_indices(self.width)] += weight.ravel()
+        try:
+            motion = np.linalg.solve(matrix, right.ravel())
+        except np.linalg.LinAlgError as error:
+            raise SolverError("the tangent is singular") from error
+        return np.asarray(motion, dtype=np.float64).reshape(-1, 6)
+
+
+class SparseMaps:
+    """The same for many blocks, block by block."""
+
+    def __init__(self, bodies: Bodies) -> None:
+        self.bodies = bodies
+        f, k = len(bodies.free), len(bodies.block_a)
+        slot_a, slot_b = bodies.slot[bodies.block_a], bodies.slot[bodies.block_b]
+        self.free_a, self.free_b = slot_a >= 0, slot_b >= 0
+        self.slot_a, self.slot_b = slot_a, slot_b
+        keys, sources = [np.arange(f) * (f + 1)], []
+        for kind, (i, j) in enumerate(
+            ((slot_a, slot_a), (slot_a, slot_b), (slot_b, slot_a), (slot_b, slot_b))
+        ):
+            here = np.flatnonzero((i >= 0) & (j >= 0))
+            keys.append(i[here] * f + j[here])
+            sources.append(kind * k + here)
+        unique, where = np.unique(np.concatenate(keys), return_inverse=True)
+        source = np.concatenate(sources)
+        self.diagonal = where[:f]
+        self.sum = sparse.csr_matrix(
+            (np.ones(len(source)), (where[f:], source)), shape=(len(unique), 4 * k)
+        )
+        self.ordering = BlockOrdering(bodies.centroid[bodies.free], unique // f, unique % f, 6)
+        corner = np.arange(k)
+        self.gather = [
+            sparse.csr_matrix((np.ones(int(ok.sum())), (slot[ok], corner[ok])), shape=(f, k))
+            for slot, ok in ((slot_a, self.free_a), (slot_b, self.free_b))
+        ]
+
+    def at(self, pose: Pose, placed: Placed) -> None:
+        """Renew the maps for a pose."""
+        corner = np.arange(len(placed.gap))
+        self.of_a = _rows(self.bodies, pose, placed, corner, self.bodies.block_a, -1.0)
+        self.of_b = _rows(self.bodies, pose, placed, corner, self.bodies.block_b, 1.0)
+        self.of_a[~self.free_a] = 0.0
+        self.of_b[~self.free_b] = 0.0
+
+    def moved(self, motion: Floats) -> Floats:
+        """As in :class:`DenseMaps`."""
+        result: Floats = (
+            self.of_a @ motion[self.slot_a, :, None] + self.of_b @ motion[self.slot_b, :, None]
+        )[:, :, 0]
+        return result
+
+    def wrench(self, force: Floats) -> Floats:
+        """As in :class:`DenseMaps`."""
+        on_a, on_b = ((force[:, None] @ part)[:, 0] for part in (self.of_a, self.of_b))
+        return np.asarray(self.gather[0] @ on_a + self.gather[1] @ on_b)
+
+    def solve(self, tangent: Floats, weight: Floats, right: Floats) -> Floats:
+        """As in :class:`DenseMaps`."""
+        k = len(tangent)
+        parts = np.empty((4, k, 6, 6))
+        along_a, along_b = tangent @ self.of_a, tangent @ self.of_b
+        back_a, back_b = np.swapaxes(self.of_a, 1, 2), np.swapaxes(self.of_b, 1, 2)
+        np.matmul(back_a, along_a, out=parts[0])
+        np.matmul(back_a, along_b, out=parts[1])
+        np.matmul(back_b, along_a, out=parts[2])
+        np.matmul(back_b, along_b, out=parts[3])
+        blocks = np.asarray(self.sum @ parts.reshape(4 * k, 36)).reshape(-1, 6, 6)
+        index = np.arange(6)
+        blocks[self.diagonal[:, None], index, index] += weight
+        return self.ordering.factorise(blocks).solve(right)
+
+
+def imposed(bodies: Bodies, pose: Pose, placed: Placed, motion: Floats) -> Floats:
+    """(k, 3) local motion of b over a at each corner that moving supports (n, 6) cause.
+
+    Rotations are multiplied by the radius of gyration, like those of the free blocks.
+    """
+    corner = np.arange(len(placed.gap))
+    moving = np.where((bodies.slot < 0)[:, None], motion, 0.0)
+    result = np.zeros((len(corner), 3))
+    for block, sign in ((bodies.block_a, -1.0), (bodies.block_b, 1.0)):
+        rows = _rows(bodies, pose, placed, corner, block, sign)
+        result += np.einsum("kij,kj->ki", rows, moving[block])
+    return result
+
+
+Maps = DenseMaps | SparseMaps
+
+
+def maps_of(bodies: Bodies) -> Maps:
+    """Full matrices for few blocks, sparse ones for many."""
+    return DenseMaps(bodies) if len(bodies.free) <= DENSE else SparseMaps(bodies)
+
+
+def _rows(
+    bodies: Bodies, pose: Pose, placed: Placed, corner: Ints, block: Ints, sign: float
+) -> Floats:
+    """(c, 3, 6) local motion of a corner per translation and rotation by radius of its block."""
+    axes = placed.axes[corner]
+    arm = (placed.point[corner] - pose.place[block]) / bodies.radius[block, None]
+    out = np.empty((len(corner), 3, 6))
+    out[:, :, :3] = axes
+    out[:, :, 3:] = cross(np.broadcast_to(arm[:, None], axes.shape), axes)
+    out *= sign
+    return out
+
+
+__all__ = [
+    "Maps",
+    "Placed",
+    "Pose",
+    "Response",
+    "imposed",
+    "maps_of",
+    "place_corners",
+    "respond",
+    "rotation_vectors",
+    "rotations",
+    "tangents",
+]

@@ -1,0 +1,269 @@
+"""The server, asked by the protocol's own client over standard input and output."""
+
+import asyncio
+import json
+import os
+import sys
+from collections.abc import Coroutine, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import drystone
+from drystone import io
+from drystone.cli import main
+from drystone.mcp.answers import answer
+from drystone.mcp.folder import Folder
+from drystone.models import arch, shelf, tower, vault
+
+pytest.importorskip("mcp")
+from mcp import Client, StdioServerParameters
+
+from drystone.mcp.tools import build
+
+TIME_LIMIT = 120.0
+"""[s] of a call, for a busy machine."""
+
+
+class Session:
+    """A connection that is open for the whole module."""
+
+    def __init__(self, folder: Path) -> None:
+        self.loop = asyncio.new_event_loop()
+        arguments = ["-m", "drystone", "mcp", str(folder), "--size-limit", "0.2"]
+        arguments += ["--time-limit", str(TIME_LIMIT)]
+        path = {"PYTHONPATH": str(Path(drystone.__file__).parents[1])}
+        self.client = Client(
+            StdioServerParameters(command=sys.executable, args=arguments, env=path)
+        )
+        self.asked: asyncio.Queue[Any] = asyncio.Queue()
+        self.task = self.loop.create_task(self._serve())
+
+    async def _serve(self) -> None:
+        """All that the client does is done by one task, as its package asks for."""
+        async with self.client:
+            while (work := await self.asked.get()) is not None:
+                coroutine, done = work
+                done.set_result(await coroutine)
+
+    def run(self, coroutine: Coroutine[Any, Any, Any]) -> Any:
+        done = self.loop.create_future()
+        self.asked.put_nowait((coroutine, done))
+        first = asyncio.wait({done, self.task}, return_when=asyncio.FIRST_COMPLETED)
+        self.loop.run_until_complete(first)
+        return done.result() if done.done() else self.task.result()
+
+    def call(self, tool: str, **arguments: Any) -> Any:
+        return self.run(self.client.call_tool(tool, arguments))
+
+    def answer(self, tool: str, **arguments: Any) -> dict[str, Any]:
+        result = self.call(tool, **arguments)
+        assert not result.is_error, result.content
+        told: dict[str, Any] = result.structured_content
+        assert json.loads(result.content[0].text) == told
+        return told
+
+    def refusal(self, tool: str, **arguments: Any) -> str:
+        result = self.call(tool, **arguments)
+        assert result.is_error
+        text: str = result.content[0].text
+        return text
+
+    def close(self) -> None:
+        self.asked.put_nowait(None)
+        self.loop.run_until_complete(self.task)
+        self.loop.close()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    outside = tmp_path_factory.mktemp("outside")
+    made = tmp_path_factory.mktemp("models")
+    io.write(shelf(), made / "shelf.json")
+    io.write(arch(0.15, 12), made / "arch.obj")
+    io.write(drystone.Model.of(vault(), friction=0.6), made / "vault.json")
+    (made / "nested").mkdir()
+    io.write(tower(3), made / "nested" / "tower.json")
+    io.write(drystone.Model.of(tower(3)), made / "npz.json", format="drystone-npz")
+    (made / "notes.txt").write_text("not a model")
+    (made / "broken.json").write_text('{"blocks": [')
+    (made / "large.obj").write_bytes(b"# " + b"x" * 300_000)
+    io.write(tower(2), outside / "secret.json")
+    if os.name == "posix":
+        (made / "link.json").symlink_to(outside / "secret.json")
+        (made / "door").symlink_to(outside)
+        told = json.loads((made / "npz.json").read_text())
+        (outside / "away.npz").write_bytes((made / told["arrays"]["file"]).read_bytes())
+        told["arrays"]["file"] = "away.npz"
+        (made / "away.json").write_text(json.dumps(told))
+        (made / "away.npz").symlink_to(outside / "away.npz")
+    return made
+
+
+@pytest.fixture(scope="module")
+def session(folder: Path) -> Iterator[Session]:
+    made = Session(folder)
+    yield made
+    made.close()
+
+
+def content(count: int) -> dict[str, Any]:
+    """A tower as the object that a program writes."""
+    blocks = tower(count).blocks
+    return {
+        "blocks": [
+            {
+                "name": block.name,
+                "vertices": block.vertices.tolist(),
+                "faces": [list(face) for face in block.faces],
+            }
+            for block in blocks
+        ]
+    }
+
+
+def test_the_tools_say_what_they_are_for(session: Session) -> None:
+    tools = {tool.name: tool for tool in session.run(session.client.list_tools()).tools}
+    assert set(tools) >= {"files", "inspect", "check", "limit", "plan"}
+    assert all(tool.description and tool.annotations.read_only_hint for tool in tools.values())
+    assert session.client.server_info.version == drystone.__version__
+    assert "newtons" in (session.client.instructions or "")
+
+
+def test_model_files_are_listed_and_links_are_not(session: Session) -> None:
+    names = {row["file"] for row in session.answer("files")["files"]}
+    assert {"shelf.json", "arch.obj", "nested/tower.json", "npz.json"} <= names
+    assert not {"link.json", "door/secret.json", "notes.txt"} & names
+
+
+def test_a_shelf_that_balances_and_falls(session: Session) -> None:
+    told = session.answer("check", model={"file": "shelf.json", "friction": 0.9})
+    assert told["verdict"] == "unstable"
+    assert told["falling"] == {"count": 2, "first": ["block-9", "block-10"]}
+    assert {row["block"] for row in told["props"]} == {"block-9", "block-10"}
+    assert told["largest_force"] is None
+
+
+def test_an_inline_tower_carries_its_weight(session: Session) -> None:
+    model = {"content": content(3), "supports": "lowest", "density": 1000.0, "gravity": 10.0}
+    told = session.answer("check", model=model)
+    assert (told["verdict"], told["blocks"], told["free_blocks"]) == ("stable", 3, 2)
+    assert told["largest_force"]["normal_N"] == pytest.approx(20_000.0, rel=1e-4)
+    push = {"kind": "seismic", "kx": 0.7}
+    told = session.answer("check", model={**model, "loads": [push]})
+    assert told["verdict"] == "unstable"
+
+
+def test_a_model_whose_arrays_are_beside_it(session: Session) -> None:
+    assert session.answer("check", model={"file": "npz.json"})["verdict"] == "stable"
+
+
+def test_limits_are_brackets_around_closed_forms(session: Session) -> None:
+    model = {"file": "nested/tower.json", "friction": 0.4}
+    tilt = session.answer("limit", model=model, of="tilt", axis="y")
+    assert tilt["stands_at"] <= 21.801 <= tilt["falls_at"]  # atan 0.4
+    assert tilt["unit"] == "deg"
+    push = [{"kind": "seismic", "kx": 1.0}]
+    load = session.answer("limit", model=model, of="load", load=push)
+    assert load["stands_at"] <= 0.4 <= load["falls_at"] * (1.0 + 1e-6)
+
+
+def test_a_plan_in_counts(session: Session) -> None:
+    told = session.answer("plan", model={"file": "nested/tower.json"})
+    assert told["counts"]["free"] == 2
+    assert told["order"] == {"count": 2, "first": ["block-1", "block-2"]}
+    assert (told["props"], told["impossible"], told["verdict"]) == ([], {}, "stable")
+
+
+def test_what_is_in_a_file(session: Session) -> None:
+    told = session.answer("inspect", model={"file": "arch.obj", "supports": "springer-*"})
+    assert (told["blocks"], told["fixed"]["count"]) == (14, 2)
+    assert told["contacts"][0].startswith("13 interfaces")
+    assert told["defects"]["count"] == 0
+    assert told["highest_corner_m"][2] > told["lowest_corner_m"][2]
+
+
+LARGE = {"blocks": [], "_remark": "x" * 300_000}
+REFUSED: dict[str, tuple[dict[str, Any], str]] = {
+    "above": ({"file": "../secret.json"}, "relative path"),
+    "above, inside": ({"file": "nested/../../secret.json"}, "relative path"),
+    "absolute": ({"file": os.path.abspath(os.sep + "etc")}, "relative path"),  # noqa: PTH100
+    "missing": ({"file": "none.json"}, "no such file"),
+    "folder": ({"file": "nested"}, "no such file"),
+    "no model": ({"file": "notes.txt"}, "no model file"),
+    "broken": ({"file": "broken.json"}, "broken.json, line 1"),
+    "no support": ({"file": "arch.obj"}, "no block is fixed"),
+    "large": ({"file": "large.obj"}, "MiB allowed"),
+    "large object": ({"content": LARGE}, "MiB allowed"),
+    "nothing": ({}, "either file or content"),
+    "both": ({"file": "shelf.json", "content": {}}, "either file or content"),
+    "empty object": ({"content": {}}, "has no 'blocks'"),
+    "arrays": (
+        {"content": {"blocks": [], "arrays": {"file": "/etc/x.npz", "sha256": ""}}},
+        "no plain name",
+    ),
+    "negative friction": ({"file": "shelf.json", "friction": -1.0}, "friction"),
+    "a wrong key": ({"file": "shelf.json", "frictoin": 0.6}, "frictoin"),
+    "load on nothing": (
+        {"file": "shelf.json", "loads": [{"kind": "mass", "block": "x", "mass": 1.0}]},
+        "'x'",
+    ),
+}
+if os.name == "posix":
+    REFUSED |= {
+        "link": ({"file": "link.json"}, "symbolic link"),
+        "link to a folder": ({"file": "door/secret.json"}, "symbolic link"),
+        "arrays by a link": ({"file": "away.json"}, "symbolic link"),
+    }
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_used_is_refused_in_words(case: str, session: Session) -> None:
+    model, words = REFUSED[case]
+    text = session.refusal("check", model=model)
+    assert words in text
+    assert "Traceback" not in text
+    assert len(text) < 1000
+
+
+def test_a_limit_of_load_needs_a_load(session: Session) -> None:
+    model = {"file": "nested/tower.json"}
+    assert "needs one" in session.refusal("limit", model=model, of="load")
+    assert "of" in session.refusal("limit", model=model, of="thickness")
+
+
+def test_nothing_was_written_beside_the_models(session: Session, folder: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
+    session.answer("inspect", model={"file": "shelf.json"})
+    session.answer("check", model={"content": content(2), "supports": "lowest"})
+    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
+
+
+def test_a_call_ends_with_its_time(folder: Path) -> None:
+    server = build(Folder.of(folder, 1.0), 0.05)
+
+    async def ask() -> Any:
+        async with Client(server) as client:
+            return await client.call_tool("check", {"model": {"file": "vault.json"}})
+
+    result = asyncio.run(ask())
+    assert result.is_error
+    assert "no answer within 0.05 s" in result.content[0].text
+
+
+def test_an_analysis_that_runs_out_of_time_tells_what_it_knows(folder: Path) -> None:
+    given = {"model": {"file": "vault.json"}}
+    told = answer("check", given, Folder.of(folder, 1.0), 1e-6)
+    assert (told["verdict"], told["stopped"]) == ("undecided", "the time was up")
+    told = answer("limit", {**given, "of": "tilt"}, Folder.of(folder, 1.0), 1e-6)
+    assert (told["stands_at"], told["stopped"]) == (None, "the time was up")
+
+
+def test_the_command_refuses_a_folder_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["mcp", str(tmp_path / "none")]) == 2
+    assert "there is no such folder" in capsys.readouterr().err
+    assert main(["mcp", str(tmp_path), "--time-limit", "0"]) == 2
+    assert "--time-limit: is 0" in capsys.readouterr().err

@@ -1,0 +1,229 @@
+"""Blocks followed by finite steps to rest or into a fall."""
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import Assembly, InputError, LoadCase, Model
+from drystone.geometry.frames import rotation_about
+from drystone.models import arch, box, concave, h_model, incline, tower, wedge
+from drystone.models.solids import prism
+from drystone.settlement import Outcome, Settlement, SettlementOptions, settle, support_response
+
+MOVING = SettlementOptions(carrier="moving", fall=0.1)  # type: ignore[arg-type]
+X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
+
+
+def tilted(
+    assembly: Assembly,
+    axis: tuple[float, float, float],
+    angle: float,
+    friction: float = 0.84,
+    options: SettlementOptions = MOVING,
+) -> Settlement:
+    load = LoadCase.tilt(assembly, axis, angle)
+    return settle(Model.of(assembly, friction=friction, load=load), options=options)
+
+
+def grooved(longer: float) -> Assembly:
+    """The wedge of type c in a groove that ends flush with it, or is longer at both ends."""
+    half = [(-2.0, 0.0), (0.0, 0.0), (0.0, 0.5), (-1.0, 1.0773502691896257), (-2.0, 1.07735026919)]
+    top = 2.3381
+    free = [(0.0, 0.5), (1.0, half[3][1]), (1.0, top), (-1.0, top), (-1.0, half[3][1])]
+    y = (-longer, 1.0 + longer)
+    blocks = (
+        prism(half, y, "left"),
+        prism([(-x, z) for x, z in half], y, "right"),
+        prism(free, (0.0, 1.0), "wedge"),
+    )
+    return Assembly(blocks, np.array([True, True, False]))
+
+
+@pytest.mark.parametrize(
+    ("assembly", "axis", "stands", "falls"),
+    [
+        (wedge("a"), Y, 99.5, 100.6),
+        (wedge("b"), X, 57.0, 60.0),
+        (wedge("c"), X, 43.5, 45.0),
+        (concave("short"), Y, 38.5, 44.0),
+    ],
+    ids=["a about y", "b about x", "c about x", "concave"],
+)
+def test_published_limits_lie_between_what_rests_and_what_falls(
+    assembly: Assembly, axis: tuple[float, float, float], stands: float, falls: float
+) -> None:
+    # Kao 2023, 3DEC: 100, 58.7, 44.1 and 40 degrees
+    assert tilted(assembly, axis, stands).outcome is Outcome.RESTS
+    assert tilted(assembly, axis, falls).outcome is Outcome.FALLS
+
+
+@pytest.mark.parametrize(("angle", "outcome"), [(30.9, Outcome.RESTS), (31.1, Outcome.FALLS)])
+def test_a_block_slides_where_the_slope_is_the_friction(angle: float, outcome: Outcome) -> None:
+    block = incline(0.0)
+    assert tilted(block, Y, angle, float(np.tan(np.deg2rad(31.0)))).outcome is outcome
+
+
+@pytest.mark.parametrize(("angle", "outcome"), [(18.3, Outcome.RESTS), (18.6, Outcome.FALLS)])
+def test_a_tower_topples_where_its_weight_leaves_the_foot(angle: float, outcome: Outcome) -> None:
+    # three free cubes: atan(1/3) = 18.43 degrees
+    assert tilted(tower(4), X, angle).outcome is outcome
+
+
+def test_what_nothing_presses_falls_and_what_tapers_wedges_itself() -> None:
+    assert settle(Model.of(h_model(), friction=0.9), options=MOVING).outcome is Outcome.FALLS
+    lean = float(np.tan(np.deg2rad(0.05)))
+    y = (-0.5, 0.5)
+    wall = [(0.5, 0.0), (1.5, 0.0), (1.5 + lean, 1.0), (0.5 + lean, 1.0)]
+    plug = [(-0.5, 0.0), (0.5, 0.0), (0.5 + lean, 1.0), (-0.5 - lean, 1.0)]
+    blocks = (
+        prism([(-x, z) for x, z in wall], y, "left"),
+        prism(wall, y, "right"),
+        prism(plug, y, "plug"),
+    )
+    taper = Assembly(blocks, np.array([True, True, False]))
+    for friction in (0.0, 0.6):
+        settled = settle(Model.of(taper, friction=friction), options=MOVING)
+        assert settled.outcome is Outcome.RESTS
+    # N = W / (2 sin a) on either face
+    weight = taper.mass[2] * 9.81
+    settled = settle(Model.of(taper, friction=0.0), options=MOVING)
+    normal = settled.path.force[:, 0].sum()
+    assert normal == pytest.approx(weight / np.sin(np.deg2rad(0.05)), rel=1e-2)
+
+
+def test_the_ends_of_joints_decide_only_where_the_faces_end_flush() -> None:
+    both = SettlementOptions(fall=0.1)
+    flush = tilted(grooved(0.0), X, 40.0, options=both)
+    assert flush.outcome is Outcome.ENDS_DECIDE
+    assert "the ends of the joints decide" in flush.message
+    assert [path.outcome for path in flush.paths] == [Outcome.RESTS, Outcome.FALLS]
+    longer = tilted(grooved(0.2), X, 40.0, options=both)
+    assert longer.outcome is Outcome.RESTS
+
+
+def test_forces_at_rest_are_proven_on_the_moved_blocks() -> None:
+    settled = tilted(wedge("b"), X, 50.0)
+    path = settled.path
+    assert path.residuals is not None
+    assert path.residuals.largest < 1e-8
+    assert 1e-3 < settled.way < 0.02
+    moved = path.moved_model()
+    shift = moved.assembly.centroid[2] - settled.assembly.centroid[2]
+    assert shift == pytest.approx(path.displacement[2, :3])
+    world = np.einsum("ki,kij->kj", path.force, path.axes)
+    assert world.sum(axis=0) == pytest.approx(-settled.model.load.wrench[2, :3], rel=1e-7, abs=1e-6)
+    assert (path.gap[path.force[:, 0] > 0.0] < 0.0).all()
+    np.testing.assert_array_equal(path.positions[0], np.zeros((3, 6)))
+    np.testing.assert_array_equal(path.positions[-1], path.displacement)
+
+
+def test_the_way_depends_on_no_unit_place_density_direction_or_numbering() -> None:
+    turn = rotation_about((1.0, 2.0, 3.0), 77.0)
+    plain = wedge("b")
+    reference = tilted(plain, X, 55.0).way
+    copies = {
+        "larger": plain.transformed(1e3 * np.eye(3)),
+        "elsewhere": plain.transformed(translation=(300.0, -200.0, 100.0)),
+        "denser": plain.with_density(1.0),
+        "renumbered": Assembly(plain.blocks[::-1], plain.fixed[::-1]),
+    }
+    for name, copy in copies.items():
+        assert tilted(copy, X, 55.0).way == pytest.approx(reference, rel=2e-2), name
+    load = LoadCase.tilt(plain, X, 55.0).wrench[2, :3] / plain.mass[2]
+    turned = plain.transformed(turn)
+    model = Model.of(turned, friction=0.84, load=turn @ load)
+    assert settle(model, options=MOVING).way == pytest.approx(reference, rel=2e-2)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"overlap": 1e-7}, {"pace": 2.0}, {"pace": 0.5}],
+    ids=["stiffer", "longer steps", "shorter steps"],
+)
+def test_stiffness_and_steps_change_no_answer_half_a_degree_from_the_limit(
+    changed: dict[str, float],
+) -> None:
+    options = SettlementOptions(carrier="moving", fall=0.1, **changed)  # type: ignore[arg-type]
+    assert tilted(wedge("c"), X, 43.7, options=options).outcome is Outcome.RESTS
+    assert tilted(wedge("c"), X, 44.7, options=options).outcome is Outcome.FALLS
+
+
+def test_many_blocks_are_followed_like_few() -> None:
+    slender = tower(30, 0.5)
+    slope = np.rad2deg(np.arctan(1.0 / 29.0))
+    assert tilted(slender, X, 0.95 * slope).outcome is Outcome.RESTS
+    assert tilted(slender, X, 1.05 * slope).outcome is Outcome.FALLS
+
+
+def test_blocks_follow_supports_by_finite_ways() -> None:
+    assembly = arch(0.2, 20)
+    model = Model.of(assembly, friction=0.7)
+    small, large = (
+        settle(model, {"springer-right": (move, 0.0, 0.0)}, options=MOVING)
+        for move in (0.001, 0.02)
+    )
+    assert small.rests
+    assert large.rests
+    crown = 10
+    first = support_response(model, {"springer-right": (0.001, 0.0, 0.0)}).result.displacement
+    assert first is not None
+    # to first order where the support moves little
+    assert small.displacement[crown, 4] == pytest.approx(first[crown, 4], rel=1e-3)
+    foot = assembly.index("springer-right")
+    np.testing.assert_allclose(large.displacement[foot, :3], (0.02, 0.0, 0.0), atol=1e-12)
+    assert large.displacement[crown, 2] < 0.0
+
+
+def test_a_fall_tells_who_moves_and_how_it_ended_early_is_told() -> None:
+    fall = tilted(tower(3), X, 40.0)
+    assert "it falls: 'block-2'" in fall.message
+    assert fall.path.moving[-1] == 2
+    late = settle(tower(3), options=SettlementOptions(time_limit_s=0.0))
+    assert late.outcome is Outcome.UNKNOWN
+    assert late.stopped == "the time was up"
+    stopped = settle(tower(3), stop=lambda: True)
+    assert stopped.message.startswith("it was interrupted")
+    told: list[tuple[str, int, int]] = []
+    settle(tower(3), progress=lambda *one: told.append(one))
+    assert all(0 <= done <= total for _, done, total in told)
+    assert told[-1][1] == told[-1][2]
+
+
+def test_there_may_be_nothing_to_follow() -> None:
+    assert settle(tower(2).with_fixed([0, 1])).rests
+    assert settle(Model.of(tower(2), load=0.0)).rests
+    apart = Assembly((box((1, 1, 1), name="a"), box((1, 1, 1), (0, 0, 5), "b"))).with_fixed(["a"])
+    assert settle(apart, options=MOVING).outcome is Outcome.FALLS
+    with pytest.raises(TypeError, match="neither true nor false"):
+        bool(settle(tower(2)))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"fall": -1.0}, "fall is -1"),
+        ({"rest_within": 0.5}, "rest_within is 0.5, above fall"),
+        ({"overlap": 0.5}, "overlap is 0.5"),
+        ({"pace": float("inf")}, "pace is inf"),
+        ({"carrier": "upper"}, "carrier is 'upper'; give one of 'moving', 'resting'"),
+        ({"step_limit": 0}, "step_limit is 0"),
+    ],
+)
+def test_options_that_cannot_be_meant_are_refused(given: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        SettlementOptions(**given)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        ({"block-1": (0.0, 0.0, 1.0)}, "'block-1' is not fixed"),
+        ({"block-0": (0.0, 1.0)}, "has not 3 or 6 numbers"),
+        ({"other": (0.0, 0.0, 1.0)}, "no block is called"),
+    ],
+)
+def test_motions_that_cannot_be_used_are_refused(
+    motion: dict[str, tuple[float, ...]], words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        drystone.settle(tower(2), motion)
