@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, cross
+from drystone.arrays import Bools, Floats, Ints, cross
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.model import Model
@@ -22,6 +22,10 @@ of eq. 5.6 that were looked at have 8e-6 and more."""
 
 NEGLIGIBLE = 1e-9
 """Friction below this share of the forces on a block has no direction worth checking."""
+
+MOVING = 0.05
+"""Motions of a corner below this share of the largest of its joint count as none where joints that
+turn are told from those that slide. Chosen, for pictures."""
 
 
 def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:
@@ -147,6 +151,42 @@ def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
     parts = model.load.wrench[free] * motion[free]
     gross = float(np.abs(parts).sum())
     return violation, float(parts.sum()) / gross if gross > 0.0 else 0.0
+
+
+def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
+    """Where a first motion turns about an edge, and where it slides.
+
+    Parameters
+    ----------
+    motion : (n, 6) [m, rad]
+
+    Returns
+    -------
+    hinge, slide : (m,)
+        Interfaces whose blocks turn about corners that stay closed; whose blocks slide along each
+        other. Interfaces that lift off wholly are neither.
+    place : (m, 3) [m]
+        Middle of the corners that stay closed; where there are none, of all corners.
+    """
+    contacts = model.contacts
+    if contacts.count == 0:
+        return np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), np.zeros((0, 3))
+    moved = corner_motion(model.assembly, contacts, motion)
+    reach, interface = np.linalg.norm(moved, axis=1), contacts.interface
+    first = contacts.start[:-1]
+    most = np.maximum.reduceat(reach, first)
+    moving = most > MOVING * float(most.max())
+    small = MOVING * most[interface]
+    still = reach < small
+    hinge = moving & np.logical_or.reduceat(still, first)
+    sliding = np.linalg.norm(moved[:, 1:], axis=1)
+    friction = contacts.friction[interface]
+    along = (sliding > small) & (np.abs(moved[:, 0]) < friction * sliding + small)
+    slide = moving & ~hinge & np.logical_or.reduceat(along, first)
+    kept = np.where(hinge[interface], still, True).astype(float)
+    total = np.add.reduceat(kept[:, None] * contacts.point, first, axis=0)
+    place: Floats = total / np.add.reduceat(kept, first)[:, None]
+    return hinge, slide, place
 
 
 def block_speed(assembly: Assembly, motion: Floats) -> Floats:

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, frozen
+from drystone.arrays import Bools, Floats, Ints, frozen
 from drystone.assembly import Assembly, Blocks
 from drystone.contacts import Contacts
 from drystone.display import OneLine
@@ -20,6 +20,9 @@ from drystone.virtual import joint_sections
 
 LOADED = 1e-9
 """A joint with less normal force than this share of the largest carries nothing worth a ratio."""
+HINGED = 0.99
+"""Share of the way from the centroid to the rim from which a force counts as standing on the rim,
+and share of the friction from which it counts as spent; chosen, as in the page about joints."""
 
 UNITS = {
     "area": "m2",
@@ -201,6 +204,78 @@ def thrust_line(
     return ThrustLine(tuple(order), point, force)
 
 
+def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
+    """(m,) joints with an area that press along one edge only: the resultant is on the rim."""
+    origin, corners, made = joint_sections(contacts)
+    at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
+    loaded = resultants.normal > LOADED * max(float(resultants.normal.max(initial=0.0)), 1e-300)
+    out: Bools = loaded & (made.area > 0.0)
+    out &= edge_ratio(made, corners, contacts.start, at) > HINGED
+    return out
+
+
+def corner_pressure(contacts: Contacts, force: Floats) -> Floats:
+    """(k,) [Pa], the normal force of each corner by its share of the area; 0 without an area."""
+    area = contacts.tributary
+    flat: Floats = np.divide(force[:, 0], area, out=np.zeros(len(area)), where=area > 0.0)
+    return flat
+
+
+@dataclass(frozen=True, eq=False)
+class ForceNetwork(OneLine):
+    """Lines along which the normal forces pass through the blocks.
+
+    In every free block a line runs from each pressed joint to the mean of the centres of pressure
+    of the block, weighted with the normal forces. In a row of voussoirs that is the thrust line. A
+    free block with a single pressed joint has a line to its centroid; supports have none.
+
+    Attributes
+    ----------
+    start : (s, 3) [m], centres of pressure
+    end : (s, 3) [m]
+    force : (s,) [N], normal force
+    interface : (s,)
+    """
+
+    start: Floats
+    end: Floats
+    force: Floats
+    interface: Ints
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.force), 'line')}, at most {self.force.max(initial=0.0):.3g} N"
+
+
+def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants) -> ForceNetwork:
+    """The force network of resultants.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import tower
+    >>> result = drystone.check(tower(3))
+    >>> made = force_network(result.assembly, result.contacts, result.resultants)
+    >>> made.end[:, 2].round(3).tolist()  # the lower joint carries twice as much
+    [1.333, 1.333, 2.5]
+    """
+    normal = resultants.normal
+    pressed = np.flatnonzero(normal > LOADED * max(float(normal.max(initial=0.0)), 1e-300))
+    block = np.concatenate([contacts.block_a[pressed], contacts.block_b[pressed]])
+    interface = np.concatenate([pressed, pressed])
+    free = ~assembly.fixed[block]
+    block, interface = block[free], interface[free]
+    order = np.lexsort((interface, block))
+    block, interface = block[order], interface[order]
+    force, start = normal[interface], resultants.position[interface]
+    total = np.bincount(block, force, len(assembly))
+    count = np.bincount(block, minlength=len(assembly))
+    moment = np.zeros((len(assembly), 3))
+    np.add.at(moment, block, force[:, None] * start)
+    middle = moment / np.where(total > 0.0, total, 1.0)[:, None]
+    hub = np.where((count > 1)[:, None], middle, assembly.centroid)
+    return ForceNetwork(*map(frozen, (start, hub[block], force, interface)))
+
+
 def chain(assembly: Assembly, contacts: Contacts) -> list[int]:
     """Blocks of a model in which each touches the next one only, end to end.
 
@@ -228,9 +303,13 @@ def chain(assembly: Assembly, contacts: Contacts) -> list[int]:
 
 
 __all__ = [
+    "ForceNetwork",
     "Resultants",
     "ThrustLine",
     "chain",
+    "corner_pressure",
+    "force_network",
+    "hinged",
     "joint_table",
     "resultants_of",
     "thrust_line",

@@ -31,6 +31,7 @@ from drystone import (
 from drystone.detection import ContactReport, Detection, DetectionOptions, Shortfall, gap_sweep
 from drystone.display import Card, shortened
 from drystone.io import FORMATS, read_file
+from drystone.joints import force_network
 from drystone.models import arch, box, burr, shelf, tower, vault
 from drystone.view import notebook
 
@@ -110,7 +111,8 @@ def values(folder: Path) -> Iterator[object]:
     grid = [(x, y, 0.1 * x * x) for y in range(3) for x in range(3)]
     quads = [(i, i + 1, i + 4, i + 3) for i in (0, 1, 3, 4)]
     yield shells.patch_from_mesh(grid, quads, control=(3, 3))
-    yield from (view.scene_of(stands), view.Frame(stands))
+    yield from (view.scene_of(stands), view.Frame(stands), view.PRESETS["forces"])
+    yield force_network(stands.assembly, stands.contacts, stands.resultants)
     drystone.write(stands.model, folder / "vault.json")
     yield from (*FORMATS, read_file(folder / "vault.json"))
     yield from (stability.CRAOptions(), stability.PenaltyOptions(), sequence.PlanOptions())
@@ -219,8 +221,8 @@ def test_a_large_model_is_not_drawn_unasked(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_a_frame_holds_the_page_and_a_still_picture_is_smaller() -> None:
     stack = Model.of(tower(3))
-    page = view.page_text(view.scene_of(stack.assembly, stack.contacts))
-    shown = view.Frame(stack)._repr_html_()
+    frame = view.Frame(stack)
+    page, shown = view.page_text(frame.scene), frame._repr_html_()
     assert html.unescape(shown.split('"')[1]) == page
     assert len(notebook.thumbnail(stack)) < len(page)
     assert notebook.thumbnail(42) == ""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, Contacts, InputError, LoadCase, Result, Verdict, solve_rbe
-from drystone.joints import chain, worst_joints
+from drystone.joints import chain, corner_pressure, force_network, hinged, worst_joints
 from drystone.model import Model
 from drystone.models import arch, tower, wall
 from tests.oracle import touching_faces
@@ -129,3 +129,30 @@ def test_a_wall_is_no_chain() -> None:
     assembly = wall(3, 2)
     with pytest.raises(InputError, match="not one row"):
         chain(assembly, touching_faces(assembly, 0.6))
+
+
+def test_the_force_network_of_an_arch_is_its_thrust_line() -> None:
+    voussoirs = arch(0.3, 7)
+    result = solve_rbe(Model(voussoirs, touching_faces(voussoirs, 0.7)))
+    line = result.thrust_line()
+    made = force_network(result.assembly, result.contacts, result.resultants)
+    free = ~result.assembly.fixed
+    assert len(made.force) == 2 * free.sum()  # two lines in each voussoir, none in the supports
+    for start, end in zip(made.start, made.end, strict=True):
+        a, b = line.point[:-1], line.point[1:]
+        along = b - a
+        share = np.clip(((end - a) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+        assert np.linalg.norm(a + share[:, None] * along - end, axis=1).min() < 1e-9
+        assert np.linalg.norm(line.point - start, axis=1).min() < 1e-9
+
+
+def test_a_force_on_the_rim_is_a_hinge_and_one_inside_is_none() -> None:
+    contacts = touching_faces(tower(2), 0.7)
+    on_rim, inside = np.zeros((4, 3)), np.zeros((4, 3))
+    edge = np.flatnonzero(contacts.point[:, 0] == contacts.point[:, 0].max())
+    on_rim[edge, 0] = 100.0
+    inside[:, 0] = 100.0
+    for force, expected in ((on_rim, True), (inside, False)):
+        result = Result("rbe", Verdict.STABLE, Model(tower(2), contacts), force=force)
+        assert hinged(contacts, result.resultants).tolist() == [expected]
+    np.testing.assert_allclose(corner_pressure(contacts, inside), 400.0)

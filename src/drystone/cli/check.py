@@ -41,5 +41,5 @@ def check(
         said = subject.upright(result.model, waiting)
         result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
     why = mend.short(result, waiting)
-    files = partial(wanted.of, result)
+    files = partial(wanted.all_of, result, subject.model)
     return verdict.answer(result, waiting, subject.model, files, strict, why)

@@ -58,7 +58,7 @@ def inspect(
     def files() -> Files:
         if assembly is None or detection is None:
             return [], []
-        return _pictures(assembly, detection, swept, built.bare, pictures)
+        return _pictures(assembly, detection, swept, built.bare, pictures, source.model)
 
     show = partial(_show, data, lines, everything)
     return Answer(data, show, 2 if built.defects else 0, notes, files)
@@ -144,14 +144,14 @@ def _pictures(
     swept: GapSweep | None,
     bare: Sequence[Floats],
     pictures: Pictures,
+    source: str,
 ) -> Files:
     """The page and the figure that were asked for."""
     from drystone import view
 
-    page = partial(view.save_inspection, assembly, found, sweep=swept, bare=bare)
-    scene = view.inspection_scene(assembly, found, bare)
-    shown = [layer.key for layer in scene.stages[0].layers]
-    return pictures.jobs(page, partial(view.save_figure, scene, layers=shown)), []
+    page = partial(view.save_inspection, assembly, found, sweep=swept, bare=bare, source=source)
+    scene = view.inspection_scene(assembly, found, bare, source)
+    return pictures.jobs(page, partial(view.save_figure, scene)), []
 
 
 def _show(

@@ -50,7 +50,8 @@ def tilt(
 ) -> Answer:
     """The largest angle by which a model can be turned; --polar in all directions.
 
-    The page shows the fall, in the weakest direction of --polar; its figure is the polar plot.
+    The page shows both sides of the limit, in the weakest direction of --polar; the figure of
+    --polar is a plot of all directions.
     """
     if axis is not None and polar is not None:
         raise InputError("--axis and --polar contradict each other", remedy="give one of them")

@@ -47,7 +47,9 @@ def answer(
     data = {"model": model, **found.to_dict(), **others}
     data["time_s"] = {**waiting.time_s, **data["time_s"]}
     code = 0 if found.best.stands is not None else 1
-    return Answer(data, partial(_show, data, more), code, notes, partial(_fall, found, pictures))
+    return Answer(
+        data, partial(_show, data, more), code, notes, partial(_both, found, pictures, model)
+    )
 
 
 def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: Pictures) -> Answer:
@@ -58,20 +60,19 @@ def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: P
     def files() -> Files:
         if not sweep.limits:
             return [], []
-        from drystone.view.polar import save_polar  # pictures are imported when asked for
+        from drystone.view import save_page, save_polar  # pictures are imported when asked for
 
         plot = partial(save_polar, sweep, title=Path(model).stem)
-        page, said = _fall(sweep.limits[sweep.weakest], Pictures(pictures.html))
-        return [*page, *Pictures(png=pictures.png).jobs(plot, plot)], said
+        page = partial(save_page, sweep, source=model)
+        return pictures.jobs(page, plot), []
 
     return Answer(data, partial(_show_sweep, data), code, notes, files)
 
 
-def _fall(found: Limit, pictures: Pictures) -> Files:
-    """Pictures of the state that falls, else of the one that stands."""
-    falling = found.best.falling
-    state = falling if falling is not None else found.best.standing
-    return ([], []) if state is None else pictures.of(state)
+def _both(found: Limit, pictures: Pictures, source: str) -> Files:
+    """Pictures of the states on either side, where there are any."""
+    known = found.best.falling is not None or found.best.standing is not None
+    return pictures.of(found, source) if known else ([], [])
 
 
 def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> None:

@@ -151,12 +151,17 @@ def plan(
     }
     helped = found.counts["propped"] + found.counts["impossible"]
     code = 0 if found.steps and found.verdict == "stable" and not helped else 1
-    files = partial(_files, found, measured, html, instructions, csv)
+    files = partial(_files, found, measured, html, instructions, csv, subject.model)
     return Answer(data, partial(_show, data, found), code, model.notes, files)
 
 
 def _files(
-    plan: Plan, margins: Margins | None, html: Path | None, steps: Path | None, csv: Path | None
+    plan: Plan,
+    margins: Margins | None,
+    html: Path | None,
+    steps: Path | None,
+    csv: Path | None,
+    source: str,
 ) -> Files:
     wanted = [str(path) for path in (html, steps, csv) if path is not None]
     if not plan.steps:
@@ -164,10 +169,10 @@ def _files(
     jobs: list[Job] = []
     if html is not None or steps is not None:
         from drystone.view import save_page
-        from drystone.view.sequence import plan_scene, save_instructions
+        from drystone.view.instructions import save_instructions
 
         if html is not None:
-            jobs.append((html, partial(save_page, plan_scene(plan))))
+            jobs.append((html, partial(save_page, plan, source=source)))
         if steps is not None:
             jobs.append((steps, partial(save_instructions, plan)))
     if csv is not None:

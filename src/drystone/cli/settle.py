@@ -60,19 +60,20 @@ def settle(
     found = support_response(model, options=SupportResponseOptions(compliance=compliance))
     data = _content(found, subject.model)
     code = verdict.exit_code(found.result, strict=False)
-    files = partial(_files, found, wanted)
+    files = partial(_files, found, wanted, subject.model)
     return Answer(data, partial(_show, data), code, model.notes, files)
 
 
-def _files(found: SupportResponse, wanted: Written) -> Files:
+def _files(found: SupportResponse, wanted: Written, source: str) -> Files:
     tables, said = wanted.tables(found.result)
     if wanted.html is None and wanted.png is None:
         return tables, said
     from drystone import view  # as above
     from drystone.view.settlement import moved_scene, settlement_scene
 
-    page = partial(view.save_page, settlement_scene(found))
-    return [*wanted.jobs(page, partial(view.save_figure, moved_scene(found))), *tables], said
+    page = partial(view.save_page, settlement_scene(found, source))
+    figure = partial(view.save_figure, moved_scene(found, source))
+    return [*wanted.jobs(page, figure), *tables], said
 
 
 def _content(answer: SupportResponse, model: str) -> dict[str, Any]:

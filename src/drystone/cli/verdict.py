@@ -45,7 +45,9 @@ def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
     waiting.stage("solve", "solving")
     chosen = CheckOptions() if time_limit is None else CheckOptions(time_limit_s=time_limit)
     with waiting.stoppable() as stop:
-        return check(model, options=chosen, progress=waiting, stop=stop)
+        result = check(model, options=chosen, progress=waiting, stop=stop)
+    waiting.end_stage()
+    return result
 
 
 def is_sensitive(result: Result) -> bool:

@@ -73,7 +73,7 @@ class Waiting:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._end_stage()
+        self.end_stage()
         if self._timer is not None:
             self._timer.cancel()
         with self._lock:
@@ -113,7 +113,7 @@ class Waiting:
 
     def stage(self, key: str, wording: str) -> None:
         """Begin a stage: its time is added up under ``key``, ``wording`` is shown."""
-        self._end_stage()
+        self.end_stage()
         self._begun = (key, time.perf_counter())
         self(wording, 0, 0)
 
@@ -139,7 +139,8 @@ class Waiting:
             )
         return NOTHING
 
-    def _end_stage(self) -> None:
+    def end_stage(self) -> None:
+        """Book the time of the stage that is under way."""
         if self._begun is not None:
             key, since = self._begun
             self.time_s[key] = self.time_s.get(key, 0.0) + time.perf_counter() - since

@@ -17,6 +17,7 @@ from drystone.files import same_place
 if TYPE_CHECKING:
     from drystone.cli.answer import Files
     from drystone.files import Job
+    from drystone.limits import Limit
     from drystone.results import Result
 
 
@@ -35,13 +36,14 @@ class Pictures:
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
-    def of(self, result: Result) -> Files:
-        """The pictures of a result."""
+    def of(self, subject: Result | Limit, source: str = "") -> Files:
+        """The pictures of an answer about the model of a file."""
         if self.html is None and self.png is None:
             return [], []
         from drystone import view  # the program starts fast: pictures are imported when asked for
 
-        return self.jobs(partial(view.save_page, result), partial(view.save_figure, result)), []
+        page = partial(view.save_page, subject, source=source)
+        return self.jobs(page, partial(view.save_figure, subject, source=source)), []
 
 
 @dataclass(frozen=True)
@@ -70,9 +72,9 @@ class Written(Pictures):
     def __post_init__(self) -> None:
         apart([self.html, self.png, *self.joints])
 
-    def of(self, result: Result) -> Files:
+    def all_of(self, result: Result, source: str) -> Files:
         """The pictures and the tables of a result, and remarks."""
-        jobs, _ = super().of(result)
+        jobs, _ = self.of(result, source)
         more, said = self.tables(result)
         return [*jobs, *more], said
 

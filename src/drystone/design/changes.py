@@ -133,7 +133,7 @@ def usual_friction(model: Model) -> float:
 def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     """The load of a model on its changed blocks: what is no weight stays where it acts.
 
-    The weight of new volume is that of the median acceleration of the free blocks.
+    New volume has the acceleration that most blocks bear.
 
     Parameters
     ----------
@@ -160,19 +160,23 @@ def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
 
 
 def acceleration_of(model: Model) -> Floats:
-    """The acceleration (3,) [m/s2] that most free blocks of a model bear."""
-    free = model.assembly.free
-    if not len(free):
-        return np.array([0.0, 0.0, -9.81])
-    each = model.load.wrench[free, :3] / model.assembly.mass[free, None]
-    acceleration: Floats = np.median(each, axis=0)
+    """The acceleration (3,) [m/s2] that most blocks of a model bear.
+
+    Blocks whose load has a moment about the centroid bear more than their weight, and do not count
+    unless all of them do.
+    """
+    wrench, mass = model.load.wrench, model.assembly.mass
+    arm = np.linalg.norm(wrench[:, 3:], axis=1) / model.assembly.size
+    plain = arm <= 1e-9 * np.linalg.norm(wrench[:, :3], axis=1)
+    chosen = plain if plain.any() else np.ones(len(model), dtype=bool)
+    acceleration: Floats = np.median(wrench[chosen, :3] / mass[chosen, None], axis=0)
     return acceleration
 
 
-def fresh_name(model: Model, stem: str) -> str:
-    """A name that no block of the model has: the stem and the next number."""
+def fresh_name(model: Model, stem: str, others: Sequence[str] = ()) -> str:
+    """A name that no block of the model has, nor any of the others: the stem and a number."""
     number = 1
-    while f"{stem}-{number}" in model.assembly:
+    while f"{stem}-{number}" in model.assembly or f"{stem}-{number}" in others:
         number += 1
     return f"{stem}-{number}"
 

@@ -6,15 +6,20 @@ from drystone.view.notebook import Frame
 from drystone.view.page import page_text, save_page
 from drystone.view.palette import State
 from drystone.view.polar import save_polar
+from drystone.view.presets import PRESETS, Preset
 from drystone.view.report import save_report
-from drystone.view.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.staging import scene_of, stage_of
+from drystone.view.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.staging import stage_of
+from drystone.view.subject import scene_of
 
 __all__ = [
+    "PRESETS",
     "Frame",
     "Layer",
     "LayerKind",
+    "Preset",
     "Scene",
+    "Shape",
     "Stage",
     "State",
     "inspection_scene",

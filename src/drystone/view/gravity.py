@@ -98,7 +98,7 @@ def _kinds(region: GravityRegion) -> list[tuple[str, Bools, str, bool]]:
             ("stands with friction", rough & stands & ~smooth, colour["resultant"], True),
             ("only prestress would hold it", rough & ~stands & ~smooth, colour["missed"], True),
         ]
-    return [*kinds, ("falls", ~rough, colour["tension"], False)]
+    return [*kinds, ("falls", ~rough, colour["help"], False)]
 
 
 def _lambert(direction: Floats, sign: float) -> Floats:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
+from dataclasses import replace
 from os import PathLike
 
 import numpy as np
@@ -11,7 +12,9 @@ import numpy as np
 from drystone.arrays import Floats
 from drystone.assembly import Assembly
 from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.errors import counted
 from drystone.files import write_bytes
+from drystone.view.header import facts_of
 from drystone.view.page import page_text
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
@@ -19,7 +22,9 @@ from drystone.view.staging import interface_layers
 from drystone.view.sweep import sweep_panel
 
 
-def inspection_scene(assembly: Assembly, found: Detection, bare: Sequence[Floats] = ()) -> Scene:
+def inspection_scene(
+    assembly: Assembly, found: Detection, bare: Sequence[Floats] = (), source: str = ""
+) -> Scene:
     """A scene with the interfaces, and near misses between blocks that do not touch in orange.
 
     Parameters
@@ -29,6 +34,8 @@ def inspection_scene(assembly: Assembly, found: Detection, bare: Sequence[Floats
         Its contacts and their report.
     bare
         Faces (c, 3) [m] of open meshes, at their holes.
+    source
+        The file that the model came from.
 
     Examples
     --------
@@ -41,16 +48,22 @@ def inspection_scene(assembly: Assembly, found: Detection, bare: Sequence[Floats
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     count = f"{len(assembly)} blocks, {found.contacts.count} interfaces"
     layers = (
-        *interface_layers(found.contacts, visible=True),
+        *interface_layers(found.contacts),
         *_edge_layers(found),
         *missed_layers(found.report),
-        *_polygon_layer("defects", "faces at holes", "tension", bare),
+        *_polygon_layer("defects", "faces at holes", "help", bare),
     )
     count_line, *rest = found.report.summary()
     advice = [f"suggestion: {text}" for text in found.report.suggestions()]
     message = "; ".join([count_line, *advice, *(line for line in rest if line not in advice)])
-    stage = Stage("contacts", "", message, state, layers=layers)
-    return Scene(assembly, found.contacts, (stage,), f"drystone: {count}")
+    missed = sum(not miss.joined for miss in found.report.missed)
+    near = f", {counted(missed, 'near miss', 'near misses')}" if missed else ""
+    headline = (
+        f"{counted(len(assembly), 'block')}, {counted(found.contacts.count, 'interface')}{near}"
+    )
+    stage = Stage("contacts", headline, message, state, layers=layers)
+    facts = facts_of(assembly, found.contacts, source=source)
+    return Scene(assembly, found.contacts, (stage,), f"drystone: {count}", facts)
 
 
 def save_inspection(
@@ -59,6 +72,7 @@ def save_inspection(
     path: str | PathLike[str],
     sweep: GapSweep | None = None,
     bare: Sequence[Floats] = (),
+    source: str = "",
 ) -> None:
     """Write the page of :func:`inspection_scene`, with the report and a sweep's curve beside it.
 
@@ -72,6 +86,8 @@ def save_inspection(
         Number of pairs against the gap tolerance.
     bare
         Faces (c, 3) [m] of open meshes, at their holes.
+    source
+        The file that the model came from.
 
     Examples
     --------
@@ -84,10 +100,11 @@ def save_inspection(
     >>> "plateau from 1e-05 to 0.001" in page.read_text(encoding="utf-8")
     True
     """
-    aside = _report_panel(found.report)
+    panels = [_report_panel(found.report)]
     if sweep is not None:
-        aside += "\n" + sweep_panel(sweep, found.report.options.gap)
-    text = page_text(inspection_scene(assembly, found, bare), aside)
+        panels.append(sweep_panel(sweep, found.report.options.gap))
+    scene = replace(inspection_scene(assembly, found, bare, source), panels=tuple(panels))
+    text = page_text(scene)
     write_bytes(path, text.encode("utf-8"))
 
 

@@ -7,16 +7,11 @@ import html
 import tempfile
 from pathlib import Path
 
-from drystone.display import OneLine, shortened
+from drystone.display import OneLine
 from drystone.errors import InputError
-from drystone.limits import Limit
-from drystone.model import Model
-from drystone.sequence import Plan
 from drystone.view.figure import save_figure
 from drystone.view.page import page_text
-from drystone.view.scene import Scene
-from drystone.view.sequence import plan_scene
-from drystone.view.staging import Subject, scene_of
+from drystone.view.subject import Subject, scene_of
 
 SIZE, DPI = (6.4, 4.4), 64
 """Of a still picture [inches], [pixels per inch]: 20 to 60 kB, half of the page at most."""
@@ -31,7 +26,7 @@ class Frame(OneLine):
     Parameters
     ----------
     value
-        A model, an assembly, a result, a limit, a plan or a scene.
+        A model, an assembly, a result, a limit, a plan, a settlement or a scene.
     height : [pixels]
 
     Raises
@@ -46,14 +41,8 @@ class Frame(OneLine):
     '<iframe srcdoc="'
     """
 
-    def __init__(self, value: Subject | Model | Limit | Plan, height: int = 480) -> None:
-        scene = _scene(value)
-        if scene is None:
-            raise InputError(
-                f"there is no picture of {shortened(repr(value), 60)}",
-                remedy="give a model, an assembly, a result, a limit or a plan",
-            )
-        self.scene, self.height = scene, height
+    def __init__(self, value: Subject, height: int = 480) -> None:
+        self.scene, self.height = scene_of(value), height
 
     def _summary(self) -> str:
         return repr(self.scene)
@@ -61,31 +50,23 @@ class Frame(OneLine):
     def _repr_html_(self) -> str:
         page = html.escape(page_text(self.scene))
         style = f"width:100%;height:{self.height}px;border:0"
-        return f'<iframe srcdoc="{page}" sandbox="allow-scripts" style="{style}"></iframe>'
+        allowed = "allow-scripts allow-downloads"
+        return f'<iframe srcdoc="{page}" sandbox="{allowed}" style="{style}"></iframe>'
 
 
 def thumbnail(value: object) -> str:
     """A small still picture as an HTML image; nothing where there is none to be drawn."""
-    scene = _scene(value)
-    if scene is None or len(scene.assembly) > MOST_BLOCKS:
+    try:
+        scene = scene_of(value)  # type: ignore[arg-type]
+    except InputError:
+        return ""
+    if len(scene.assembly) > MOST_BLOCKS:
         return ""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "thumbnail.png"
-        save_figure(scene, path, size=SIZE, dpi=DPI, stage=-1)
+        save_figure(scene, path, size=SIZE, dpi=DPI)
         data = base64.b64encode(path.read_bytes()).decode("ascii")
     return f'<img alt="{html.escape(scene.title)}" src="data:image/png;base64,{data}">'
-
-
-def _scene(value: object) -> Scene | None:
-    """What there is to be seen of a value."""
-    if isinstance(value, Model):
-        return scene_of(value.assembly, value.contacts)
-    if isinstance(value, Plan):
-        return plan_scene(value)
-    if isinstance(value, Limit):
-        state = value.best.standing if value.best.falling is None else value.best.falling
-        return None if state is None else scene_of(state)
-    return scene_of(value) if isinstance(value, Subject) else None
 
 
 __all__ = ["Frame", "thumbnail"]

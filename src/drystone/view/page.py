@@ -10,25 +10,35 @@ from drystone.contacts import Contacts
 from drystone.files import write_bytes
 from drystone.view.encode import encode, to_text
 from drystone.view.scene import Scene
-from drystone.view.staging import Subject, scene_of
+from drystone.view.subject import Subject, scene_of
 
-SCRIPTS = ("linear.js", "data.js", "shaders.js", "renderer.js", "camera.js", "panel.js", "main.js")
+SCRIPTS = (
+    "linear.js", "data.js", "shaders.js", "shadow.js", "renderer.js", "camera.js", "pointers.js",
+    "legend.js", "panel.js", "overlay.js", "export.js", "main.js",
+)  # fmt: skip
 """In the order in which they are put into the page; one scope, so that later ones use earlier."""
 
 
 def save_page(
-    subject: Subject, path: str | PathLike[str], contacts: Contacts | None = None
+    subject: Subject,
+    path: str | PathLike[str],
+    contacts: Contacts | None = None,
+    *,
+    source: str = "",
 ) -> None:
     """Write a page on which the model can be turned, taken apart into layers and asked.
 
     Parameters
     ----------
     subject
-        A result, an assembly, or a scene put together by hand.
+        A result, a model, an assembly, a limit, a plan, a settlement, or a scene put together by
+        hand.
     path
         Written to a temporary name beside it and renamed.
     contacts
         Of an assembly; a result has its own.
+    source
+        The file that the model came from, for the head of the page.
 
     Raises
     ------
@@ -44,18 +54,11 @@ def save_page(
     >>> (folder / "tower.html").read_text(encoding="utf-8")[:15]
     '<!doctype html>'
     """
-    write_bytes(path, page_text(scene_of(subject, contacts)).encode("utf-8"))
+    write_bytes(path, page_text(scene_of(subject, contacts, source)).encode("utf-8"))
 
 
-def page_text(scene: Scene, aside: str = "") -> str:
-    """The page as text: HTML with its style, its script and its data inside.
-
-    Parameters
-    ----------
-    scene
-    aside
-        HTML for the panel beside the model, put there as it is.
-    """
+def page_text(scene: Scene) -> str:
+    """The page as text: HTML with its style, its script and its data inside."""
     static = resources.files("drystone.view").joinpath("static")
 
     def read(name: str) -> str:
@@ -66,7 +69,7 @@ def page_text(scene: Scene, aside: str = "") -> str:
         ("/*STYLE*/", read("page.css")),
         ("/*SCRIPT*/", "\n".join(read(name) for name in SCRIPTS)),
         ("TITLE", html.escape(scene.title)),
-        ("ASIDE", aside),
+        ("ASIDE", "\n".join(scene.panels)),
         ("DATA", to_text(encode(scene))),  # last: what it holds is never searched for marks
     ):
         before, after = page.split("{{" + mark + "}}")

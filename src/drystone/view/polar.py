@@ -68,7 +68,7 @@ def draw(sweep: TiltSweep, title: str) -> Figure:
     angle = float(sweep.rest[weakest])
     if np.isfinite(angle):
         azimuth = float(sweep.azimuth[weakest])
-        axes.plot([np.deg2rad(azimuth)], [angle], "D", color=colour["tension"], markersize=7)
+        axes.plot([np.deg2rad(azimuth)], [angle], "D", color=colour["help"], markersize=7)
         title = f"{title}\nweakest towards {azimuth:g} deg: {angle:.2f} deg".strip()
     axes.set_title(title, fontsize=10)
     axes.set_ylim(bottom=0.0)

@@ -82,7 +82,7 @@ def report_text(result: Result, strength: float | None, worst: int) -> str:
     chosen = worst_joints(table, worst).tolist()
     light, dark = ROLE_COLOUR["light"], ROLE_COLOUR["dark"]
     style = STYLE
-    for mark, role in (("KERN", "pressure"), ("FORCE", "resultant"), ("ALARM", "tension")):
+    for mark, role in (("KERN", "pressure"), ("FORCE", "resultant"), ("ALARM", "help")):
         style = style.replace(f"{mark}_DARK", dark[role]).replace(mark, light[role])
     title = "Joints that work hardest"
     free = len(result.assembly.free)

@@ -1,33 +1,28 @@
-"""A plan as a scene that plays stage by stage, and as numbered instructions on paper."""
+"""A plan as a scene that plays block by block."""
 
 from __future__ import annotations
 
-import html
-import io
 from dataclasses import replace
-from os import PathLike
 
 import numpy as np
 
 from drystone.arrays import Floats, Ints
-from drystone.assembly import Block
-from drystone.contacts import Contacts
-from drystone.files import write_bytes
+from drystone.errors import counted
 from drystone.model import Model
-from drystone.results import Result
-from drystone.sequence.plans import Plan, Status, Step
+from drystone.results import Result, Verdict
+from drystone.sequence.plans import Plan, Status
 from drystone.sequence.stage.stages import Answer, members
-from drystone.view.figure import draw
+from drystone.view.header import directions, facts_of
 from drystone.view.palette import State
-from drystone.view.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.staging import force_layers, interface_layers
+from drystone.view.scene import Scene, Stage
+from drystone.view.staging import force_layers, help_layer, interface_layers
 
 MOST_ARROWS = 200_000
 """Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
 stays below 20 MB."""
 
-ALIKE = 0.9
-"""Cosine of the angle up to which faces are one side of a block to a reader."""
+WAY = 1.0
+"""Length of the way in that is shown, by the size of the block; chosen by eye."""
 
 STATE_OF = {
     Status.SUPPORT: State.SUPPORT,
@@ -37,69 +32,33 @@ STATE_OF = {
     Status.PROPPED: State.PROPPED,
 }
 
-INSTRUCTIONS_STYLE = """
-:root { color-scheme: light; }
-body { font: 14px/1.45 system-ui, sans-serif; color: #1d1b18; background: #ffffff;
-  max-width: 62rem; margin: 1.5rem auto; padding: 0 1rem; }
-h1 { font-size: 1.25rem; margin: 0 0 .25rem; } p { margin: .25rem 0 1rem; color: #5d5950; }
-svg { width: 100%; height: auto; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; padding: .2rem .6rem; border-bottom: 1px solid #d5d1c7; }
-th { color: #5d5950; font-weight: 500; }
-td.n, th.n { text-align: right; }
-tr.held td:nth-child(3) { background: #d9d9d9; } tr.propped td:nth-child(3) { background: #1c1c1c;
-  color: #ffffff; }
-@media print { body { margin: 0; max-width: none; } tr { break-inside: avoid; } }
-"""
 
+def plan_scene(plan: Plan, source: str = "") -> Scene:
+    """A scene with a stage for every block that is placed; the last shows the status of all.
 
-def plan_scene(plan: Plan) -> Scene:
-    """A scene with a stage for every step, and one while hands hold; the last shows every status.
-
-    Light grey blocks were placed alone, dark grey ones are held or were placed together, black ones
-    are propped at that stage.
+    The block that is placed comes in along its path. Orange blocks are held by a hand, vermilion
+    ones are propped at that stage, hatched ones will be propped later.
     """
     model = plan.model
     arrows = sum(len(a.corner) for step in plan.steps for a in (*step.during, step.answer))
     forces = arrows <= MOST_ARROWS
     stages = [stage for i in range(len(plan.steps)) for stage in _stages(plan, i, forces)]
-    stages.append(_summary(plan))
-    title = f"drystone plan: {_counts(plan)}"
-    return Scene(model.assembly, model.contacts, tuple(stages), title)
-
-
-def save_instructions(plan: Plan, path: str | PathLike[str]) -> None:
-    """Write a page for printing: the blocks, numbered in the order of assembly, and a table.
-
-    Parameters
-    ----------
-    plan
-    path
-        Written to a temporary name beside it and renamed.
-    """
-    write_bytes(path, instructions_text(plan).encode("utf-8"))
-
-
-def instructions_text(plan: Plan) -> str:
-    """The instructions as HTML with an inline drawing."""
-    head = "".join(
-        f"<th{' class=n' if number else ''}>{title}</th>"
-        for title, number in (
-            ("no.", True), ("block", False), ("status", False), ("with", False),
-            ("moved along", False), ("prop [N]", True), ("for stages", True),
-            ("props in place", True),
-        )
-    )  # fmt: skip
-    rows = "".join(_row(plan, step) for step in plan.steps)
-    return (
-        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>Assembly plan</title><style>{INSTRUCTIONS_STYLE}</style></head><body>"
-        f"<h1>Assembly plan</h1><p>{html.escape(_counts(plan))}. {html.escape(plan.message)}.</p>"
-        f"{_numbered_drawing(plan)}"
-        f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
-        "</div></body></html>\n"
+    stages.append(summary_stage(plan))
+    title = f"drystone plan: {counts_text(plan)}"
+    asked = model.model
+    facts = facts_of(asked.assembly, asked.contacts, asked.load, source)
+    number = np.zeros(len(model.assembly), dtype=np.intp)
+    for block, position in block_numbers(plan).items():
+        number[block] = position
+    return Scene(
+        model.assembly,
+        model.contacts,
+        tuple(stages),
+        title,
+        facts,
+        number,
+        still=-1,
+        preset="stages" if len(stages) > 1 else "solid",
     )
 
 
@@ -110,37 +69,48 @@ def block_numbers(plan: Plan) -> dict[int, int]:
 
 
 def _stages(plan: Plan, number: int, forces: bool) -> list[Stage]:
+    """One stage for each block of a step."""
     step = plan.steps[number]
     names = plan.model.assembly.names
-    before = step.placed & ~sum(1 << b for b in step.blocks)
+    numbers, count = block_numbers(plan), sum(len(one.blocks) for one in plan.steps)
+    placed = step.placed & ~sum(1 << b for b in step.blocks)
     out = []
-    placed = before
-    count = len(plan.steps)
-    for k, answer in enumerate(step.during):
-        placed |= 1 << step.blocks[k]
-        held = step.blocks[: k + 1]
-        message = f"{', '.join(names[b] for b in held)} held while the next is placed"
-        state = _state(plan, placed, step.props, held)
-        label = f"step {number + 1} of {count}, holding"
-        out.append(_stage(plan, label, message, state, answer, forces))
-    what = " and ".join(names[b] for b in step.blocks)
-    together = step.blocks if len(step.blocks) > 1 else ()
-    message = f"{what} placed" + (" together" if together else "")
-    if step.props:
-        message += f"; propped: {', '.join(names[b] for b in step.props)}"
-    state = _state(plan, step.placed, step.props, together)
-    label = f"step {number + 1} of {count}"
-    out.append(_stage(plan, label, message, state, step.answer, forces))
+    for k, (block, answer) in enumerate(zip(step.blocks, (*step.during, step.answer), strict=True)):
+        placed |= 1 << block
+        held = step.blocks[: k + 1] if k < len(step.during) else ()
+        parts = [f"step {number + 1} of {len(plan.steps)}"]
+        if held:
+            parts.append(f"{', '.join(names[b] for b in held)} held while the next is placed")
+        elif len(step.blocks) > 1:
+            parts.append(f"stands together with {', '.join(names[b] for b in step.blocks[:k])}")
+        if step.props:
+            parts.append(f"propped: {', '.join(names[b] for b in step.props)}")
+        state = _state(plan, placed, number, held)
+        if state[block] in (State.FREE, State.LATER):
+            state[block] = State.COMING
+        label = f"block {numbers[block]} of {count}, {names[block]}"
+        stage = _stage(plan, label, "; ".join(parts), state, answer, forces)
+        out.append(replace(stage, motion=_way_in(plan, block, step.motion[k])))
     return out
 
 
-def _state(plan: Plan, placed: int, props: tuple[int, ...], held: tuple[int, ...]) -> Ints:
+def _way_in(plan: Plan, block: int, direction: Floats) -> Floats:
+    """The motion (n, 6) that takes a block out of its place: the way in, backwards."""
+    motion = np.zeros((len(plan.model.assembly), 6))
+    motion[block, :3] = -WAY * plan.model.assembly.size[block] * direction
+    return motion
+
+
+def _state(plan: Plan, placed: int, number: int, held: tuple[int, ...]) -> Ints:
+    """State (n,) of the blocks at the end of a step."""
     state = np.full(len(plan.model.assembly), State.ABSENT, dtype=np.intp)
     for block in members(placed):
-        status = plan.status[block]
-        state[block] = State.FREE if status is Status.PROPPED else STATE_OF[status]
+        state[block] = STATE_OF[plan.status[block]]
+    for prop in plan.props:
+        if placed >> prop.block & 1:
+            state[prop.block] = State.LATER if prop.first > number else State.FREE
     state[[b for b in held if placed >> b & 1]] = State.HELD
-    state[[b for b in props if placed >> b & 1]] = State.PROPPED
+    state[[b for b in plan.steps[number].props if placed >> b & 1]] = State.PROPPED
     state[plan.model.assembly.fixed] = State.SUPPORT
     return state
 
@@ -155,123 +125,65 @@ def _stage(
     prop = np.zeros((len(model.assembly), 6))
     for block, wrench in answer.reaction.items():
         prop[block] = wrench
-    layers = interface_layers(contacts.select(shown), visible=False) + _prop_layer(plan, answer)
-    headline = "Stands" if answer.stands else answer.verdict.value.capitalize()
+    up, gravity = directions(model.assembly, model.model.load)
+    help_needed = help_layer(model.assembly, prop, "props and hands")
+    stage = Stage(
+        label, _sentence(answer, state), message, state, answer.verdict,
+        motion_name="Way in", arrives=True, prop=prop, up=up, gravity=gravity,
+        layers=interface_layers(contacts, shown) + help_needed,
+    )  # fmt: skip
     if not forces or not len(answer.corner):
-        return Stage(label, headline, message, state, answer.verdict, prop=prop, layers=layers)
+        return stage
     force = np.zeros((contacts.corner_count, 3))
     force[answer.corner] = answer.force
-    whole = Result("plan", answer.verdict, Model(model.assembly, contacts, model.load), force=force)
+    asked = Model(model.assembly, contacts, model.model.load)
+    whole = Result("plan", answer.verdict, asked, force=force)
     resultants = whole.resultants
-    return Stage(
-        label, headline, message, state, answer.verdict, None, prop,
-        resultants.normal, resultants.tangential, whole.utilisation,
-        layers + force_layers(_part(whole, shown, force)),
+    return replace(
+        stage, force=force, normal=resultants.normal, tangential=resultants.tangential,
+        utilisation=whole.utilisation, pressure_centre=resultants.position,
+        layers=stage.layers + force_layers(whole, shown),
     )  # fmt: skip
 
 
-def _part(whole: Result, shown: np.ndarray, force: Floats) -> Result:
-    """The result with only the interfaces that are shown, so that no arrow stands for nothing."""
-    contacts: Contacts = whole.contacts.select(shown)
-    kept = force[shown[whole.contacts.interface]]
-    return Result("plan", whole.verdict, whole.model.with_contacts(contacts), force=kept)
+def _sentence(answer: Answer, state: Ints) -> str:
+    """What holds the blocks at a stage."""
+    if not answer.stands:
+        return "Not known to stand" if answer.verdict is Verdict.UNDECIDED else "Falls"
+    propped, held = int((state == State.PROPPED).sum()), int((state == State.HELD).sum())
+    helped = [counted(propped, "prop")] if propped else []
+    helped += [f"a hand on {counted(held, 'block')}"] if held else []
+    return f"Stands with {' and '.join(helped)}" if helped else "Stands by itself"
 
 
-def _prop_layer(plan: Plan, answer: Answer) -> tuple[Layer, ...]:
-    """What props and hands supply, as an arrow on each block."""
-    if not answer.reaction:
-        return ()
-    blocks = list(answer.reaction)
-    force = np.array([answer.reaction[b][:3] for b in blocks])
-    at = plan.model.assembly.centroid[blocks]
-    return (Layer("props", "props and hands", LayerKind.ARROWS, "missed", at, force, width=2.2),)
-
-
-def _summary(plan: Plan) -> Stage:
+def summary_stage(plan: Plan) -> Stage:
+    """The complete structure, each block in the colour of its status."""
     state = np.array([STATE_OF[one] for one in plan.status], dtype=np.intp)
     impossible = [plan.model.assembly.names[b] for b in plan.impossible]
     message = plan.message
     if impossible:
         message += f"; cannot be put in: {', '.join(impossible)}"
-    layers = interface_layers(plan.model.contacts, visible=False)
+    layers = interface_layers(plan.model.contacts)
     verdict = plan.verdict
-    return Stage("all steps", _counts(plan), message, state, verdict, layers=layers)
+    up, gravity = directions(plan.model.assembly, plan.model.model.load)
+    return Stage(
+        "all blocks",
+        counts_text(plan),
+        message,
+        state,
+        verdict,
+        up=up,
+        gravity=gravity,
+        layers=layers,
+    )
 
 
-def _counts(plan: Plan) -> str:
+def counts_text(plan: Plan) -> str:
+    """How many steps there are, and how many blocks of each status."""
     counts = plan.counts
     kinds = ("free", "held", "propped", "impossible")
     said = ", ".join(f"{counts[k]} {k}" for k in kinds if counts[k] or k != "impossible")
     return f"{len(plan.steps)} steps: {said}"
 
 
-def _row(plan: Plan, step: Step) -> str:
-    names = plan.model.assembly.names
-    numbers = block_numbers(plan)
-    prop = {one.block: one for one in plan.props}
-    rows = []
-    for block, motion in zip(step.blocks, step.motion, strict=True):
-        status = plan.status[block].value
-        one = prop.get(block)
-        cells = (
-            (str(numbers[block]), True),
-            (names[block], False),
-            (status, False),
-            (", ".join(str(numbers[b]) for b in plan.partners(block)), False),
-            (", ".join(f"{x:.2f}" for x in motion + 0.0), False),
-            (f"{one.force:,.0f}" if one else "", True),
-            (str(one.stages) if one else "", True),
-            (str(len(step.props)) if step.props else "", True),
-        )
-        text = "".join(
-            f"<td{' class=n' if right else ''}>{html.escape(cell)}</td>" for cell, right in cells
-        )
-        rows.append(f'<tr class="{status}">{text}</tr>')
-    return "".join(rows)
-
-
-def shown_middle(block: Block, toward: Floats) -> Floats:
-    """Middle (3,) of the side of a block that an eye in some direction sees most of.
-
-    A side is the face with the largest picture and those that turn as it does, within ALIKE.
-    """
-    triangles = np.array(
-        [
-            block.vertices[[face[0], face[i], face[i + 1]]]
-            for face in block.faces
-            for i in range(1, len(face) - 1)
-        ]
-    )
-    normal = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    largest = normal[int(np.argmax(normal @ toward))]
-    alike = normal @ largest > ALIKE * np.linalg.norm(normal, axis=1) * np.linalg.norm(largest)
-    weight = np.where(alike, normal @ toward, 0.0)
-    middle: Floats = weight @ triangles.mean(axis=1) / weight.sum()
-    return middle
-
-
-def _numbered_drawing(plan: Plan) -> str:
-    """Inline SVG of the complete structure with a number at every planned block."""
-    # what the summary says stands above the drawing
-    bare = replace(_summary(plan), headline="", message="")
-    scene = Scene(plan.model.assembly, plan.model.contacts, (bare,), "plan")
-    figure = draw(scene, scene.toward, (9.0, 6.5), (), 1.0, 0)
-    axes = figure.axes[0]
-    right = np.cross([0.0, 0.0, 1.0], scene.toward)
-    right /= np.linalg.norm(right)
-    paper = np.stack([right, np.cross(scene.toward, right)])
-    numbers = block_numbers(plan)
-    for block, number in numbers.items():
-        middle = shown_middle(plan.model.assembly.blocks[block], scene.toward)
-        x, y = (middle - scene.centre) @ paper.T
-        axes.text(
-            x, y, str(number), ha="center", va="center", fontsize=7, zorder=1e6,
-            bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.75, "lw": 0},
-        )  # fmt: skip
-    text = io.StringIO()
-    figure.savefig(text, format="svg")
-    drawn = text.getvalue()
-    return drawn[drawn.index("<svg") :]
-
-
-__all__ = ["block_numbers", "instructions_text", "plan_scene", "save_instructions", "shown_middle"]
+__all__ = ["block_numbers", "counts_text", "plan_scene", "summary_stage"]

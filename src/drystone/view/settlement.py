@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,15 +13,13 @@ from drystone.checks import block_speed
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotation_about
 from drystone.settlement import SupportResponse
+from drystone.view.header import facts_of
 from drystone.view.palette import State
 from drystone.view.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.staging import stage_of
-
-PLAYED = 0.3
-"""Largest motion of a block in pictures, by the median size of the blocks; chosen by eye."""
+from drystone.view.staging import PLAYED, stage_of
 
 
-def settlement_scene(settlement: SupportResponse) -> Scene:
+def settlement_scene(settlement: SupportResponse, source: str = "") -> Scene:
     """A scene that compares the forces before and after, and plays the motion, enlarged.
 
     Examples
@@ -40,21 +39,24 @@ def settlement_scene(settlement: SupportResponse) -> Scene:
             headline=_headline(settlement),
             message=f"{after.message}; the motion is enlarged",
             motion=_enlarged(result.assembly, result.displacement)[0],
+            motion_name="SupportResponse, enlarged",
             layers=(*after.layers, *_openings(settlement)),
         )
     title = f"drystone: {after.headline.lower()}"
     before = stage_of(settlement.before, "before")
-    return Scene(result.assembly, result.contacts, (after, before), title)
+    return Scene(
+        result.assembly, result.contacts, (after, before), title, _facts(settlement, source)
+    )
 
 
-def moved_scene(settlement: SupportResponse) -> Scene:
+def moved_scene(settlement: SupportResponse, source: str = "") -> Scene:
     """The blocks moved, enlarged, so that a figure shows which joints open.
 
     Without an answer it is the scene of :func:`settlement_scene`.
     """
     result = settlement.result
     if result.displacement is None:
-        return settlement_scene(settlement)
+        return settlement_scene(settlement, source)
     motion, factor = _enlarged(result.assembly, result.displacement)
     blocks = []
     for block, at, move in zip(
@@ -68,7 +70,17 @@ def moved_scene(settlement: SupportResponse) -> Scene:
     headline = _headline(settlement)
     stage = Stage("after", headline, message, state, result.verdict)
     moved = Assembly(tuple(blocks), result.assembly.fixed)
-    return Scene(moved, Contacts.empty(), (stage,), f"drystone: {headline.lower()}")
+    facts = _facts(settlement, source)
+    return Scene(moved, Contacts.empty(), (stage,), f"drystone: {headline.lower()}", facts)
+
+
+def _facts(settlement: SupportResponse, source: str) -> Mapping[str, str]:
+    model = settlement.result.model
+    facts = facts_of(model.assembly, model.contacts, model.load, source)
+    motion = model.load.motion
+    moved = [] if motion is None else np.flatnonzero(motion.any(axis=1)).tolist()
+    names = ", ".join(model.assembly.names[i] for i in moved)
+    return {**facts, "Supports that move": f"{names}, by at most {settlement.size:.3g} m"}
 
 
 def _headline(settlement: SupportResponse) -> str:
@@ -91,7 +103,7 @@ def _openings(settlement: SupportResponse) -> tuple[Layer, ...]:
     gaps = contacts.select(opens)
     return (
         Layer(
-            "opening", "joints that open", LayerKind.POLYGONS, "tension", gaps.point,
+            "opening", "joints that open", LayerKind.POLYGONS, "help", gaps.point,
             start=gaps.start,
         ),
     )  # fmt: skip

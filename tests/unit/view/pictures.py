@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,11 @@ def falling_tower(names: tuple[str, ...] = ("foot", "middle", "top")) -> Result:
         mechanism=motion,
         falling=(2,),
     )
+
+
+def pulled_tower() -> Result:
+    """The same tower as a result that has forces, one of them a pull."""
+    return replace(falling_tower(), verdict=Verdict.STABLE, falling=(), mechanism=None)
 
 
 def l_block(name: str = "L") -> Block:

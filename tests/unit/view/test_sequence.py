@@ -8,7 +8,8 @@ from drystone.model import Model
 from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
 from drystone.view import State, page_text
-from drystone.view.sequence import block_numbers, instructions_text, plan_scene, shown_middle
+from drystone.view.instructions import instructions_text, shown_middle
+from drystone.view.sequence import block_numbers, plan_scene
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +41,28 @@ def test_the_last_stage_shows_every_status(planned):
     np.testing.assert_array_equal(state, [wanted[one] for one in planned.status])
 
 
-def test_a_propped_block_is_black_while_it_is_propped(planned):
+def test_a_block_has_its_colour_while_it_is_propped_and_is_hatched_before(planned):
     scene = plan_scene(planned)
     for step, stage in zip(planned.steps, _ends(scene.stages[:-1]), strict=True):
         assert set(np.flatnonzero(stage.state == State.PROPPED)) == set(step.props)
+    for prop in planned.props:
+        seen = [stage.state[prop.block] for stage in scene.stages[:-1]]
+        later = [state for state in seen if state in (State.LATER, State.COMING)]
+        assert seen.index(State.PROPPED) == seen.count(State.ABSENT) + len(later)
+
+
+def test_stages_and_blocks_are_numbered_alike_and_each_block_comes_in_along_its_way(planned):
+    scene = plan_scene(planned)
+    numbers = block_numbers(planned)
+    for position, stage in enumerate(scene.stages[:-1], 1):
+        (block,) = np.flatnonzero(np.linalg.norm(stage.motion, axis=1))
+        assert numbers[block] == position
+        assert scene.number[block] == position
+        assert f"block {position} of {len(numbers)}, " in stage.label
+        step = planned.steps[planned.step_of[block]]
+        way = step.motion[step.blocks.index(block)]
+        along = stage.motion[block, :3] / np.linalg.norm(stage.motion[block, :3])
+        np.testing.assert_allclose(along, -way, atol=1e-9)
 
 
 def test_stages_carry_their_own_forces(planned):
@@ -59,8 +78,8 @@ def test_stages_carry_their_own_forces(planned):
 
 def test_the_page_holds_all_stages_and_names_them(planned):
     text = page_text(plan_scene(planned))
-    assert "step 1 of" in text
-    assert "all steps" in text
+    assert "block 1 of" in text
+    assert "all blocks" in text
     assert "props and hands" in text
 
 
@@ -91,4 +110,4 @@ def test_a_number_lies_on_the_side_of_its_block_that_is_seen():
 
 
 def _ends(stages):  # type: ignore[no-untyped-def]
-    return [stage for stage in stages if not stage.label.endswith("holding")]
+    return [stage for stage in stages if "held while" not in stage.message]

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from drystone.errors import InputError
 from drystone.models import tower
 from drystone.view import save_figure, scene_of
 from drystone.view.figure import draw, quantity
-from tests.unit.view.pictures import falling_tower, notched
+from tests.unit.view.pictures import falling_tower, notched, pulled_tower
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -50,39 +51,50 @@ def test_pyplot_and_its_state_are_left_alone(tmp_path: Path) -> None:
     assert subprocess.run(arguments, check=False).returncode == 0
 
 
-def figure_of(subject: object, **changes: object) -> object:
+def figure_of(subject: object, **changes: object) -> Any:
     scene = scene_of(subject)  # type: ignore[arg-type]
-    settings = {"toward": scene.toward, "size": (9.0, 6.5), "layers": None}
-    settings |= {"arrow_scale": 1.0, "stage": 0}
-    return draw(scene, **(settings | changes))  # type: ignore[arg-type]
+    return draw(scene, (9.0, 6.5), **changes)  # type: ignore[arg-type]
 
 
-def texts(figure: object) -> str:
-    legend = figure.legends[0]  # type: ignore[attr-defined]
-    every = [*figure.texts, *figure.axes[0].texts, *legend.get_texts()]  # type: ignore[attr-defined]
+def texts(figure: Any) -> str:
+    legend = figure.legends[0]
+    every = [*figure.texts, *figure.axes[0].texts, *legend.get_texts()]
     return "\n".join(text.get_text() for text in every)
 
 
 def test_the_figure_says_verdict_units_and_scale() -> None:
     text = texts(figure_of(falling_tower()))
-    assert "Unstable: 1 of 3 blocks falls" in text
+    assert "Falls: block top" in text
     assert "The top falls." in text
-    for part in ("support", "falls", "first motion", "corner forces, up to 3.03 kN", " m"):
+    for part in ("support", "falls", "first motion", " m"):
         assert part in text
-    assert "tension, up to 500 N" in text
+    assert "force" not in text  # what falls is in no equilibrium
+    text = texts(figure_of(pulled_tower()))
+    assert "force network, up to 12 kN" in text
+    assert "tension needed, up to 500 N" in text
+    text = texts(figure_of(pulled_tower(), layers=["pressure"]))
+    assert "corner forces, up to 3.03 kN" in text
+
+
+def test_the_colour_bar_says_the_largest_force_and_its_unit() -> None:
+    bar = figure_of(pulled_tower()).axes[1]
+    assert [tick.get_text() for tick in bar.get_xticklabels()] == ["0 N", "1.5 kN", "3 kN"]
+    assert bar.get_title() == "normal force at a corner"
 
 
 def test_only_layers_that_were_asked_for_are_drawn() -> None:
     text = texts(figure_of(falling_tower(), layers=["interfaces"]))
     assert "interfaces" in text
     assert "kN" not in text
-    with pytest.raises(InputError, match="interfaces, pressure, resultants, tension"):
-        figure_of(falling_tower(), layers=["presure"])
+    with pytest.raises(InputError, match=r"interfaces, joint-force, .*, pressure, resultants"):
+        figure_of(pulled_tower(), layers=["presure"])
+    with pytest.raises(InputError, match="forces, solid, contacts, utilisation, stages"):
+        figure_of(pulled_tower(), preset="force")
 
 
 def test_the_scale_bar_is_as_long_as_it_says() -> None:
     figure = figure_of(notched())
-    axes = figure.axes[0]  # type: ignore[attr-defined]
+    axes = figure.axes[0]
     axes.apply_aspect()
     bar = next(line for line in axes.lines if line.get_linewidth() == 2.0)
     across = np.ptp(axes.get_xlim()) * np.ptp(bar.get_xdata())

@@ -72,7 +72,7 @@ def split(
         region = shapely.box(*(2.0 * extent * np.array([-1.0, -1.0, 1.0, 1.0])))
         for number, (normal, point) in enumerate(zip(normals, points, strict=True)):
             slope, height = frame[1:] @ normal, float((corner[0] - point) @ normal)
-            line = _half_plane(slope, height, 4.0 * extent)
+            line = half_plane(slope, height, 4.0 * extent)
             if line is None:
                 if abs(height) < SAME * extent:
                     raise InputError("a plane of the cut lies on a face", remedy="move the cut")
@@ -81,7 +81,7 @@ def split(
                 continue
             region = shapely.intersection(region, line)
             edge = shapely.LineString(np.array(line.exterior.coords)[:2])
-            for part in _parts(shapely.intersection(polygon, edge), "LineString"):
+            for part in parts_of(shapely.intersection(polygon, edge), "LineString"):
                 chords[number].append(corner[0] + np.array(part.coords)[[0, -1]] @ frame[1:])
         for target, piece in (
             (inside, shapely.intersection(polygon, region)),
@@ -89,8 +89,8 @@ def split(
         ):
             target += [
                 corner[0] + ring @ frame[1:]
-                for part in _parts(piece, "Polygon")
-                for ring in _rings(part, SAME * extent**2)
+                for part in parts_of(piece, "Polygon")
+                for ring in rings_of(part, SAME * extent**2)
             ]
     for number, (normal, point) in enumerate(zip(normals, points, strict=True)):
         caps = _caps(chords[number], normal, point, np.delete(normals, number, 0),
@@ -100,7 +100,7 @@ def split(
     return _pieces(inside, extent), _pieces(outside, extent)
 
 
-def _half_plane(slope: Floats, height: float, reach: float) -> shapely.Polygon | None:
+def half_plane(slope: Floats, height: float, reach: float) -> shapely.Polygon | None:
     """Where ``slope . x + height >= 0`` as far as ``reach``; its first edge lies on the line."""
     size = float(np.linalg.norm(slope))
     if size < SAME:
@@ -128,7 +128,7 @@ def _caps(
         return []
     frame = frames_from_normals(normal[None])[0]
     ends = (np.array(chords) - point) @ frame[1:].T
-    number, places = _welded(ends.reshape(-1, 2), SAME * extent)
+    number, places = welded_points(ends.reshape(-1, 2), SAME * extent)
     pairs = np.unique(np.sort(number.reshape(-1, 2), axis=1), axis=0)
     lines = [shapely.LineString(places[pair]) for pair in pairs if pair[0] != pair[1]]
     section = shapely.Polygon()
@@ -136,25 +136,25 @@ def _caps(
         outline = shapely.Polygon(ring.exterior)
         section = shapely.symmetric_difference(section, outline)
     for other, place in zip(others, at, strict=True):
-        line = _half_plane(frame[1:] @ other, float((point - place) @ other), 4.0 * extent)
+        line = half_plane(frame[1:] @ other, float((point - place) @ other), 4.0 * extent)
         if line is not None:
             section = shapely.intersection(section, line)
     return [
         point + ring @ frame[1:]
-        for part in _parts(section, "Polygon")
-        for ring in _rings(part, SAME * extent**2)
+        for part in parts_of(section, "Polygon")
+        for ring in rings_of(part, SAME * extent**2)
     ]
 
 
-def _parts(shape: shapely.Geometry, kind: str) -> list[shapely.Geometry]:
+def parts_of(shape: shapely.Geometry, kind: str) -> list[shapely.Geometry]:
     """The simple parts of one kind."""
     found = []
     for part in shapely.get_parts(shape):
-        found += _parts(part, kind) if part.geom_type.startswith(("Multi", "Geom")) else [part]
+        found += parts_of(part, kind) if part.geom_type.startswith(("Multi", "Geom")) else [part]
     return [part for part in found if part.geom_type == kind and not part.is_empty]
 
 
-def _rings(polygon: shapely.Polygon, least: float) -> list[Floats]:
+def rings_of(polygon: shapely.Polygon, least: float) -> list[Floats]:
     """A polygon as counter-clockwise loops (c, 2) without holes; slivers are left out."""
     if polygon.area < least:
         return []
@@ -169,7 +169,7 @@ def _rings(polygon: shapely.Polygon, least: float) -> list[Floats]:
     return [flat[list(loop)] for loop in faces_with_holes(raised, [loops])]
 
 
-def _welded(points: Floats, tolerance: float) -> tuple[Ints, Floats]:
+def welded_points(points: Floats, tolerance: float) -> tuple[Ints, Floats]:
     """Number of each point among the distinct ones, and those.
 
     Points that rounding would part are joined through their neighbours within the tolerance.
@@ -190,11 +190,11 @@ def _pieces(loops: Sequence[Floats], extent: float) -> list[Piece]:
     """Closed pieces from loose faces."""
     if not loops:
         return []
-    number, vertices = _welded(np.concatenate(loops), SAME * extent)
+    number, vertices = welded_points(np.concatenate(loops), SAME * extent)
     ends = np.cumsum([len(loop) for loop in loops])[:-1]
     faces = [tuple(dict.fromkeys(part.tolist())) for part in np.split(number, ends)]
     faces = [face for face in faces if len(face) > 2]
     return [(vertices, [faces[i] for i in some]) for some in split_solids(vertices, faces)]
 
 
-__all__ = ["Piece", "split"]
+__all__ = ["Piece", "half_plane", "parts_of", "rings_of", "split", "welded_points"]

@@ -4,7 +4,7 @@ const ARRAY_TYPES = { f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uin
 
 function readData() {
   const data = JSON.parse(document.getElementById("drystone-data").textContent);
-  if (data.format !== "drystone-page" || data.version !== 1) {
+  if (data.format !== "drystone-page" || data.version !== 2) {
     throw new Error("this page does not understand its own data");
   }
   const bytes = data.blobs.map(decodeBase64);
@@ -14,6 +14,8 @@ function readData() {
   data.blobs = null;
   data.count = data.blocks.names.length;
   data.interfacesOf = interfacesOf(data);
+  data.contacts.first = starts(data.contacts.corners);
+  data.contacts.firstKern = data.contacts.kerns ? starts(data.contacts.kerns) : null;
   return data;
 }
 
@@ -107,15 +109,51 @@ function edgeSegments(blocks) {
   return segments;
 }
 
-// Two texels an arrow or line: where it is, how it points.
-function vectorSegments(layer) {
-  const count = layer.position.length / 3;
-  const segments = new Float32Array(8 * count);
+// The two blocks that each entry of a layer belongs to; -1 where it belongs to none.
+function ownersOf(layer, contacts, count) {
+  const a = new Float32Array(count).fill(-1);
+  const b = new Float32Array(count).fill(-1);
   for (let i = 0; i < count; i++) {
-    segments.set(layer.position.subarray(3 * i, 3 * i + 3), 8 * i);
-    segments.set(layer.vector.subarray(3 * i, 3 * i + 3), 8 * i + 4);
+    if (layer.interface) {
+      a[i] = contacts.a[layer.interface[i]];
+      b[i] = contacts.b[layer.interface[i]];
+    } else if (layer.block) a[i] = b[i] = layer.block[i];
+  }
+  return { a, b };
+}
+
+// Three texels an arrow, line or marker: where it is and block a; how it points and block b; its
+// value as a share of the largest.
+function vectorSegments(layer, contacts) {
+  const count = layer.position.length / 3;
+  const { a, b } = ownersOf(layer, contacts, count);
+  const segments = new Float32Array(12 * count);
+  for (let i = 0; i < count; i++) {
+    segments.set(layer.position.subarray(3 * i, 3 * i + 3), 12 * i);
+    if (layer.vector) segments.set(layer.vector.subarray(3 * i, 3 * i + 3), 12 * i + 4);
+    segments[12 * i + 3] = a[i];
+    segments[12 * i + 7] = b[i];
+    segments[12 * i + 8] = layer.value && layer.top > 0 ? layer.value[i] / layer.top : 1;
   }
   return segments;
+}
+
+// What the corners of polygons carry beside their place: value, blocks a and b, number to pick.
+function polygonCorners(layer, contacts, firstNumber) {
+  const corners = layer.position.length / 3;
+  const { a, b } = ownersOf(layer, contacts, layer.corners.length);
+  const value = new Float32Array(corners);
+  const owner = new Float32Array(2 * corners);
+  const number = new Uint32Array(corners);
+  let c = 0;
+  for (let face = 0; face < layer.corners.length; face++) {
+    for (let k = 0; k < layer.corners[face]; k++, c++) {
+      value[c] = layer.value && layer.top > 0 ? layer.value[c] / layer.top : 0;
+      owner.set([a[face], b[face]], 2 * c);
+      number[c] = layer.interface ? firstNumber + layer.interface[face] : 0;
+    }
+  }
+  return { value, owner, number };
 }
 
 function polygonIndex(layer) {
@@ -131,6 +169,18 @@ function polygonIndex(layer) {
 
 function colourOf(hex) {
   return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
+}
+
+// The colour of a share of the largest force, as components from 0 to 1.
+function rampColour(stops, share) {
+  const at = Math.min(1, Math.max(0, share)) * (stops.length - 1);
+  const i = Math.min(stops.length - 2, Math.floor(at));
+  const [from, to] = [colourOf(stops[i]), colourOf(stops[i + 1])];
+  return from.map((x, k) => x + (to[k] - x) * (at - i));
+}
+
+function cssColour(parts) {
+  return `rgb(${parts.map((x) => Math.round(255 * x)).join(" ")})`;
 }
 
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "\u00b5"]];

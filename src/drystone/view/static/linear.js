@@ -45,3 +45,35 @@ function lookFrom(eye, right, up, back) {
     -vec.dot(right, eye), -vec.dot(up, eye), -vec.dot(back, eye), 1,
   ]);
 }
+
+// Parallel projection of a box `height` high.
+function parallel(height, aspect, near, far) {
+  const depth = 1 / (near - far);
+  return new Float32Array([
+    2 / (height * aspect), 0, 0, 0,
+    0, 2 / height, 0, 0,
+    0, 0, 2 * depth, 0,
+    0, 0, (near + far) * depth, 1,
+  ]);
+}
+
+// A vector turned as the smallest rotation turns unit vector `from` to unit vector `to`.
+function turnedBetween(v, from, to) {
+  const axis = vec.cross(from, to);
+  const cosine = vec.dot(from, to);
+  if (cosine < -0.999999) return [v[0], -v[1], -v[2]]; // upside down: half a turn about x
+  const onto = vec.dot(axis, v) / (1 + cosine);
+  return vec.add(vec.add(vec.scale(v, cosine), vec.cross(axis, v)), vec.scale(axis, onto));
+}
+
+// Place on the picture [CSS pixels] and depth of a point; null behind the eye.
+function projected(matrix, p, width, height) {
+  const row = (i) => matrix[i] * p[0] + matrix[4 + i] * p[1] + matrix[8 + i] * p[2] + matrix[12 + i];
+  const w = row(3);
+  if (w <= 1e-9) return null;
+  return {
+    x: (0.5 + (0.5 * row(0)) / w) * width,
+    y: (0.5 - (0.5 * row(1)) / w) * height,
+    depth: row(2) / w,
+  };
+}

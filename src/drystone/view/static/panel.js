@@ -1,77 +1,42 @@
-// What stands beside the picture. Texts are always set as text, never as markup.
-
-function element(tag, text, attributes = {}) {
-  const made = document.createElement(tag);
-  if (text !== undefined) made.textContent = text;
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-  return made;
-}
-
-function swatch(colour, thin) {
-  const made = element("span", undefined, { class: thin ? "swatch thin" : "swatch" });
-  made.style.background = colour;
-  return made;
-}
-
-function showVerdict(stage) {
-  const headline = document.getElementById("headline");
-  headline.textContent = stage.headline;
-  headline.className = stage.verdict ?? "";
-  document.getElementById("message").textContent = stage.message;
-}
-
-// The layer with its largest value: what the longest arrow stands for.
-function layerText(layer) {
-  if (layer.kind !== "arrows") return layer.label;
-  return `${layer.label}, up to ${quantity(layer.largest, "N")}`;
-}
-
-function showLegend(data, stage, theme, shown) {
-  const legend = document.getElementById("legend");
-  legend.replaceChildren();
-  const row = (colour, text, thin) => {
-    const line = element("div");
-    line.append(swatch(colour, thin), element("span", text));
-    legend.append(line);
-  };
-  for (const [code, state] of Object.entries(data.states)) {
-    if (stage.state.includes(Number(code))) row(state[theme], state.label, false);
-  }
-  for (const layer of stage.layers) {
-    if (!shown(layer)) continue;
-    row(data.colours[theme][layer.colour], layerText(layer), layer.kind !== "polygons");
-  }
-}
+// What stands beside the picture: layers, and the card of the block or joint that is selected.
 
 function showLayers(stage, theme, data, shown, toggle) {
   const box = document.getElementById("layers");
   box.replaceChildren();
   const entries = [
-    { key: "blocks", label: "blocks" }, { key: "edges", label: "edges" }, ...stage.layers,
+    { key: "blocks", label: "blocks" }, { key: "edges", label: "edges" },
+    { key: "names", label: "names of blocks" }, { key: "ground", label: "ground and shadow" },
   ];
-  for (const entry of entries) {
+  if (data.blocks.number.some((number) => number > 0)) {
+    entries.push({ key: "numbers", label: "numbers of blocks" });
+  }
+  if (stage.motion) entries.push({ key: "ghost", label: "ghost of the motion" });
+  for (const entry of [...entries, ...stage.layers]) {
     const input = element("input", undefined, { type: "checkbox", "data-layer": entry.key });
     input.checked = shown(entry);
     input.addEventListener("change", () => toggle(entry.key, input.checked));
     const label = element("label");
     label.append(input);
-    if (entry.colour) {
-      label.append(swatch(data.colours[theme][entry.colour], entry.kind !== "polygons"));
-    }
+    if (entry.colour) label.append(layerSwatch(entry, data.colours[theme]));
     label.append(element("span", entry.label));
     box.append(label);
   }
 }
 
-function showBlock(data, stage, block, select) {
-  const box = document.getElementById("block");
-  box.replaceChildren();
-  if (block < 0) return;
-  const { names, mass, volume } = data.blocks;
-  box.append(element("h2", names[block]));
+function entryList() {
   const list = element("dl");
   const entry = (name, value) => list.append(element("dt", name), element("dd", value));
-  entry("number", String(block));
+  return { list, entry };
+}
+
+// actions: select, selectJoint, hide, isolate
+function showBlock(data, stage, block, actions) {
+  const { names, mass, volume, number } = data.blocks;
+  const card = element("div");
+  card.append(element("h2", `Block ${names[block]}`));
+  const { list, entry } = entryList();
+  if (number[block] > 0) entry("number in the order", String(number[block]));
+  entry("position", String(block));
   entry("state", data.states[stage.state[block]]?.label ?? "not placed");
   entry("mass", plain(mass[block], "kg"));
   entry("volume", plain(volume[block], "m\u00b3"));
@@ -79,14 +44,25 @@ function showBlock(data, stage, block, select) {
     const force = stage.prop.subarray(6 * block, 6 * block + 3);
     const moment = stage.prop.subarray(6 * block + 3, 6 * block + 6);
     if (vec.length(force) + vec.length(moment) > 0) {
-      entry("prop force", quantity(vec.length(force), "N"));
-      entry("prop moment", quantity(vec.length(moment), "N m"));
+      entry("help needed, force", quantity(vec.length(force), "N"));
+      entry("direction", directionText(force));
+      entry("help needed, moment", quantity(vec.length(moment), "N m"));
     }
   }
-  box.append(list, contactTable(data, stage, block, select));
+  const row = element("div", undefined, { class: "row" });
+  row.append(
+    button("Hide", () => actions.hide(block)), button("Isolate", () => actions.isolate(block)),
+  );
+  card.append(list, row, contactTable(data, stage, block, actions));
+  return card;
 }
 
-function contactTable(data, stage, block, select) {
+function directionText(v) {
+  const size = vec.length(v);
+  return Array.from(v, (x) => (x / size).toFixed(2).replace("-0.00", "0.00")).join(", ");
+}
+
+function contactTable(data, stage, block, actions) {
   const found = data.interfacesOf[block];
   if (found.length === 0) return element("p", "touches no other block");
   const { a, b, area } = data.contacts;
@@ -104,10 +80,8 @@ function contactTable(data, stage, block, select) {
   for (const i of found) {
     const other = a[i] === block ? b[i] : a[i];
     const row = body.insertRow();
-    const go = element("button", data.blocks.names[other], { type: "button" });
-    go.title = data.blocks.names[other];
-    go.addEventListener("click", () => select(other));
-    row.insertCell().append(go);
+    const name = data.blocks.names[other];
+    row.insertCell().append(button(name, () => actions.selectJoint(i), { title: `joint with ${name}` }));
     const values = forces
       ? [quantity(stage.normal[i], "N"), quantity(stage.tangential[i], "N"),
          percent(stage.utilisation[i])]
@@ -119,4 +93,137 @@ function contactTable(data, stage, block, select) {
 
 function percent(share) {
   return Number.isFinite(share) ? `${Math.round(100 * share)} %` : "\u221e";
+}
+
+function jointName(data, joint) {
+  const { a, b } = data.contacts;
+  return `${data.blocks.names[a[joint]]} \u2013 ${data.blocks.names[b[joint]]}`;
+}
+
+function showJoint(data, stage, joint, actions) {
+  const { a, b, area, friction } = data.contacts;
+  const { names } = data.blocks;
+  const card = element("div");
+  card.append(element("h2", `Joint ${joint}: ${jointName(data, joint)}`));
+  const { list, entry } = entryList();
+  entry("area", plain(area[joint], "m\u00b2"));
+  entry("friction coefficient", plain(friction[joint], ""));
+  if (stage.normal) {
+    entry("normal force", quantity(stage.normal[joint], "N"));
+    entry("shear force", quantity(stage.tangential[joint], "N"));
+    entry("friction used", percent(stage.utilisation[joint]));
+    if (area[joint] > 0) entry("mean pressure", quantity(stage.normal[joint] / area[joint], "Pa"));
+  }
+  const row = element("div", undefined, { class: "row" });
+  for (const block of [a[joint], b[joint]]) row.append(button(names[block], () => actions.select(block)));
+  card.append(list, row, jointPlan(data, stage, joint));
+  return card;
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function svg(tag, attributes) {
+  const made = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  return made;
+}
+
+// A joint seen against its normal, u to the right and v up: outline, kern, corner forces, resultant.
+function jointPlan(data, stage, joint) {
+  const { contacts } = data;
+  const figure = element("figure");
+  const frame = contacts.frame.subarray(9 * joint, 9 * joint + 9);
+  const centre = contacts.centroid.subarray(3 * joint, 3 * joint + 3);
+  const flat = (p) => {
+    const away = vec.sub(p, centre);
+    return [vec.dot(away, frame.subarray(3, 6)), -vec.dot(away, frame.subarray(6, 9))];
+  };
+  const loop = (points, first, last) => {
+    const out = [];
+    for (let i = first; i < last; i++) out.push(flat(points.subarray(3 * i, 3 * i + 3)));
+    return out;
+  };
+  const [first, last] = [contacts.first[joint], contacts.first[joint + 1]];
+  const corners = loop(contacts.point, first, last);
+  const reach = Math.max(...corners.flat().map(Math.abs), 1e-9);
+  const text = (points) => points.map(([x, y]) => `${(x / reach) * 80},${(y / reach) * 80}`).join(" ");
+  const label = `Plan of the joint ${jointName(data, joint)}`;
+  const picture = svg("svg", { viewBox: "-100 -100 200 200", role: "img", "aria-label": label });
+  picture.append(svg("polygon", { class: "outline", points: text(corners) }));
+  if (contacts.kern) {
+    const kern = loop(contacts.kern, contacts.firstKern[joint], contacts.firstKern[joint + 1]);
+    picture.append(svg("polygon", { class: "kern", points: text(kern) }));
+  }
+  if (stage.force) {
+    const normal = (i) => Math.max(0, stage.force[3 * i]);
+    let most = 0;
+    for (let i = first; i < last; i++) most = Math.max(most, normal(i));
+    for (let i = first; i < last && most > 0; i++) {
+      const [x, y] = corners[i - first];
+      const r = 14 * Math.sqrt(normal(i) / most);
+      picture.append(svg("circle", { class: "corner", cx: (x / reach) * 80, cy: (y / reach) * 80, r }));
+    }
+    const [x, y] = flat(stage.pressureCentre.subarray(3 * joint, 3 * joint + 3));
+    if (stage.normal[joint] > 0) {
+      picture.append(svg("circle", { class: "centre", cx: (x / reach) * 80, cy: (y / reach) * 80, r: 5 }));
+    }
+  }
+  const wide = plain(2 * reach, "m");
+  const words = stage.force
+    ? "Dashed: kern. Discs: corner forces by area. Dot: centre of pressure." : "Dashed: kern.";
+  figure.append(picture, element("figcaption", `${words} The picture is ${wide} wide at most.`));
+  return figure;
+}
+
+// The blocks whose names contain the text, those that begin with it first.
+function matches(names, text, most = 12) {
+  const wanted = text.toLowerCase();
+  const found = [];
+  for (let i = 0; i < names.length; i++) {
+    const at = names[i].toLowerCase().indexOf(wanted);
+    if (at >= 0) found.push([names[i].length === wanted.length ? -1 : at, i]);
+  }
+  found.sort((x, y) => x[0] - y[0] || x[1] - y[1]);
+  return { blocks: found.slice(0, most).map(([, i]) => i), total: found.length };
+}
+
+// Lists of what is worst, largest first: [title, [[text, value, action], ...]].
+function worstLists(data, stage, actions, most = 8) {
+  const lists = [];
+  const top = (count, value) => {
+    const order = Uint32Array.from({ length: count }, (_, i) => i).filter((i) => value(i) > 0);
+    return Array.from(order.sort((i, j) => value(j) - value(i)).subarray(0, most));
+  };
+  if (stage.normal) {
+    const joint = (i, text) => [jointName(data, i), text, () => actions.selectJoint(i)];
+    lists.push(["Largest normal force", top(stage.normal.length, (i) => stage.normal[i])
+      .map((i) => joint(i, quantity(stage.normal[i], "N")))]);
+    lists.push(["Most friction used", top(stage.normal.length, (i) => stage.utilisation[i])
+      .map((i) => joint(i, percent(stage.utilisation[i])))]);
+  }
+  if (stage.prop) {
+    const force = (i) => vec.length(stage.prop.subarray(6 * i, 6 * i + 3));
+    lists.push(["Most help needed", top(data.count, force)
+      .map((i) => [data.blocks.names[i], quantity(force(i), "N"), () => actions.select(i)])]);
+  }
+  return lists.filter(([, rows]) => rows.length);
+}
+
+function showWorst(data, stage, actions) {
+  const box = document.getElementById("worst");
+  box.replaceChildren();
+  const lists = worstLists(data, stage, actions);
+  document.getElementById("worst-box").hidden = lists.length === 0;
+  for (const [title, rows] of lists) {
+    const part = element("details");
+    part.append(element("summary", title));
+    const list = element("ol");
+    for (const [name, value, action] of rows) {
+      const item = element("li");
+      item.append(button(name, action, { title: name }), element("span", value));
+      list.append(item);
+    }
+    part.append(list);
+    box.append(part);
+  }
 }

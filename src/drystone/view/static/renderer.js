@@ -1,8 +1,12 @@
 // Drawing with WebGL2: one call for all blocks, one for all edges, one or two a layer.
 
 const LINE_WIDTH = 1.1; // [CSS pixels]
+const NETWORK_WIDTH = 7; // [CSS pixels], of the largest force
 const HEAD = 9; // [CSS pixels], length of an arrow's head
-const HIDDEN = 0.45; // opacity of what lies behind blocks
+const MARKER = 6.5; // [CSS pixels], half the size of a marker on large blocks
+const HIDDEN = 0.45; // opacity of what lies behind opaque blocks
+const BEHIND = 0.16; // opacity of edges behind glassy blocks
+const DASH = 6; // [CSS pixels]
 
 class Renderer {
   constructor(canvas, data) {
@@ -19,9 +23,12 @@ class Renderer {
     this.programs = {
       block: this.program(BLOCK_VERTEX, BLOCK_FRAGMENT),
       id: this.program(BLOCK_VERTEX, ID_FRAGMENT),
-      edge: this.program(EDGE_VERTEX, FLAT_FRAGMENT),
+      jointId: this.program(POLYGON_VERTEX, ID_FRAGMENT),
+      edge: this.program(EDGE_VERTEX, EDGE_FRAGMENT),
       arrow: this.program(ARROW_VERTEX, FLAT_FRAGMENT),
-      polygon: this.program(POLYGON_VERTEX, FLAT_FRAGMENT),
+      polygon: this.program(POLYGON_VERTEX, POLYGON_FRAGMENT),
+      marker: this.program(MARKER_VERTEX, MARKER_FRAGMENT),
+      ground: this.program(GROUND_VERTEX, GROUND_FRAGMENT),
     };
     this.mesh = blockMesh(this.data.blocks);
     this.blockArray = this.vertexArray([
@@ -30,12 +37,14 @@ class Renderer {
       [this.mesh.owner, 1, gl.UNSIGNED_INT],
     ]);
     this.blockIndex = this.indexBuffer(this.mesh.index);
-    this.edges = this.segments(edgeSegments(this.data.blocks));
+    this.edges = this.segments(edgeSegments(this.data.blocks), 8);
     this.motionTexture = this.texture();
     this.stateTexture = this.texture();
+    this.shadow = this.shadowTexture();
     this.layerBuffers = new Map();
+    this.target = null;
     this.sortedFor = "";
-    if (this.stage) this.setStage(this.stage);
+    if (this.stage) this.setStage(this.stage, this.hidden);
   }
 
   program(vertex, fragment) {
@@ -86,14 +95,27 @@ class Renderer {
     return buffer;
   }
 
-  texture() {
+  texture(filter = this.gl.NEAREST) {
     const gl = this.gl;
     const texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture);
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
-      gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+      gl.texParameteri(gl.TEXTURE_2D, name, filter);
+    }
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) {
+      gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
     }
     return texture;
+  }
+
+  shadowTexture() {
+    const gl = this.gl;
+    const { side, pixels } = shadowOf(this.data);
+    const texture = this.texture(gl.LINEAR);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, SHADOW_SIZE, SHADOW_SIZE, 0, gl.RED, gl.UNSIGNED_BYTE,
+      pixels);
+    return { side, texture };
   }
 
   // Fills a texture of four numbers a texel; values are padded to whole rows.
@@ -106,19 +128,21 @@ class Renderer {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, TEXTURE_WIDTH, rows, 0, gl.RGBA, gl.FLOAT, padded);
   }
 
-  segments(values) {
+  segments(values, each) {
     const texture = this.texture();
     this.fillTexture(texture, values);
-    return { texture, count: values.length / 8 };
+    return { texture, count: values.length / each };
   }
 
-  setStage(stage) {
+  // Hidden blocks are drawn as those that are not placed: not at all.
+  setStage(stage, hidden) {
     const gl = this.gl;
-    this.stage = stage;
+    [this.stage, this.hidden] = [stage, hidden];
     const { count, blocks } = this.data;
     const stateRows = Math.ceil(count / TEXTURE_WIDTH);
     const state = new Uint8Array(TEXTURE_WIDTH * stateRows);
     state.set(stage.state);
+    for (const block of hidden) state[block] = 0;
     gl.bindTexture(gl.TEXTURE_2D, this.stateTexture);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, TEXTURE_WIDTH, stateRows, 0, gl.RED_INTEGER,
@@ -138,13 +162,19 @@ class Renderer {
   layerBuffer(layer) {
     if (this.layerBuffers.has(layer)) return this.layerBuffers.get(layer);
     const gl = this.gl;
+    const { contacts, count } = this.data;
     let made;
     if (layer.kind === "polygons") {
       const index = polygonIndex(layer);
-      made = { array: this.vertexArray([[layer.position, 3, gl.FLOAT]]), count: index.length };
+      const { value, owner, number } = polygonCorners(layer, contacts, count + 1);
+      made = { count: index.length };
+      made.array = this.vertexArray([
+        [layer.position, 3, gl.FLOAT], [value, 1, gl.FLOAT], [owner, 2, gl.FLOAT],
+        [number, 1, gl.UNSIGNED_INT],
+      ]);
       made.index = this.indexBuffer(index);
     } else {
-      made = this.segments(vectorSegments(layer));
+      made = this.segments(vectorSegments(layer, contacts), 12);
     }
     this.layerBuffers.set(layer, made);
     return made;
@@ -155,6 +185,10 @@ class Renderer {
     gl.useProgram(program);
     gl.uniformMatrix4fv(at.uProjection, false, view.projection);
     gl.uniform1f(at.uTime ?? null, view.time);
+    gl.uniform1f(at.uSpread ?? null, view.spread);
+    gl.uniform3fv(at.uAnchor ?? null, view.anchor);
+    gl.uniform4fv(at.uSection ?? null, view.section);
+    gl.uniform1f(at.uRatio ?? null, view.ratio);
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.motionTexture);
     gl.uniform1i(at.uMotion ?? null, 0);
@@ -164,12 +198,13 @@ class Renderer {
     gl.activeTexture(gl.TEXTURE0);
     gl.uniform2f(at.uViewport ?? null, this.canvas.width, this.canvas.height);
     gl.uniform3fv(at.uStateColour ?? null, view.stateColours);
+    gl.uniform3fv(at.uSelectionColour ?? null, view.colours.selection);
     gl.uniform1i(at.uSelected ?? null, view.selected);
+    gl.uniform1i(at.uHovered ?? null, view.hovered);
     return at;
   }
 
-  // view: projection, back (towards the eye), light, time, opacity, scale, ratio (device pixels),
-  // fine (thinner lines for small blocks), selected, showBlocks, showEdges, layers (those to draw), stateColours, colours
+  // view: see currentView() in main.js.
   draw(view) {
     const gl = this.gl;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
@@ -178,14 +213,78 @@ class Renderer {
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    if (view.showBlocks) this.drawBlocks(view);
-    if (view.showEdges) this.drawEdges(view);
-    if (view.time === 0) {
-      for (const layer of view.layers) this.drawLayer(layer, view);
-    }
+    if (view.showGround) this.drawGround(view);
+    if (view.showBlocks && view.opacity >= 1) this.drawSolid(view);
+    else this.drawGlass(view);
+    if (view.showGhost) this.drawGhost(view);
     gl.disable(gl.BLEND);
     gl.depthMask(true);
     gl.bindVertexArray(null);
+  }
+
+  // Blocks hide what is behind them; of forces behind them a trace is left.
+  drawSolid(view) {
+    const gl = this.gl;
+    this.drawBlocks(view);
+    if (view.showEdges) this.drawEdges(view, view.fine);
+    gl.enable(gl.BLEND);
+    for (const layer of view.layers) {
+      gl.depthMask(false);
+      gl.depthFunc(gl.GREATER);
+      this.drawLayer(layer, view, layer.kind === "polygons" ? 0.2 : HIDDEN);
+      gl.depthFunc(gl.LEQUAL);
+      this.drawLayer(layer, view, 1);
+      gl.depthMask(true);
+    }
+  }
+
+  // Forces first, then blocks like glass over them, then their edges: faint behind, clear in front.
+  drawGlass(view) {
+    const gl = this.gl;
+    const inside = view.layers.filter((layer) => layer.kind === "polygons" || layer.value);
+    for (const layer of inside) {
+      if (layer.kind === "polygons") gl.disable(gl.BLEND);
+      else gl.enable(gl.BLEND);
+      this.drawLayer(layer, view, 1);
+    }
+    gl.enable(gl.BLEND);
+    if (view.showBlocks) this.drawBlocks(view);
+    if (view.showEdges) {
+      gl.depthMask(false);
+      this.drawEdges(view, BEHIND * view.fine);
+    }
+    gl.depthMask(false);
+    for (const layer of view.layers.filter((one) => !inside.includes(one))) {
+      gl.disable(gl.DEPTH_TEST);
+      this.drawLayer(layer, view, 1);
+      gl.enable(gl.DEPTH_TEST);
+    }
+    gl.depthMask(true);
+    if (view.showEdges && view.showBlocks) {
+      this.drawDepth(view);
+      gl.depthMask(false);
+      this.drawEdges(view, 0.75 * view.fine);
+      gl.depthMask(true);
+    }
+  }
+
+  drawGround(view) {
+    const gl = this.gl;
+    const { program, at } = this.programs.ground;
+    gl.useProgram(program);
+    gl.uniformMatrix4fv(at.uProjection, false, view.projection);
+    gl.uniform4f(at.uSquare, 0, 0, view.anchor[2], this.shadow.side);
+    const strength = view.shadow;
+    gl.uniform4f(at.uColour, 0, 0, 0, strength);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.shadow.texture);
+    gl.uniform1i(at.uShadow, 0);
+    gl.bindVertexArray(null);
+    gl.enable(gl.BLEND);
+    gl.depthMask(false);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
   }
 
   drawBlocks(view) {
@@ -193,9 +292,11 @@ class Renderer {
     const at = this.use(this.programs.block, view);
     const solid = view.opacity >= 1;
     gl.uniform3fv(at.uLight, view.light);
-    gl.uniform3fv(at.uSelectionColour, view.colours.selection);
+    gl.uniform4fv(at.uEye, view.flat ? [...view.back, 0] : [...view.eye, 1]);
+    gl.uniform3fv(at.uHatch, view.hatch);
+    gl.uniform3fv(at.uCutColour, view.cut);
     gl.uniform1f(at.uOpacity, view.opacity);
-    gl.enable(gl.CULL_FACE);
+    if (!view.sectioned) gl.enable(gl.CULL_FACE); // the inside of a cut block is drawn as its cut
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 2);
     if (!solid) {
@@ -203,12 +304,30 @@ class Renderer {
       gl.depthMask(false);
       this.sortBlocks(view);
     }
-    gl.bindVertexArray(this.blockArray);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.blockIndex);
-    gl.drawElements(gl.TRIANGLES, this.mesh.index.length, gl.UNSIGNED_INT, 0);
+    this.drawMesh();
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.disable(gl.CULL_FACE);
     gl.depthMask(true);
+  }
+
+  drawMesh() {
+    const gl = this.gl;
+    gl.bindVertexArray(this.blockArray);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.blockIndex);
+    gl.drawElements(gl.TRIANGLES, this.mesh.index.length, gl.UNSIGNED_INT, 0);
+  }
+
+  // The depth of blocks without their colour, so that edges behind them can be told.
+  drawDepth(view) {
+    const gl = this.gl;
+    const at = this.use(this.programs.block, view);
+    gl.uniform1f(at.uOpacity, 1);
+    gl.colorMask(false, false, false, false);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(1, 2);
+    this.drawMesh();
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+    gl.colorMask(true, true, true, true);
   }
 
   // Far blocks first, so that what shines through is in the right order.
@@ -216,12 +335,7 @@ class Renderer {
     const key = view.back.join();
     if (key === this.sortedFor) return;
     this.sortedFor = key;
-    const { centroid } = this.data.blocks;
-    const depth = new Float32Array(this.data.count);
-    for (let i = 0; i < depth.length; i++) {
-      depth[i] = vec.dot(centroid.subarray(3 * i, 3 * i + 3), view.back);
-    }
-    const order = Uint32Array.from(depth.keys()).sort((a, b) => depth[a] - depth[b]);
+    const order = farFirst(this.data, view.back);
     const { index, indexStart } = this.mesh;
     const sorted = new Uint32Array(index.length);
     let used = 0;
@@ -235,14 +349,33 @@ class Renderer {
     this.gl.bufferSubData(this.gl.ELEMENT_ARRAY_BUFFER, 0, sorted);
   }
 
-  drawEdges(view) {
+  drawEdges(view, opacity) {
     const gl = this.gl;
     const at = this.use(this.programs.edge, view);
     gl.uniform3fv(at.uEdgeColour, view.edgeColour);
+    gl.uniform3fv(at.uFallColour, view.fallColour);
     gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
-    gl.uniform1f(at.uOpacity, view.fine * (view.showBlocks ? Math.max(view.opacity, 0.25) : 0.7));
+    gl.uniform1f(at.uOpacity, opacity);
+    gl.uniform1i(at.uGhost, 0);
+    gl.uniform1f(at.uDash, 0);
     gl.enable(gl.BLEND);
     this.drawSegments(at, this.edges, 6);
+  }
+
+  // Outlines of the blocks that move, where the motion begins or leads.
+  drawGhost(view) {
+    const gl = this.gl;
+    const at = this.use(this.programs.edge, { ...view, time: 1 });
+    gl.uniform3fv(at.uEdgeColour, view.ghostColour);
+    gl.uniform3fv(at.uFallColour, view.fallColour);
+    gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
+    gl.uniform1f(at.uOpacity, 0.7 * Math.sqrt(view.fine));
+    gl.uniform1i(at.uGhost, 1);
+    gl.uniform1f(at.uDash, DASH * view.ratio);
+    gl.enable(gl.BLEND);
+    gl.depthMask(false);
+    this.drawSegments(at, this.edges, 6);
+    gl.depthMask(true);
   }
 
   drawSegments(at, { texture, count }, corners) {
@@ -255,75 +388,111 @@ class Renderer {
     gl.drawArrays(gl.TRIANGLES, 0, corners * count);
   }
 
-  // Twice: what is behind blocks faintly, what is in front fully.
-  drawLayer(layer, view) {
+  drawLayer(layer, view, opacity) {
     const gl = this.gl;
     const made = this.layerBuffer(layer);
-    const flat = layer.kind === "polygons";
-    const at = this.use(flat ? this.programs.polygon : this.programs.arrow, view);
     const colour = view.colours[layer.colour];
-    gl.enable(gl.BLEND);
-    gl.depthMask(false);
-    if (!flat) {
-      const arrows = layer.kind === "arrows";
-      gl.uniform1f(at.uWidth, LINE_WIDTH * layer.width * view.fine * view.ratio);
-      gl.uniform1f(at.uScale, arrows ? view.scale : 1);
-      gl.uniform1f(at.uHead, arrows ? HEAD * Math.sqrt(layer.width) * view.fine * view.ratio : 0);
-      gl.uniform1i(at.uInward, layer.inward ? 1 : 0);
-      gl.uniform1i(at.uPaired, arrows ? 1 : 0);
+    const premultiplied = [...colour.map((c) => c * opacity), opacity];
+    if (layer.kind === "polygons") {
+      const at = this.use(this.programs.polygon, view);
+      gl.uniform4f(at.uColour, ...colour, opacity);
+      gl.uniform1i(at.uByValue, layer.value ? 1 : 0);
+      gl.uniform3fv(at.uRamp, view.ramp);
+      gl.uniform1ui(at.uPicked, view.joint < 0 ? 0 : this.data.count + 1 + view.joint);
+      gl.bindVertexArray(made.array);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.index);
+      gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
+      return;
     }
-    for (const [compare, strength] of [[gl.GREATER, HIDDEN], [gl.LEQUAL, 1]]) {
-      const opacity = strength * (flat ? 0.75 : 1);
-      gl.depthFunc(compare);
-      gl.uniform4f(at.uColour, ...colour.map((c) => c * opacity), opacity);
-      if (flat) {
-        gl.bindVertexArray(made.array);
-        gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.index);
-        gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
-      } else {
-        this.drawSegments(at, made, layer.kind === "arrows" ? 18 : 9);
-      }
+    if (layer.kind === "markers") {
+      const at = this.use(this.programs.marker, view);
+      gl.uniform1f(at.uSize, view.markerSize * view.ratio);
+      gl.uniform4f(at.uColour, ...colour, opacity);
+      gl.uniform3fv(at.uOutline, view.outline);
+      gl.uniform1i(at.uDiamond, layer.shape === "diamond" ? 1 : 0);
+      this.drawSegments(at, made, 6);
+      return;
     }
-    gl.depthFunc(gl.LEQUAL);
-    gl.depthMask(true);
+    const at = this.use(this.programs.arrow, view);
+    const arrows = layer.kind === "arrows";
+    const width = layer.value ? NETWORK_WIDTH : 1.4 * LINE_WIDTH;
+    gl.uniform4f(at.uColour, ...premultiplied);
+    gl.uniform1f(at.uWidth, width * layer.width * view.fine * view.ratio);
+    gl.uniform1f(at.uScale, arrows ? layer.scale * view.stretch : 1);
+    gl.uniform1f(at.uHead, arrows ? HEAD * Math.sqrt(layer.width) * view.fine * view.ratio : 0);
+    gl.uniform1i(at.uInward, layer.inward ? 1 : 0);
+    gl.uniform1i(at.uSingle, layer.single ? 1 : 0);
+    gl.uniform1i(at.uByValue, layer.value ? 1 : 0);
+    this.drawSegments(at, made, arrows && !layer.single ? 18 : 9);
   }
 
-  // Number of the block at a device pixel (from the lower left), -1 where there is none.
-  pick(x, y, view) {
+  // Number of what lies at a device pixel (from the lower left): block + 1, or the number of blocks
+  // + 1 + interface; 0 where there is nothing.
+  pick(x, y, view, polygons) {
     const gl = this.gl;
     const { width, height } = this.canvas;
-    const target = gl.createFramebuffer();
-    const ids = gl.createRenderbuffer();
-    const depth = gl.createRenderbuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
-    for (const [buffer, format, slot] of [
-      [ids, gl.R32UI, gl.COLOR_ATTACHMENT0],
-      [depth, gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT],
-    ]) {
-      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
-      gl.renderbufferStorage(gl.RENDERBUFFER, format, width, height);
-      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, slot, gl.RENDERBUFFER, buffer);
+    if (!this.target || this.target.width !== width || this.target.height !== height) {
+      this.makeTarget(width, height);
     }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target.frame);
     gl.viewport(0, 0, width, height);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(x, y, 1, 1);
+    gl.depthMask(true);
     gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [1]);
     gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.CULL_FACE);
-    this.use(this.programs.id, view);
-    gl.bindVertexArray(this.blockArray);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.blockIndex);
-    gl.drawElements(gl.TRIANGLES, this.mesh.index.length, gl.UNSIGNED_INT, 0);
+    gl.disable(gl.BLEND);
+    for (const layer of polygons) {
+      this.use(this.programs.jointId, view);
+      const made = this.layerBuffer(layer);
+      gl.bindVertexArray(made.array);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.index);
+      gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
+    }
     const found = new Uint32Array(4);
-    gl.readPixels(x, y, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, found);
+    const read = () => gl.readPixels(x, y, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, found);
+    if (polygons.length) read();
+    if (found[0] === 0 && view.showBlocks) {
+      gl.enable(gl.CULL_FACE);
+      this.use(this.programs.id, view);
+      this.drawMesh();
+      gl.disable(gl.CULL_FACE);
+      read();
+    }
     gl.disable(gl.SCISSOR_TEST);
-    gl.disable(gl.CULL_FACE);
     gl.bindVertexArray(null);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.deleteFramebuffer(target);
-    gl.deleteRenderbuffer(ids);
-    gl.deleteRenderbuffer(depth);
-    return found[0] - 1;
+    return found[0];
   }
+
+  makeTarget(width, height) {
+    const gl = this.gl;
+    if (this.target) {
+      gl.deleteFramebuffer(this.target.frame);
+      this.target.parts.forEach((part) => gl.deleteRenderbuffer(part));
+    }
+    const frame = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    const parts = [
+      [gl.R32UI, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT],
+    ].map(([format, slot]) => {
+      const part = gl.createRenderbuffer();
+      gl.bindRenderbuffer(gl.RENDERBUFFER, part);
+      gl.renderbufferStorage(gl.RENDERBUFFER, format, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, slot, gl.RENDERBUFFER, part);
+      return part;
+    });
+    this.target = { frame, parts, width, height };
+  }
+}
+
+// Numbers of the blocks, far ones first.
+function farFirst(data, back) {
+  const { centroid } = data.blocks;
+  const depth = new Float32Array(data.count);
+  for (let i = 0; i < depth.length; i++) {
+    depth[i] = centroid[3 * i] * back[0] + centroid[3 * i + 1] * back[1] + centroid[3 * i + 2] * back[2];
+  }
+  return Uint32Array.from(depth.keys()).sort((a, b) => depth[a] - depth[b]);
 }

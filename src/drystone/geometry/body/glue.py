@@ -1,0 +1,306 @@
+"""Closed pieces that touch put together into one body, and cells cut out of bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from drystone.arrays import Floats
+from drystone.errors import InputError
+from drystone.geometry.body.polyhedron import Loop, edge_defects
+from drystone.geometry.body.split import (
+    Piece,
+    half_plane,
+    parts_of,
+    rings_of,
+    welded_points,
+)
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.mend.merge import merge_coplanar
+from drystone.geometry.mend.soup import split_solids
+from drystone.geometry.plane.polygon import area_vectors
+
+TOUCH = 1e-8
+"""Points nearer than this share of the extent are one, and faces nearer touch: ten times what
+pieces of one cut differ by."""
+
+
+def glue(pieces: Sequence[Piece]) -> list[Piece]:
+    """The union of closed pieces that touch along faces and share no volume.
+
+    Where two faces look at each other in one plane, what they have in common disappears. Faces of
+    one plane are then merged, and vertices on straight edges dropped.
+
+    Parameters
+    ----------
+    pieces
+        Vertices (v, 3) [m], and faces as loops of them, outwards.
+
+    Returns
+    -------
+    One piece for each connected body.
+
+    Examples
+    --------
+    >>> from drystone.models import box
+    >>> one, two = box((1.0, 1.0, 1.0)), box((1.0, 1.0, 1.0), (0.0, 0.0, 1.0))
+    >>> (body,) = glue([(one.vertices, list(one.faces)), (two.vertices, list(two.faces))])
+    >>> len(body[0]), len(body[1])
+    (8, 6)
+    """
+    points = np.concatenate([vertices for vertices, _ in pieces])
+    extent = float(np.ptp(points, axis=0).max())
+    loops = [vertices[list(face)] for vertices, faces in pieces for face in faces]
+    owner = [number for number, (_, faces) in enumerate(pieces) for _ in faces]
+    left = _uncovered(loops, owner, TOUCH * extent)
+    if not left:
+        return []
+    found = []
+    for vertices, faces in _bodies(left, extent):
+        own = merge_coplanar([vertices], [faces], 10.0 * TOUCH)[0]
+        found.append(_straightened(vertices, own, TOUCH * extent))
+    return found
+
+
+def cut_cell(
+    pieces: Sequence[Piece], normals: Floats, offsets: Floats
+) -> tuple[list[Piece], list[Piece]]:
+    """The parts of bodies where ``normals @ x <= offsets``, and the rest.
+
+    Parameters
+    ----------
+    pieces
+    normals : (p, 3) unit
+    offsets : (p,) [m]
+    """
+    inside: list[Piece] = list(pieces)
+    outside: list[Piece] = []
+    for normal, offset in zip(normals, offsets, strict=True):
+        now: list[Piece] = []
+        for piece in inside:
+            below, above = _cut(piece, normal, float(offset))
+            now += below
+            outside += above
+        inside = now
+    return inside, outside
+
+
+def _cut(piece: Piece, normal: Floats, offset: float) -> tuple[list[Piece], list[Piece]]:
+    """The parts of a body below and above a plane. Vertices near the plane are put onto it."""
+    vertices, faces = np.array(piece[0]), piece[1]
+    extent = float(np.ptp(vertices, axis=0).max())
+    height = vertices @ normal - offset
+    on = np.abs(height) <= TOUCH * extent
+    vertices[on] -= height[on, None] * normal
+    height[on] = 0.0
+    if height.max() <= 0.0:
+        return [piece], []
+    if height.min() >= 0.0:
+        return [], [piece]
+    below: list[Floats] = []
+    above: list[Floats] = []
+    for face in faces:
+        some = list(face)
+        for loops, sign in ((below, -1.0), (above, 1.0)):
+            loops += _beyond(vertices[some], sign * height[some], extent)
+        if not height[some].any():
+            area = area_vectors(vertices[some], np.array([0, len(some)]))[0]
+            (below if area @ normal > 0.0 else above).append(vertices[some])
+    return (
+        _bodies([*below, *_lids(below, normal, offset, extent)], extent),
+        _bodies([*above, *_lids(above, -normal, -offset, extent)], extent),
+    )
+
+
+def _beyond(corner: Floats, height: Floats, extent: float) -> list[Floats]:
+    """The parts of a loop where the height of its corners is above zero."""
+    if height.max() <= 0.0:
+        return []
+    if height.min() >= 0.0:
+        return [corner]
+    side = np.sign(height[height != 0.0])
+    if (side != np.roll(side, 1)).sum() > 2:
+        return _beyond_concave(corner, height, extent)
+    out = []
+    for i in range(len(corner)):
+        j = (i + 1) % len(corner)
+        if height[i] >= 0.0:
+            out.append(corner[i])
+        if height[i] * height[j] < 0.0:
+            first, last = (i, j) if height[i] < 0.0 else (j, i)
+            share = height[first] / (height[first] - height[last])
+            out.append(corner[first] + share * (corner[last] - corner[first]))
+    return [np.array(out)] if len(out) > 2 else []
+
+
+def _beyond_concave(corner: Floats, height: Floats, extent: float) -> list[Floats]:
+    """The same where a line cuts a loop more than twice."""
+    area = area_vectors(corner, np.array([0, len(corner)]))[0]
+    frame = frames_from_normals((area / np.linalg.norm(area))[None])[0]
+    flat = (corner - corner[0]) @ frame[1:].T
+    slope, *_ = np.linalg.lstsq(np.column_stack([flat, np.ones(len(flat))]), height, rcond=None)
+    region = half_plane(slope[:2], float(slope[2]), 4.0 * extent)
+    if region is None:
+        return [corner] if height.mean() > 0.0 else []
+    shape = shapely.intersection(shapely.Polygon(flat), region)
+    return [
+        corner[0] + ring @ frame[1:]
+        for part in parts_of(shape, "Polygon")
+        for ring in rings_of(part, TOUCH * extent * part.length)
+    ]
+
+
+def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float) -> list[Floats]:
+    """Faces in a plane, looking along its normal, that close a body: what open edges surround."""
+    if not loops:
+        return []
+    number, points = welded_points(np.concatenate(loops), TOUCH * extent)
+    ends = np.cumsum([len(loop) for loop in loops])[:-1]
+    open_edges: set[tuple[int, int]] = set()
+    for part in np.split(number, ends):
+        loop = _simple(part.tolist())
+        for edge in zip(loop, (*loop[1:], *loop[:1]), strict=True):
+            if edge[::-1] in open_edges:
+                open_edges.remove(edge[::-1])
+            else:
+                open_edges.add(edge)
+    frame = frames_from_normals(normal[None])[0]
+    flat = points @ frame[1:].T
+    lines = [shapely.LineString(flat[list(edge)]) for edge in open_edges]
+    section = shapely.Polygon()
+    for ring in shapely.get_parts(shapely.polygonize(lines)):
+        section = shapely.symmetric_difference(section, shapely.Polygon(ring.exterior))
+    return [
+        offset * normal + ring @ frame[1:]
+        for part in parts_of(section, "Polygon")
+        for ring in rings_of(part, TOUCH * extent * part.length)
+    ]
+
+
+def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
+    """Closed bodies from loose faces.
+
+    Raises
+    ------
+    InputError
+        They do not close.
+    """
+    if not loops:
+        return []
+    near = TOUCH * extent
+    number, vertices = welded_points(np.concatenate(loops), near)
+    ends = np.cumsum([len(loop) for loop in loops])[:-1]
+    rounds = [_simple(part.tolist()) for part in np.split(number, ends)]
+    faces = [_simple(_with_points_between(face, vertices, near)) for face in rounds if face]
+    faces = [face for face in faces if face]
+    open_edges, _, consistent = edge_defects(faces)
+    if open_edges or not consistent:
+        raise InputError(
+            "the parts of a body do not fit together",
+            remedy="make the change a little larger or smaller",
+        )
+    bodies = []
+    for some in split_solids(vertices, faces):
+        own = [faces[i] for i in some]
+        if edge_defects(own)[1]:
+            raise InputError("a body would touch itself", remedy="make the change a little larger")
+        bodies.append((vertices, own))
+    return bodies
+
+
+def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> list[Floats]:
+    """Loops less what a face of another piece covers from the other side."""
+    start = np.cumsum([0, *(len(loop) for loop in loops)]).astype(np.intp)
+    area = area_vectors(np.concatenate(loops), start)
+    size = np.linalg.norm(area, axis=1)
+    normal = area / np.where(size > 0.0, size, 1.0)[:, None]
+    low = np.array([loop.min(axis=0) for loop in loops]) - near
+    high = np.array([loop.max(axis=0) for loop in loops]) + near
+    facing: list[list[int]] = [[] for _ in loops]
+    for i in range(len(loops)):
+        for j in range(i + 1, len(loops)):
+            if owner[i] == owner[j] or normal[i] @ normal[j] > -0.99:
+                continue
+            if (low[i] > high[j]).any() or (low[j] > high[i]).any():
+                continue
+            if (
+                max(
+                    np.abs((loops[j] - loops[i][0]) @ normal[i]).max(),
+                    np.abs((loops[i] - loops[j][0]) @ normal[j]).max(),
+                )
+                <= 4.0 * near
+            ):
+                facing[i].append(j)
+                facing[j].append(i)
+    left: list[Floats] = []
+    for i, loop in enumerate(loops):
+        if not facing[i]:
+            left.append(loop)
+            continue
+        frame = frames_from_normals(normal[i][None])[0]
+
+        def flat(corners: Floats, at: Floats = loop[0], axes: Floats = frame[1:]) -> Floats:
+            return (corners - at) @ axes.T
+
+        shape = shapely.Polygon(flat(loop))
+        for j in facing[i]:
+            shape = shapely.difference(shape, shapely.Polygon(flat(loops[j])).buffer(0.0))
+        # what is narrower than the tolerance is rounding
+        core = shape.buffer(-near, join_style="mitre").buffer(near, join_style="mitre")
+        if core.is_empty:
+            continue
+        kept = [p for p in parts_of(shape, "Polygon") if p.intersects(core)]
+        left += [
+            loop[0] + ring @ frame[1:] for part in kept for ring in rings_of(part, near * near)
+        ]
+    return left
+
+
+def _simple(loop: Sequence[int]) -> Loop:
+    """A loop without repeated neighbours and without spikes; empty where nothing is left."""
+    kept = list(loop)
+    i = 0
+    while len(kept) > 2 and i < len(kept):
+        before, here, after = kept[i - 1], kept[i], kept[(i + 1) % len(kept)]
+        if here in (before, after) or before == after:
+            kept.pop(i)
+            i = max(i - 2, 0)
+        else:
+            i += 1
+    return tuple(kept) if len(set(kept)) > 2 else ()
+
+
+def _with_points_between(face: Loop, vertices: Floats, near: float) -> Loop:
+    """The loop with every vertex that lies on one of its edges."""
+    out: list[int] = []
+    for a, b in zip(face, (*face[1:], face[0]), strict=True):
+        along = vertices[b] - vertices[a]
+        square = float(along @ along)
+        share = (vertices - vertices[a]) @ along / square
+        off = np.linalg.norm(vertices - vertices[a] - share[:, None] * along, axis=1)
+        margin = near / np.sqrt(square)
+        on = np.flatnonzero((off <= near) & (share > margin) & (share < 1.0 - margin))
+        out += [a, *on[np.argsort(share[on])].tolist()]
+    return tuple(out)
+
+
+def _straightened(vertices: Floats, faces: Sequence[Loop], near: float) -> Piece:
+    """The body without vertices in the middle of straight edges, and without unused ones."""
+    bends = np.zeros(len(vertices), dtype=bool)
+    for face in faces:
+        corner = vertices[list(face)]
+        before, after = np.roll(corner, 1, axis=0), np.roll(corner, -1, axis=0)
+        chord = after - before
+        length = np.linalg.norm(chord, axis=1)
+        height = np.linalg.norm(np.cross(corner - before, chord), axis=1)
+        bend = height > near * length
+        bend |= ((corner - before) * (after - corner)).sum(axis=1) <= 0.0
+        bends[list(face)] |= bend
+    new = np.cumsum(bends) - 1
+    loops = [tuple(int(new[v]) for v in face if bends[v]) for face in faces]
+    return vertices[bends], [loop for loop in loops if len(loop) > 2]
+
+
+__all__ = ["cut_cell", "glue"]

@@ -1,0 +1,109 @@
+// What colours, widths and marks stand for; the head of the picture. Texts are always set as text.
+
+function element(tag, text, attributes = {}) {
+  const made = document.createElement(tag);
+  if (text !== undefined) made.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  return made;
+}
+
+function button(text, action, attributes = {}) {
+  const made = element("button", text, { type: "button", ...attributes });
+  made.addEventListener("click", action);
+  return made;
+}
+
+function swatch(colour, shape) {
+  const made = element("span", undefined, { class: `swatch ${shape}`, "aria-hidden": "true" });
+  made.style.background = colour;
+  return made;
+}
+
+const SHAPE_OF = { polygons: "", arrows: "thin", lines: "thick", markers: "disc" };
+
+function layerSwatch(layer, colours) {
+  const shape = layer.kind === "markers" ? layer.shape : SHAPE_OF[layer.kind];
+  return swatch(colours[layer.colour], shape);
+}
+
+// The layer with its largest value: what the longest arrow or the widest line stands for.
+function layerText(layer) {
+  if (layer.kind === "arrows") return `${layer.label}, up to ${quantity(layer.largest, "N")}`;
+  if (layer.kind === "lines" && layer.value) {
+    return `${layer.label}, up to ${quantity(layer.largest, layer.unit)}`;
+  }
+  if (layer.kind === "markers") return `${layer.label} (${layer.position.length / 3})`;
+  return layer.label;
+}
+
+// Rows of the legend as plain values, for the page and for what is exported.
+function legendRows(data, stage, theme, shown) {
+  const rows = [];
+  for (const [code, state] of Object.entries(data.states)) {
+    if (stage.state.includes(Number(code))) {
+      rows.push({ colour: state[theme], text: state.label, shape: Number(code) === 6 ? "hatch" : "" });
+    }
+  }
+  for (const layer of stage.layers) {
+    if (!shown(layer)) continue;
+    const colour = data.colours[theme][layer.colour];
+    if (layer.kind === "polygons" && layer.value) rows.push({ bar: layer, text: layer.label });
+    else {
+      const shape = layer.kind === "markers" ? layer.shape : SHAPE_OF[layer.kind];
+      rows.push({ colour, text: layerText(layer), shape });
+    }
+  }
+  return rows;
+}
+
+function showLegend(data, stage, theme, shown) {
+  const legend = document.getElementById("legend");
+  legend.replaceChildren();
+  for (const row of legendRows(data, stage, theme, shown)) {
+    if (row.bar) {
+      legend.append(colourBar(row.bar, data.ramp[theme]));
+      continue;
+    }
+    const line = element("div");
+    line.append(swatch(row.colour, row.shape), element("span", row.text));
+    legend.append(line);
+  }
+}
+
+// Ends and middle of a colour bar, in words.
+function barTexts(layer) {
+  const told = (share) => (layer.unit === ""
+    ? percent(share * layer.top) : quantity(share * layer.top, layer.unit));
+  const texts = [0, 0.5, 1].map(told);
+  if (layer.largest > 1.001 * layer.top) texts[2] = `\u2265 ${texts[2]}`;
+  return texts;
+}
+
+function colourBar(layer, stops) {
+  const box = element("div", undefined, { class: "bar" });
+  const strip = element("span", undefined, { class: "strip", "aria-hidden": "true" });
+  strip.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
+  const ticks = element("span", undefined, { class: "ticks" });
+  for (const text of barTexts(layer)) ticks.append(element("span", text));
+  box.append(element("span", layer.label), strip, ticks);
+  return box;
+}
+
+function showHeader(data, stage) {
+  const headline = document.getElementById("headline");
+  headline.textContent = stage.headline || data.title;
+  headline.className = stage.verdict ?? "";
+  const facts = [...new Map([...data.facts, ...stage.facts])];
+  const of = (name) => facts.find(([known]) => known === name)?.[1];
+  const short = [
+    of("File"), of("Blocks") && `${of("Blocks")} blocks`, of("Friction") && `friction ${of("Friction")}`,
+    of("Load"),
+  ];
+  document.getElementById("asked").textContent = short.filter(Boolean).join(" \u00b7 ");
+  document.getElementById("message").textContent = stage.message;
+  const list = document.getElementById("facts");
+  list.replaceChildren();
+  for (const [name, text] of [...facts, ["Made", data.made]]) {
+    list.append(element("dt", name), element("dd", text));
+  }
+}

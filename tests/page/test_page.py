@@ -1,0 +1,213 @@
+"""Pages in a real browser: they draw, obey their controls, and ask nothing of the network."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone.assembly import Assembly
+from drystone.models import arch, shelf, tower
+from drystone.results import Result
+from drystone.view import save_page
+from tests.page.browser import Browser, Tab, executable, running
+
+PROGRAM = executable()
+EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
+
+pytestmark = [
+    pytest.mark.skipif(PROGRAM is None, reason="no Chromium on this machine"),
+]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    assert PROGRAM is not None
+    with running(PROGRAM) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def standing() -> Result:
+    return drystone.check(arch(0.2, 8), friction=0.7)
+
+
+Opened = Callable[..., Tab]
+
+
+@pytest.fixture
+def opened(browser: Browser, tmp_path: Path) -> Iterator[Opened]:
+    """Opens the page of a subject; afterwards nothing may have been complained about or fetched."""
+    tabs = []
+
+    def open_page(subject: object, **how: object) -> Tab:
+        path = tmp_path / f"page-{len(tabs)}.html"
+        if callable(subject):
+            subject(path)
+        else:
+            save_page(subject, path)  # type: ignore[arg-type]
+        tabs.append(browser.open(path, **how))  # type: ignore[arg-type]
+        return tabs[-1]
+
+    yield open_page
+    for tab in tabs:
+        assert tab.complaints() == []
+        assert tab.requests() == []
+        tab.close()
+
+
+def pixels(tab: Tab) -> bytes:
+    tab.frames(3)
+    return tab.picture("#view")
+
+
+def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, standing):
+    tab = opened(standing)
+    assert tab.text("h1") == "Stands, whichever joints press more"
+    assert "10 blocks" in tab.text("#asked")
+    assert "normal force at a corner" in tab.text("#legend")
+    assert "force network, up to" in tab.text("#legend")
+    assert tab.run("document.querySelector('[data-preset=forces]').ariaPressed") == "true"
+
+
+def test_every_preset_and_every_slider_changes_the_picture(opened, standing):
+    tab = opened(standing)
+    before = pixels(tab)
+    for preset in ("solid", "contacts", "utilisation"):
+        tab.click(f"[data-preset={preset}]")
+        after = pixels(tab)
+        assert after != before
+        before = after
+    tab.run("document.getElementById('section-axis').value = '0'")
+    tab.run("document.getElementById('section-axis').dispatchEvent(new Event('change'))")
+    for slider, value in (
+        ("#opacity", 0.5),
+        ("#spread", 0.6),
+        ("#section", -0.3),
+        ("#motion", 1),
+    ):
+        tab.slide(slider, value)
+        after = pixels(tab)
+        assert after != before, slider
+        before = after
+
+
+def test_a_fall_plays_once_and_its_slider_moves_the_blocks(opened):
+    falling = drystone.check(shelf(), friction=0.9)
+    tab = opened(falling)
+    assert tab.text("h1") == "Falls: 2 of 11 blocks"
+    assert "force network" not in tab.text("#legend")
+    before = pixels(tab)
+    tab.slide("#motion", 0.7)
+    assert pixels(tab) != before
+    tab.click("#play")
+    assert tab.text("#play") == "Stop"
+    tab = opened(falling, still=False)
+    tab.until("document.getElementById('motion').value === '1'", 10.0)
+    assert tab.text("#play") == "Play"
+
+
+def test_a_click_on_a_joint_and_on_a_block_opens_its_card(opened, standing):
+    tab = opened(standing)
+    tab.run("document.querySelector('#worst button').click()")
+    assert tab.text("#card h2").startswith("Joint ")
+    assert tab.run("document.querySelectorAll('#card svg .kern').length") == 1
+    tab.click("#card .row button")
+    assert tab.text("#card h2").startswith("Block ")
+    tab.key("Escape")
+    assert tab.run("document.querySelector('#card h2')") is None
+
+
+def test_hovering_tells_what_lies_under_the_pointer(opened):
+    tab = opened(tower(1))
+    tab.mouse("mouseMoved", 345, 350)
+    tab.until("!document.getElementById('tip').hidden")
+    assert tab.text("#tip").startswith("block-0, ")
+    tab.press(345, 350)
+    assert tab.text("#card h2") == "Block block-0"
+
+
+def test_part_of_a_name_finds_blocks(opened, standing):
+    tab = opened(standing)
+    tab.run(
+        "(() => { const e = document.getElementById('name'); e.value = 'SPRINGER';"
+        " e.dispatchEvent(new Event('input')); })()"
+    )
+    assert tab.run("document.querySelectorAll('#matches button').length") == 2
+    tab.run("document.getElementById('find').requestSubmit()")
+    assert "springer" in tab.text("#card h2")
+
+
+def test_blocks_are_hidden_and_isolated_and_come_back(opened, standing):
+    tab = opened(standing)
+    tab.key("Escape")  # the picture has the focus from here on
+    before = pixels(tab)
+    tab.key(".")
+    selected = tab.text("#card h2")
+    tab.key("i")
+    isolated = pixels(tab)
+    assert isolated != before
+    assert tab.text("#card h2") == selected
+    assert tab.text("#all").startswith("Show ")
+    tab.key("a")
+    tab.key("Escape")
+    assert tab.run("document.getElementById('all').hidden")
+    assert pixels(tab) == before
+
+
+def test_names_that_are_html_stay_text(opened):
+    plain = tower(3)
+    named = tuple(b.renamed(f"{EVIL}{i}") for i, b in enumerate(plain.blocks))
+    tab = opened(drystone.check(Assembly(named, plain.fixed), friction=0.6))
+    tab.key(".")
+    assert tab.text("#card h2") == f"Block {EVIL}0"
+    tab.run("document.querySelector('[data-layer=names]').click()")
+    tab.frames()
+    assert tab.run("document.querySelectorAll('img[src=x], b').length") == 0
+
+
+@pytest.mark.parametrize("how", [{"dark": True}, {"forced": True}, {"size": (390, 800)}])
+def test_dark_forced_and_small_screens_draw_too(opened, standing, how):
+    tab = opened(standing, **how)
+    assert tab.run("document.getElementById('trouble').hidden")
+    assert len(tab.picture()) > 10_000
+    assert tab.run("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_printed_page_holds_the_picture(opened, standing):
+    tab = opened(standing)
+    assert b"/Image" in tab.printed()
+    tab.until("document.getElementById('printed').hidden")
+
+
+def test_the_model_fills_the_view(opened):
+    tab = opened(tower(2))
+    tab.click("#front")
+    tab.run("document.querySelector('[data-layer=ground]').click()")
+    tab.frames(40)
+    ratio = tab.run(
+        """(() => {
+          const c = document.getElementById('view');
+          const flat = document.createElement('canvas');
+          flat.width = c.width; flat.height = c.height;
+          const pen = flat.getContext('2d');
+          return new Promise((done) => requestAnimationFrame(() => {
+            window.dispatchEvent(new Event('resize'));
+            requestAnimationFrame(() => {
+              pen.drawImage(c, 0, 0);
+              const d = pen.getImageData(0, 0, c.width, c.height).data;
+              let low = c.height, high = 0;
+              for (let y = 0; y < c.height; y++) for (let x = 0; x < c.width; x++) {
+                const i = 4 * (y * c.width + x);
+                if (d[i] + d[i + 1] + d[i + 2] > 700) continue;
+                low = Math.min(low, y);
+                high = Math.max(high, y);
+              }
+              done((high - low) / c.height);
+            });
+          }));
+        })()"""
+    )
+    assert ratio > 0.7

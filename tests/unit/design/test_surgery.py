@@ -1,0 +1,193 @@
+"""Joints and blocks changed in place: volumes, contacts, friction and loads follow."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, InputError, LoadCase, Model, find_contacts
+from drystone.design.surgery import (
+    cut_block,
+    faces_toward,
+    hook_joint,
+    insert_block,
+    key_joint,
+    merge_blocks,
+    move_face,
+    move_joint,
+    still_edge,
+    thicken_blocks,
+    turn_joint,
+    wedge_joint,
+)
+from drystone.geometry.body.glue import cut_cell, glue
+from drystone.geometry.frames import rotation_about
+from drystone.models import arch, box, prism, shelf, tower
+
+CHANGES: list[tuple[Callable[..., Model], tuple[Any, ...], list[float]]] = [
+    (turn_joint, (20.0,), [1.0 / np.cos(np.deg2rad(20.0))]),
+    (turn_joint, (-7.0,), [1.0 / np.cos(np.deg2rad(7.0))]),
+    (move_joint, (0.1,), [1.0]),
+    (move_joint, (-0.1,), [1.0]),
+    (wedge_joint, (20.0,), [0.5 / np.cos(np.deg2rad(20.0))] * 2),
+    (wedge_joint, (-20.0,), [0.5 / np.cos(np.deg2rad(20.0))] * 2),
+    (key_joint, (0.1,), [0.1, 0.1, 0.25, 0.25, 0.5]),
+    (hook_joint, (0.1,), [0.1, 0.5, 0.5]),
+]
+"""A change of the joint of two unit cubes, and the areas of the joint that it makes."""
+
+
+@pytest.mark.parametrize("turned", [0.0, 33.0])
+@pytest.mark.parametrize(("change", "values", "areas"), CHANGES)
+def test_a_joint_cut_anew_keeps_the_volume_and_has_the_area_of_its_planes(
+    change: Callable[..., Model], values: tuple[Any, ...], areas: list[float], turned: float
+) -> None:
+    rotation = rotation_about(np.array([1.0, 2.0, 3.0]), turned)
+    model = Model.of(tower(2).transformed(rotation, (3.0, 2.0, 1.0)), friction=0.6)
+    more = {} if change is move_joint else {"axis": rotation @ np.array([0.0, 1.0, 0.0])}
+    made = change(model, 0, *values, **more)
+    assert made.assembly.volume.sum() == pytest.approx(2.0, rel=1e-12)
+    np.testing.assert_allclose(sorted(made.contacts.area), sorted(areas), rtol=1e-9)
+    assert model.contacts.count == 1  # the given model is as it was
+
+
+def test_the_joint_is_turned_by_the_angle_that_is_asked_for() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    made = turn_joint(model, 0, 12.5, (0.0, 1.0, 0.0))
+    normal = rotation_about(np.array([0.0, 1.0, 0.0]), 12.5) @ model.contacts.frame[0, 0]
+    np.testing.assert_allclose(made.contacts.frame[0, 0], normal, atol=1e-12)
+
+
+@pytest.mark.parametrize("joint", [0, 4, 7])
+def test_only_the_joints_of_the_two_blocks_of_an_arch_are_found_anew(joint: int) -> None:
+    model = Model.of(arch(0.1, 7), friction=0.7)
+    wedged = wedge_joint(model, joint, 15.0)
+    assert wedged.assembly.volume.sum() == pytest.approx(model.assembly.volume.sum(), rel=1e-12)
+    assert wedged.contacts.count == model.contacts.count + 1
+    anew = find_contacts(wedged.assembly).contacts
+    np.testing.assert_allclose(sorted(wedged.contacts.area), sorted(anew.area), rtol=1e-9)
+    assert set(wedged.contacts.friction) == {0.7}
+    pair = {int(model.contacts.block_a[joint]), int(model.contacts.block_b[joint])}
+    away = [i for i in range(len(model)) if i not in pair]
+    assert all(wedged.assembly.blocks[i] is model.assembly.blocks[i] for i in away)
+
+
+def test_a_piece_of_the_shelf_is_let_into_the_other_and_its_step_is_a_joint() -> None:
+    model = Model.of(shelf(), friction=0.9)
+    (joint,) = [i for i in range(model.contacts.count) if model.contacts[i].blocks == (5, 9)]
+    made = move_joint(model, joint, -0.02)
+    areas = [made.contacts.area[i] for i in range(made.contacts.count)
+             if made.contacts[i].blocks == (5, 9)]  # fmt: skip
+    assert len(areas) == 3
+    gained = made.assembly.volume - model.assembly.volume
+    assert gained[9] > 0.0
+    assert gained[9] == pytest.approx(-gained[5], rel=1e-3)
+    assert made.assembly.volume.sum() == pytest.approx(model.assembly.volume.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("angle", [10.0, -10.0])
+def test_turned_about_the_still_edge_a_joint_stays_one_plane(angle: float) -> None:
+    model = Model.of(shelf(), friction=0.9)
+    (joint,) = [i for i in range(model.contacts.count) if model.contacts[i].blocks == (8, 10)]
+    one = turn_joint(model, joint, angle, pivot=still_edge(model, joint, angle))
+    other = turn_joint(model, joint, angle, pivot=-still_edge(model, joint, angle))
+    assert one.contacts.count == model.contacts.count
+    assert other.contacts.count == model.contacts.count + 1
+
+
+def test_what_would_swallow_a_face_is_refused() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    with pytest.raises(InputError, match="would swallow a face; make it smaller"):
+        turn_joint(model, 0, 70.0)
+    with pytest.raises(InputError, match="swallow a face"):
+        move_joint(model, 0, 1.5)
+    with pytest.raises(InputError, match="give less than 80 degrees"):
+        wedge_joint(model, 0, 85.0)
+    with pytest.raises(InputError, match="no interface 3"):
+        move_joint(model, 3, 0.1)
+    with pytest.raises(InputError, match="normal to the joint"):
+        turn_joint(model, 0, 5.0, (0.0, 0.0, 1.0))
+    with pytest.raises(InputError, match="swallow a face; move it less"):
+        move_face(model, 1, 0, -5.0)
+
+
+def test_a_block_cut_in_two_and_merged_again_is_what_it_was() -> None:
+    model = Model.of(tower(3), friction=0.5)
+    middle = model.assembly.centroid[1]
+    cut = cut_block(model, "block-1", middle, (1.0, 0.0, 1.0))
+    assert len(cut) == 4
+    assert cut.assembly.names[3] == "block-1-part-1"
+    assert cut.assembly.volume.sum() == pytest.approx(3.0)
+    again = merge_blocks(cut, "block-1", "block-1-part-1")
+    block, was = again.assembly["block-1"], model.assembly["block-1"]
+    assert (len(block.vertices), len(block.faces)) == (8, 6)
+    np.testing.assert_allclose(block.bounds, was.bounds, atol=1e-12)
+    np.testing.assert_allclose(again.contacts.area, model.contacts.area)
+    with pytest.raises(InputError, match="do not touch"):
+        merge_blocks(model, 0, 2)
+    with pytest.raises(InputError, match="does not pass through"):
+        cut_block(model, 1, middle + 9.0, (0.0, 0.0, 1.0))
+
+
+def test_a_support_that_is_merged_stays_a_support() -> None:
+    made = merge_blocks(Model.of(tower(3), friction=0.5), 1, 0)
+    assert made.assembly.names == ("block-1", "block-2")
+    assert made.assembly.fixed.tolist() == [True, False]
+
+
+def test_faces_move_and_thickness_grows_by_its_share() -> None:
+    model = Model.of(tower(2), friction=0.5)
+    (top,) = faces_toward(model.assembly.blocks[1], np.array([0.0, 0.0, 1.0]))
+    assert move_face(model, 1, top, 0.25).assembly.volume[1] == pytest.approx(1.25)
+    ring = Model.of(arch(0.1, 7), friction=0.7)
+    free = ring.assembly.free.tolist()
+    thick = thicken_blocks(ring, free, 0.5)
+    # plane intrados and extrados: the depth of the ring grows with it, its middle does not move
+    np.testing.assert_allclose(
+        thick.assembly.volume[free], 1.5 * ring.assembly.volume[free], rtol=1e-9
+    )
+
+
+def test_loads_that_are_no_weight_stay_where_they_act() -> None:
+    assembly = tower(2)
+    push = LoadCase.point_load(assembly, "block-1", (100.0, 0.0, 0.0), (0.5, 0.0, 2.0))
+    model = Model.of(assembly, friction=0.6)
+    model = replace(model, load=model.load + push)
+    made = move_joint(model, 0, 0.2)
+    weight = made.assembly.mass[1] * 9.81
+    np.testing.assert_allclose(made.load.wrench[1, :3], [100.0, 0.0, -weight])
+    arm = np.array([0.5, 0.0, 2.0]) - made.assembly.centroid[1]
+    np.testing.assert_allclose(made.load.wrench[1, 3:], np.cross(arm, [100.0, 0.0, 0.0]), atol=1e-9)
+
+
+def test_a_block_that_is_inserted_finds_its_contacts() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    top = float(model.assembly.bounds[1, 1, 2])
+    low = model.assembly.bounds[1, 0]
+    hat = box((1.0, 1.0, 0.2), (float(low[0]), float(low[1]), top), "hat")
+    made = insert_block(model, hat)
+    assert made.contacts.count == 2
+    assert made.contacts.friction.tolist() == [0.6, 0.6]
+    with pytest.raises(InputError, match="one name"):
+        insert_block(model, hat.renamed("block-0"))
+
+
+def test_pieces_of_a_concave_body_are_put_together_again() -> None:
+    section = [(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)]
+    turn = rotation_about(np.array([3.0, 1.0, 2.0]), 41.0)
+    body = prism(section, (0.0, 1.0)).transformed(turn)
+    piece = (np.array(body.vertices), list(body.faces))
+    below, above = cut_cell([piece], (turn @ [0.0, 0.0, 1.0])[None], np.array([1.5]))
+    assert len(above) == 2
+    assert len(below) == 1
+    (whole,) = glue([*below, *above])
+    assert (len(whole[0]), len(whole[1])) == (16, 10)
+    assert Assembly((replace_body(body, whole),)).volume[0] == pytest.approx(body.volume)
+
+
+def replace_body(block: Any, piece: Any) -> Any:
+    return type(block)(piece[0], tuple(piece[1]), block.name, block.density)

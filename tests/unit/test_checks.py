@@ -1,0 +1,37 @@
+"""What a first motion does at the joints."""
+
+import numpy as np
+
+from drystone.checks import moving_joints
+from drystone.model import Model
+from drystone.models import tower
+
+
+def motion(**of_top: tuple[float, float, float]) -> np.ndarray:
+    out = np.zeros((2, 6))
+    out[1, :3] = of_top.get("move", (0.0, 0.0, 0.0))
+    out[1, 3:] = of_top.get("turn", (0.0, 0.0, 0.0))
+    return out
+
+
+def test_a_block_that_turns_about_its_edge_has_a_hinge_in_the_middle_of_that_edge() -> None:
+    model = Model.of(tower(2))
+    # about the edge x = 1, y = any, z = 1 of unit cubes: the centroid is at (0.5, 0.5, 1.5)
+    hinge, slide, place = moving_joints(model, motion(turn=(0, 0.1, 0), move=(0.05, 0, 0.05)))
+    assert (hinge.tolist(), slide.tolist()) == ([True], [False])
+    np.testing.assert_allclose(place, [[1.0, 0.5, 1.0]])
+
+
+def test_a_block_that_slides_is_no_hinge() -> None:
+    model = Model.of(tower(2), friction=0.5)
+    for upward in (0.0, 0.05):  # without and with the dilation of associated friction
+        hinge, slide, _ = moving_joints(model, motion(move=(0.1, 0.0, upward)))
+        assert (hinge.tolist(), slide.tolist()) == ([False], [True])
+
+
+def test_a_block_that_lifts_off_and_one_at_rest_are_neither() -> None:
+    model = Model.of(tower(2))
+    for moved in (motion(move=(0.0, 0.0, 0.1)), motion()):
+        hinge, slide, _ = moving_joints(model, moved)
+        assert not hinge.any()
+        assert not slide.any()

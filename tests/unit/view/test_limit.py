@@ -1,0 +1,68 @@
+"""Limits as scenes."""
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone.errors import InputError
+from drystone.limits import Bracket, Limit, limit_thickness, tilt_sweep
+from drystone.models import arch, tower
+from drystone.view import State, scene_of
+from drystone.view.limit import evaluations_panel, polar_panel
+
+
+@pytest.fixture(scope="module")
+def tilt() -> Limit:
+    return drystone.limit_tilt(tower(2), "y", friction=0.3)
+
+
+def test_a_tilt_limit_says_its_number_and_direction_on_both_sides(tilt: Limit) -> None:
+    stands, falls = scene_of(tilt).stages
+    assert stands.headline.startswith("Stands up to 16.")
+    assert stands.headline.endswith(" degrees about y")
+    assert falls.headline.startswith("Falls at 16.")
+    assert (falls.state == State.FALLING).sum() == 1
+    assert falls.motion is not None
+
+
+def test_the_picture_of_a_tilt_is_tilted_as_the_model_is(tilt: Limit) -> None:
+    _, falls = scene_of(tilt).stages
+    angle = np.deg2rad(tilt.best.falls)
+    # turned counter-clockwise about y, what was up leans towards x
+    np.testing.assert_allclose(falls.up, [-np.sin(angle), 0.0, np.cos(angle)], atol=1e-9)
+    np.testing.assert_allclose(falls.gravity, -falls.up, atol=1e-12)
+
+
+def test_a_friction_limit_is_searched_downwards() -> None:
+    scene = scene_of(drystone.limit_friction(arch(0.3, 6)))
+    assert scene.stages[0].headline.startswith("Stands down to friction 0.")
+    assert scene.title.startswith("drystone: stands down to friction 0.")
+
+
+def test_states_of_different_blocks_are_not_mixed() -> None:
+    def build(thickness: float) -> drystone.Assembly:
+        return arch(thickness, 9)
+
+    limit = limit_thickness(build, 0.3, 0.02, friction=0.9)
+    scene = scene_of(limit)
+    assert len(scene.stages) == 1
+    assert scene.stages[0].headline.startswith("Falls at thickness 0.")
+
+
+def test_every_value_that_was_tried_is_in_the_panel(tilt: Limit) -> None:
+    text = evaluations_panel(tilt)
+    assert text.count("<circle") + text.count('stroke="var(--bad)"') == len(tilt.evaluations)
+
+
+def test_a_sweep_shows_its_weakest_direction() -> None:
+    sweep = tilt_sweep(tower(2), 4, friction=0.3)
+    scene = scene_of(sweep)
+    assert "the weakest of 4 directions" in scene.stages[0].message
+    assert len(scene.panels) == 2
+    assert "towards 0 degrees" in polar_panel(sweep)
+
+
+def test_without_states_there_is_no_picture() -> None:
+    empty = Limit("tilt", "deg", 0.0, 90.0, Bracket())
+    with pytest.raises(InputError, match="no state is known"):
+        scene_of(empty)
