@@ -75,11 +75,13 @@ class Model(Card):
                 remedy="pass the contacts that were found on this assembly",
             )
         object.__setattr__(self, "load", LoadCase.of(self.assembly, self.load))
-        largest = float(np.abs(self.load.wrench).max(initial=0.0))
-        if largest and not REPRESENTED[0] <= largest <= REPRESENTED[1]:
+        size = np.abs(self.load.wrench).max(axis=1, initial=0.0)
+        odd = (size != 0.0) & ~((size >= REPRESENTED[0]) & (size <= REPRESENTED[1]))
+        if odd.any():
+            i = int(np.flatnonzero(odd)[0])
             raise InputError(
-                f"the largest force or moment is {largest:.3g}, which cannot be calculated with",
-                where=f"load '{self.load.name}'",
+                f"the load on it is {size[i]:.3g}, which cannot be calculated with",
+                where=f"block '{self.assembly.names[i]}'",
                 remedy="check units, density and load",
             )
         object.__setattr__(self, "notes", tuple(self.notes))
