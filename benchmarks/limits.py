@@ -111,11 +111,11 @@ def cases() -> list[Case]:
              partial(tilt, arch(0.15), flat, "y")),
         Case("arch, t/R 0.22: least friction", "Cocchetti, Rizzi 2020", 0.309215, 1e-3,
              partial(least_friction, arch(0.22, 100), 0.6)),
-        Case("buttressed arch: least friction", "Whiting 2009: 0.31", 0.309, 2e-3,
+        Case("buttressed arch: least friction", "Whiting 2009; Kao 2023, 6.1.2: 0.31", 0.309, 2e-3,
              partial(least_friction, buttressed_arch(), 0.6)),
-        Case("buttressed arch: tilt [deg]", "Whiting 2009: 12", 12.12, 0.1,
+        Case("buttressed arch: tilt [deg]", "Whiting 2009; Kao 2023, 6.1.2: 12", 12.12, 0.1,
              partial(tilt, buttressed_arch(), 0.6, "y")),
-        Case("dome with oculus, eight-sided pyramid: tilt [deg]", "Kao 2022: 32", 32.0, 1.0,
+        Case("dome with oculus, eight-sided pyramid: tilt [deg]", "Kao 2023, 6.1.3: 32", 32.0, 1.0,
              partial(tilt, dome(), 0.6, "y", cone=octagon, full=False)),
         Case("dome with oculus, exact cone: tilt [deg]", "none", float("nan"), 0.0,
              partial(tilt, dome(), 0.6, "y", scan=2)),
@@ -207,27 +207,37 @@ INTRODUCTION = """# Limits
 
 This page is written by `python -m benchmarks.limits`.
 
-`drystone limit` asks by how much a structure stands: the largest tilt or load, the least friction,
-thickness or size of its joints. Every limit is found by three definitions, each at most the one
-before:
+`drystone limit` asks how far a structure is from falling: the largest tilt or load, the least
+friction, thickness or size of its joints. Every limit is found by three definitions. Each is at
+most the one before:
 
-- **balances**: some contact forces balance the loads, with associative friction. A convex problem,
-  necessary for standing; the figure of rigid-block limit analysis.
+- **balances**: some contact forces balance the loads, with associative friction. This is a convex
+  problem and a necessary condition. It is the figure of rigid-block limit analysis.
 - **some stiffness**: the full verdict. The forces arise without prestress for some contact
-  stiffness, sampled and searched for.
-- **uniform**: the same with uniform contact stiffness, as a discrete-element program would see it.
+  stiffness. Stiffnesses are sampled and searched for.
+- **uniform**: the same for uniform contact stiffness, as a discrete-element program computes it.
 
-Models of more than 500 corners are tried for rest with four friction laws only: with uniform
-stiffness joints that stick and then slip, and joints that yield from the first over one contact
-overlap; for some stiffness the same over ten overlaps and over a tenth of one. Their limits of rest
-are searched in steps of 1 % of the way to the limit of equilibrium unless `--width` says
-otherwise. Where no rest is found, uniform stiffness counts as falling; for some stiffness only a
-proof does, so that its bracket may reach to the limit of equilibrium.
+The effort depends on the number of interface corners:
 
-The convex limit comes first and is confirmed by a checked state on either side: forces below it, a
-mechanism above it. The verdict is then asked at the steps of a scan and bisected inside. Between
-the two ends of a bracket nothing is known; a wide one has values between that no search could
-decide. Values beyond the first fall at which it stands again are reported as islands.
+- Up to 200 corners: uniform stiffness is one rest state at every value. For some stiffness, samples
+  and a search by convex steps are used at every value. Brackets have the default width.
+- Up to 500 corners: for some stiffness, samples are used at every value, and the search only at the
+  first value that falls. That bracket is 1 % of the limit of equilibrium wide.
+- More corners: rest is tried with two friction laws for uniform stiffness (sticking, and a slip
+  length of one overlap) and two more for some stiffness (slip lengths of ten overlaps and of a
+  tenth). Both brackets are 1 % of the limit of equilibrium wide.
+
+`--width` overrides the width.
+
+Above 500 corners, uniform stiffness counts as falling where no rest state is found. For some
+stiffness only a proof counts as falling. Its bracket may therefore reach to the limit of
+equilibrium. The same holds from 200 corners on, where the search finds a rest state beyond the
+samples.
+
+The convex limit comes first. A checked state on either side confirms it: forces below, a mechanism
+above. The verdict is then computed at the steps of a scan and bisected inside. Nothing is known
+between the two ends of a bracket. A wide bracket contains values that no search could decide.
+Values beyond the first fall at which the structure stands again are reported as islands.
 
     drystone limit tilt model.obj --axis y --html fall.html
     drystone limit tilt model.obj --polar 16 --workers 2 --png polar.png
@@ -236,24 +246,26 @@ decide. Values beyond the first fall at which it stands again are reported as is
     drystone limit load model.obj "keystone:0,0,-1000@0,0,1.2"
     drystone limit thickness arch --set voussoirs=36 --friction 1
     drystone limit shrink model.obj
-    drystone limit tolerance model.obj --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
+    drystone limit imperfections model.obj --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
 
-`shrink` finds the least share of the size of all joints that is needed; its inverse, which is told
-too, is a geometric safety factor. `tolerance` draws imperfect joints and gives the share that
-stands with a confidence interval. In Python these are `limit_tilt`, `tilt_sweep`, `limit_friction`,
-`limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and `tolerance` in
-`drystone.limits`; each takes any check and any `concurrent.futures.Executor`, and those that search
-or draw a function that is asked whether to `stop` with what is known.
+`shrink` finds the least share of the size of all joints that is needed. Its inverse is a geometric
+safety factor, which is printed too. `imperfections` draws imperfect joints at random and gives the
+share of structures that stand, with a confidence interval. In Python these are `limit_tilt`,
+`tilt_sweep`, `limit_friction`, `limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and
+`imperfections` in `drystone.limits`. All but `thrust_bounds` take any check, any
+`concurrent.futures.Executor`, and `progress`, `stop` and `time_limit_s`. A search that is stopped
+answers with the brackets, directions or draws that it has. A sweep that is stopped lists the
+directions that are known and names no weakest one.
 """
 
 FINDINGS = """## Remarks
 
-- The dome tilts further with the eight-sided pyramid of the source than with the cone, since that
-  pyramid grants up to 8.2 % more friction than the coefficient says.
-- Quadratic and linear objectives give the same resultants of the buttressed arch at friction 0.6,
-  where both choose the least thrust; at 0.4 their centres of pressure are up to 7 mm apart.
-- Friction on net compression (compression less tension at each corner) can be met exactly where no
-  tension is needed at all: a net pull has no friction cone.
+- The dome tilts further with the eight-sided pyramid of the source than with the cone. That pyramid
+  grants up to 8.2 % more friction than the coefficient says.
+- Quadratic and linear objectives give the same resultants of the buttressed arch at friction 0.6:
+  both choose the least thrust. At 0.4 their centres of pressure are up to 7 mm apart.
+- Friction on net compression (compression less tension at each corner) can be met exactly only
+  where no tension is needed: a net tension has no friction cone.
 """
 
 

@@ -125,6 +125,13 @@ def measure(study: Study) -> Row:
     return Row(study, {name: found[name] for name in JUDGES}, time.perf_counter() - began)
 
 
+def axis_cell(study: Study) -> str:
+    """Our name of the axis, with that of the source where it differs."""
+    published = study.published_axis.split(",")[0]
+    ours = "-x" if study.axis[0] == -1.0 else study.axis_name
+    return f"{ours} (source: {published})" if published else ours
+
+
 def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
     """Markdown lines of the table, and of its notes."""
     lines = [
@@ -152,7 +159,7 @@ def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
         ours = [limit.angle for limit in row.limits.values()]
         cells = [
             study.model,
-            study.axis_name,
+            axis_cell(study),
             f"{study.friction:.2f}",
             *(f"{value:g}" if value is not None else "" for value in published),
             *(f"{value:.2f}" for value in ours),
@@ -286,8 +293,10 @@ and the conditions of eq. 5.6. The hooked planks show how much the joints decide
 they jam between their walls where one corner is 3 to 10 times as stiff as another. Sofistik as
 published for the curved joints (table 6.4).
 
-Axes are those of our models. What the source calls x of concave-short and xy of concave-long are
-tilts about +y here (the figures agree with no other axis), and its x of cube-curve runs along -x.
+Some axes are relabelled. The column gives the axis of our models, and in brackets the name in the
+source where it differs. The source calls the axis of concave-short x and that of concave-long xy;
+its figures agree with a tilt about +y only. Its x of cube-curve is -x in the coordinates of the
+files.
 
 Aims: RBE with the octagon within 0.2 of the published RBE (which is cut to whole degrees in many
 places); eq. 5.6 within 1 degree of the published CRA; 3DEC between uniform stiffness and search, to

@@ -196,4 +196,28 @@ class Ragged(OneLine):
         return result
 
 
-__all__ = ["Ragged"]
+def expand(first: Ints, count: Ints) -> tuple[Ints, Ints]:
+    """All numbers of several ranges, and the range that each comes from.
+
+    Parameters
+    ----------
+    first, count : (r,)
+        Range i is ``first[i]`` to ``first[i] + count[i] - 1``.
+
+    Returns
+    -------
+    source, value : (total,)
+
+    Examples
+    --------
+    >>> source, value = expand(np.array([5, 0]), np.array([2, 3]))
+    >>> source.tolist(), value.tolist()
+    ([0, 0, 1, 1, 1], [5, 6, 0, 1, 2])
+    """
+    source = np.repeat(np.arange(len(count), dtype=np.intp), count)
+    before = np.cumsum(count) - count
+    value = np.arange(len(source), dtype=np.intp) + (first - before)[source]
+    return source, value.astype(np.intp)
+
+
+__all__ = ["Ragged", "expand"]

@@ -28,8 +28,8 @@ def mended_block(
 ) -> Block:
     """A block from faces that do not share their vertices, or lie twice in one place.
 
-    Coincident vertices are merged, faces that have no area afterwards are dropped, turned faces are
-    turned back. Holes are not filled: what stays open is refused.
+    Coincident vertices are merged. Faces that have no area afterwards, or occur a second time, are
+    dropped. Turned faces are turned back. Holes are not filled: what stays open is refused.
 
     Parameters
     ----------
@@ -73,27 +73,30 @@ def mended_block(
     kept = [loop for loop in welded if len(set(loop)) == len(loop)]
     if len(kept) < len(given):
         notes.append(f"{counted(len(given) - len(kept), 'face')} without area dropped")
+    kept, again = coincidence.once(kept)
+    if again:
+        notes.append(f"{counted(again, 'face')} that occurred twice dropped")
     return Block(points, tuple(kept), name, density, repairs=tuple(notes))
 
 
-def split_shells(assembly: Assembly) -> Assembly:
+def split_components(assembly: Assembly) -> Assembly:
     """The assembly with every block that consists of separate parts split into blocks.
 
-    A part is a closed surface with the cavities in it; a shell that is inside out is turned. The
+    A part is a closed surface with the cavities in it; a surface that is inside out is turned. The
     parts of ``x`` are called ``x-0``, ``x-1``, ... and keep its density, metadata and support;
     ``repairs`` says what was done.
 
     Examples
     --------
     >>> from drystone.models import tower
-    >>> split_shells(tower(2)).names
+    >>> split_components(tower(2)).names
     ('block-0', 'block-1')
     """
     blocks: list[Block] = []
     fixed: list[bool] = []
     for block, held in zip(assembly.blocks, assembly.fixed.tolist(), strict=True):
         parts, turned = separate_parts(block.vertices, block.faces)
-        notes = (*block.repairs, *([f"{turned} of its shells turned"] if turned else []))
+        notes = (*block.repairs, *([f"{turned} of its closed surfaces turned"] if turned else []))
         if len(parts) == 1 and not turned:
             blocks.append(block)
         elif len(parts) == 1:
@@ -119,4 +122,4 @@ def _part(block: Block, loops: Sequence[Loop], name: str, repairs: tuple[str, ..
     )
 
 
-__all__ = ["mended_block", "split_shells"]
+__all__ = ["mended_block", "split_components"]

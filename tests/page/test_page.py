@@ -105,8 +105,8 @@ def test_a_fall_plays_once_and_its_slider_moves_the_blocks(opened):
     tab.click("#play")
     assert tab.text("#play") == "Stop"
     tab = opened(falling, still=False)
-    tab.until("document.getElementById('motion').value === '1'", 10.0)
-    assert tab.text("#play") == "Play"
+    tab.until("document.getElementById('motion').value === '1'")
+    tab.until("document.getElementById('play').textContent === 'Play'")
 
 
 def test_a_click_on_a_joint_and_on_a_block_opens_its_card(opened, standing):

@@ -9,7 +9,7 @@ from drystone.assembly import Assembly, Block
 from drystone.detection import find_contacts
 from drystone.errors import InputError
 from drystone.models import box, tower
-from drystone.repair import mended_block, split_shells
+from drystone.repair import mended_block, split_components
 
 CUBE = box((1.0, 1.0, 1.0), name="cube")
 
@@ -28,7 +28,7 @@ def together(*blocks: Block, inside_out: tuple[int, ...] = ()) -> Block:
 def test_parts_become_blocks_with_their_support_and_density() -> None:
     pair = together(CUBE, box((1.0, 1.0, 1.0), (0.0, 0.0, 1.0)))
     heavy = Block(pair.vertices, pair.faces, "pair", 3000.0, {"layer": "A"})
-    split = split_shells(
+    split = split_components(
         Assembly((heavy, box((1, 1, 1), (0, 0, 2), "top")), np.array([True, False]))
     )
     assert split.names == ("pair-0", "pair-1", "top")
@@ -43,19 +43,19 @@ def test_parts_become_blocks_with_their_support_and_density() -> None:
 def test_cavity_stays_in_its_block() -> None:
     hollow = together(CUBE, box((0.2, 0.2, 0.2), (0.4, 0.4, 0.4)), inside_out=(1,))
     assert hollow.volume == pytest.approx(1.0 - 0.008)
-    assert split_shells(Assembly((hollow,))).blocks == (hollow,)
+    assert split_components(Assembly((hollow,))).blocks == (hollow,)
 
 
 def test_cavity_goes_with_the_part_around_it() -> None:
     far = box((1.0, 1.0, 1.0), (5.0, 0.0, 0.0))
     cavity = box((0.2, 0.2, 0.2), (5.4, 0.4, 0.4))
-    parts = split_shells(Assembly((together(CUBE, far, cavity, inside_out=(2,)),)))
+    parts = split_components(Assembly((together(CUBE, far, cavity, inside_out=(2,)),)))
     assert parts.volume == pytest.approx([1.0, 0.992])
 
 
 def test_whole_blocks_stay_as_they_are() -> None:
     model = tower(3)
-    assert split_shells(model).blocks == model.blocks
+    assert split_components(model).blocks == model.blocks
 
 
 def test_report_names_blocks_of_several_parts() -> None:
@@ -100,3 +100,12 @@ def test_merging_across_a_block_is_refused(merge: float) -> None:
 def test_face_of_no_vertex_is_refused() -> None:
     with pytest.raises(InputError, match="names no vertex"):
         mended_block(CUBE.vertices, [(0, 1, 99)])
+
+
+@pytest.mark.parametrize("turned", [1, -1])
+def test_a_block_whose_faces_all_occur_twice_is_the_block(turned: int) -> None:
+    faces = [*CUBE.faces, *(face[1:][::turned] + face[:1] for face in CUBE.faces)]
+    block = mended_block(CUBE.vertices, faces)
+    assert block.volume == pytest.approx(CUBE.volume)
+    assert len(block.faces) == 6
+    assert "6 faces that occurred twice dropped" in block.repairs

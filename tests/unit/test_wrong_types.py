@@ -106,9 +106,9 @@ def test_any_argument_of_another_type_is_refused_or_understood(name: str) -> Non
         (lambda: limits.limit_load(MODEL, 2.0), r"the live load is 2.0; give a LoadCase"),
         (lambda: limits.limit_thickness(tower(3), 2.0, 1.0), "what builds the model is Assembly"),
         (lambda: limits.tilt_sweep(MODEL, 2.5), "number of directions is 2.5"),
-        (lambda: limits.tolerance(MODEL, None), r"give Imperfections\("),
+        (lambda: limits.imperfections(MODEL, None), r"give Imperfections\("),
         (
-            lambda: limits.tolerance(MODEL, limits.Imperfections(), draws="x"),
+            lambda: limits.imperfections(MODEL, limits.Imperfections(), draws="x"),
             "number of draws is 'x'",
         ),
         (lambda: drystone.settle(MODEL, (0, 0, -0.1)), "give translations by name of the block"),

@@ -22,7 +22,7 @@ from drystone.cli.convert import convert
 from drystone.cli.demo import demo
 from drystone.cli.inspect import inspect
 from drystone.cli.limit import friction, load, shrink, tilt
-from drystone.cli.limit_models import thickness, tolerance
+from drystone.cli.limit_models import imperfections, thickness
 from drystone.cli.mcp import mcp
 from drystone.cli.mend import mend
 from drystone.cli.models import models
@@ -87,7 +87,7 @@ def _group(name: str, text: str, commands: Sequence[click.Command], *examples: s
 limit = _group(
     "limit",
     "By how much does it stand: largest tilt, least friction and so on.",
-    (friction, load, shrink, thickness, tilt, tolerance),
+    (friction, imperfections, load, shrink, thickness, tilt),
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
 )

@@ -1,4 +1,4 @@
-"""``drystone limit thickness`` of parametric models, ``drystone limit tolerance`` of any."""
+"""``drystone limit thickness`` of parametric models, ``drystone limit imperfections`` of any."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drystone.errors import InputError
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
-    from drystone.limits import Tolerance
+    from drystone.limits import StandingShare
 
 SEARCHED = {
     "arch": ("thickness_ratio", "", (0.2, 0.05)),
@@ -90,10 +90,10 @@ def thickness(
 
 
 @command(
-    "drystone limit tolerance arch.json --offset 0.01 --draws 10",
-    "drystone limit tolerance arch.json --friction-range 0.5,0.7 --turn 0.5 --draws 10",
+    "drystone limit imperfections arch.json --offset 0.01 --draws 10",
+    "drystone limit imperfections arch.json --friction-range 0.5,0.7 --turn 0.5 --draws 10",
 )
-def tolerance(
+def imperfections(
     *,
     subject: Subject,
     draws: Annotated[int, Option("Number of random structures (100).")] = 100,
@@ -133,7 +133,7 @@ def tolerance(
     model = subject.prepared(waiting, seismic=seismic)
     waiting.stage("solve", "drawing")
     with working(workers, waiting) as common:
-        found = limits.tolerance(model, imperfect, draws=draws, seed=seed, **common)
+        found = limits.imperfections(model, imperfect, draws=draws, seed=seed, **common)
     data = {"model": subject.model, **found.to_dict()}
     notes = list(model.notes)
     if len(found.verdicts) < draws:
@@ -143,7 +143,7 @@ def tolerance(
     return Answer(data, partial(_show, found, data), 0 if found.share == 1.0 else 1, notes)
 
 
-def _show(found: Tolerance, data: dict[str, Any], screen: Screen) -> None:
+def _show(found: StandingShare, data: dict[str, Any], screen: Screen) -> None:
     low, high = found.interval
     stand = f"{data['standing']} of {data['draws']}"
     screen.line(f"imperfect structures stand  {data['model']}", stand, gap=" ")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.cli import kinds
 from drystone.cli.command import Option
+from drystone.cli.options import TimeLimit
 from drystone.cli.waiting import Waiting, end_workers
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ class Search:
     ] = "exact"
     equilibrium_only: Annotated[bool, Option("Leave out the full verdict.", expert=True)] = False
     workers: Workers = 1
+    time_limit: TimeLimit = None
 
     def options(self) -> LimitOptions:
         """The same as the library takes it."""
@@ -64,8 +66,9 @@ class Search:
         """What every limit of the library takes besides its model: options, workers and so on."""
         chosen = self.options()
         waiting.stage("solve", "searching")
+        limit = {} if self.time_limit is None else {"time_limit_s": self.time_limit}
         with working(self.workers, waiting) as common:
-            yield {"options": chosen, **common}
+            yield {"options": chosen, **limit, **common}
 
 
 @contextmanager

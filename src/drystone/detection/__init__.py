@@ -1,10 +1,10 @@
 """From an assembly to its contacts, with a report of what was found, left out and why."""
 
+from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.find import Detection, find_contacts, find_overlaps
 from drystone.detection.freeform.given import contacts_from_mesh
 from drystone.detection.freeform.regroup import regroup
 from drystone.detection.freeform.shortfall import Shortfall
-from drystone.detection.options import DetectionOptions, EdgeContacts
 from drystone.detection.report.block_overlaps import Overlap
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.gap_sweep import GapSweep, gap_sweep

@@ -10,9 +10,9 @@ import numpy as np
 from drystone.arrays import Ints, of_type
 from drystone.assembly import Assembly
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
+from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.freeform.shortfall import Shortfall, shortfalls
-from drystone.detection.options import DetectionOptions, EdgeContacts
 from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.edgemisses import edge_misses
@@ -26,9 +26,9 @@ from drystone.detection.search.candidates import (
     near_blocks,
 )
 from drystone.detection.search.edgecontacts import edge_contacts
+from drystone.detection.search.face_overlaps import negligible, overlaps, within
 from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.search.nearest import uncovered
-from drystone.detection.search.overlap import negligible, overlaps, within
 from drystone.detection.search.patches import Patches, patches_of
 from drystone.detection.search.planes import planes_between, widths
 from drystone.display import Card

@@ -1,6 +1,12 @@
 """Limits: how far tilt, load, friction, thickness and imperfection can go."""
 
 from drystone.limits.families import Family, Friction, LoadFactor, Parametric, Shrunk, Tilt
+from drystone.limits.imperfections import (
+    Imperfections,
+    StandingShare,
+    imperfect,
+    imperfections,
+)
 from drystone.limits.limits import (
     limit_friction,
     limit_load,
@@ -11,7 +17,6 @@ from drystone.limits.limits import (
 from drystone.limits.polar import TiltSweep, tilt_sweep
 from drystone.limits.search import Bracket, Check, Evaluation
 from drystone.limits.thrust import ThrustBounds, thrust_bounds
-from drystone.limits.tolerance import Imperfections, Tolerance, imperfect, tolerance
 from drystone.limits.types import Limit, LimitOptions
 
 __all__ = [
@@ -26,11 +31,12 @@ __all__ = [
     "LoadFactor",
     "Parametric",
     "Shrunk",
+    "StandingShare",
     "ThrustBounds",
     "Tilt",
     "TiltSweep",
-    "Tolerance",
     "imperfect",
+    "imperfections",
     "limit_friction",
     "limit_load",
     "limit_shrink",
@@ -38,5 +44,4 @@ __all__ = [
     "limit_tilt",
     "thrust_bounds",
     "tilt_sweep",
-    "tolerance",
 ]

@@ -8,10 +8,13 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
+import numpy as np
+
 from drystone.errors import InputError
 from drystone.limits.bounds import bisected_bound
 from drystone.limits.families import Family
 from drystone.limits.search import (
+    CONVEX_SEARCH,
     SEARCHED,
     STANDS,
     STANDS_OR_NOT,
@@ -21,6 +24,7 @@ from drystone.limits.search import (
     Search,
     Stop,
     Stopped,
+    any_stiffness,
     one_stiffness,
     some_stiffness,
 )
@@ -31,9 +35,9 @@ from drystone.stability.problem import Clock
 from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
-"""Default width on large models, by the way to the limit of equilibrium: where rest is no longer
-found there says more about the iteration than about the structure. A scan of six steps, each halved
-four times: a round hundredth would cost one more verdict."""
+"""Default width on larger models, by the way to the limit of equilibrium. A finer bracket would
+depend on the iteration more than on the structure. It is a scan of six steps, each halved four
+times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +49,12 @@ class Means:
     executor: Executor | None
     progress: Progress | None
     stop: Stop | None
+    time_limit_s: float = float("inf")
 
     @cached_property
     def clock(self) -> Clock:
-        """Remembers the wish to stop."""
-        return Clock(float("inf"), self.stop)
+        """The time since the start; remembers the wish to stop."""
+        return Clock(self.time_limit_s, self.stop)
 
     def search(
         self,
@@ -58,7 +63,8 @@ class Means:
         meaning: Mapping[Verdict, bool | None] = STANDS,
     ) -> Search:
         """A search with one of our own checks, which can be stopped where it runs here."""
-        if self.stop is not None and self.executor is None:
+        limited = self.stop is not None or np.isfinite(self.time_limit_s)
+        if limited and self.executor is None:
             check = partial(check, stop=self.clock.late)
         return Search(family, check, self.executor, meaning, self.clock.late)
 
@@ -141,9 +147,11 @@ def _in_two_steps(
     cascade is asked where uniform stiffness first falls: where that stands, it is searched too.
     """
     (start, last), scan = span, means.options.scan
-    large = family(start).contacts.corner_count > SEARCHED
-    if large and means.options.width is None:
-        width = max(width, COARSE * abs(last - start))
+    corners = family(start).contacts.corner_count
+    large, coarse = corners > SEARCHED, width
+    if corners > CONVEX_SEARCH and means.options.width is None:
+        coarse = max(width, COARSE * abs(last - start))
+    width = coarse if large else width
     search = means.search(family, one_stiffness, STANDS_OR_NOT)
     uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
     edge = uniform.bracket.stands
@@ -157,12 +165,13 @@ def _in_two_steps(
         if large:
             farther = _farther(full, first, last, width)
         elif full.stands(first) is True:
-            return uniform, full.run(first, last, width=width, scan=scan, beyond=outer)
+            some = full.run(first, last, width=coarse, scan=scan, beyond=outer)
+            return uniform, _searched_once(family, some, outer, means)
         else:
             farther = None
     except Stopped:
-        some = full.so_far(first).bracket
-        inside = uniform.bracket if some.stands is None else some
+        so_far = full.so_far(first).bracket
+        inside = uniform.bracket if so_far.stands is None else so_far
         bracket = Bracket(inside.stands, outer.falls, inside.standing, outer.falling)
         return uniform, Found(bracket, uniform.islands, full.evaluations())
     if farther is None:
@@ -172,7 +181,31 @@ def _in_two_steps(
         bracket = farther
     if bracket.falling is None or bracket.falling.verdict is not Verdict.UNSTABLE:
         bracket = replace(bracket, falls=outer.falls, falling=outer.falling)
-    return uniform, Found(bracket, uniform.islands, full.evaluations())
+    found = Found(bracket, uniform.islands, full.evaluations())
+    return uniform, found if large else _searched_once(family, found, outer, means)
+
+
+def _searched_once(family: Family, found: Found, outer: Bracket, means: Means) -> Found:
+    """Confirm the first falling value by a search, where only samples were tried."""
+    bracket = found.bracket
+    value = bracket.falls
+    if value is None or value == outer.falls:
+        return found
+    if family(value).contacts.corner_count <= CONVEX_SEARCH:
+        return found
+    search = means.search(family, any_stiffness)
+    try:
+        stands = search.stands(value)
+    except Stopped:
+        stands = None
+    if stands is True:
+        bracket = replace(outer, computed=None, stands=value, standing=search.results[value])
+    elif stands is None:
+        bracket = replace(bracket, falls=outer.falls, falling=outer.falling)
+    else:
+        bracket = replace(bracket, falling=search.results[value])
+    tried = {one.value: one for one in (*found.evaluations, *search.evaluations())}
+    return replace(found, bracket=bracket, evaluations=tuple(tried[v] for v in sorted(tried)))
 
 
 def _farther(search: Search, first: float, last: float, width: float) -> Bracket | None:

@@ -61,6 +61,7 @@ def limit_tilt(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
     """The largest angle [degrees] by which the assembly can be turned about an axis.
@@ -86,6 +87,8 @@ def limit_tilt(
     stop
         Asked often; True ends the search with the brackets found by then. Where an executor works,
         it is asked between the answers.
+    time_limit_s
+        After it the brackets found by then are the answer.
 
     Examples
     --------
@@ -111,7 +114,7 @@ def limit_tilt(
             tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop),
             width,
         ),
-        Means(check, chosen, executor, progress, stop),
+        Means(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -126,6 +129,7 @@ def limit_friction(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
     """The least friction coefficient of the joints; see :func:`limit_tilt`.
@@ -147,7 +151,7 @@ def limit_friction(
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    means = Means(check, chosen, executor, progress, stop)
+    means = Means(check, chosen, executor, progress, stop, time_limit_s)
     return bisected(family, start, 0.0, 1e-3, means)
 
 
@@ -162,6 +166,7 @@ def limit_load(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
     """The largest factor of a live load on top of the load of the model; see :func:`limit_tilt`.
@@ -190,7 +195,7 @@ def limit_load(
         lambda stop: load_factor_bound(
             family, last, share=1e-4, width=chosen.width, cone=chosen.cone, stop=stop
         ),
-        Means(check, chosen, executor, progress, stop),
+        Means(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -203,6 +208,7 @@ def limit_shrink(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
     """The least share of the size of all joints at which it stands; see :func:`limit_tilt`.
@@ -213,7 +219,9 @@ def limit_shrink(
     chosen = LimitOptions.of(options)
     model = as_model(given, **how)
     family = Shrunk(model)
-    return bisected(family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop))
+    return bisected(
+        family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop, time_limit_s)
+    )
 
 
 @checked_call
@@ -231,6 +239,7 @@ def limit_thickness(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Limit:
     """The least thickness, or another parameter, at which a parametric model stands.
 
@@ -264,7 +273,9 @@ def limit_thickness(
     finder = find if find is not None else partial(found, friction)
     family = Parametric(build, finder, parameter, unit)
     width = 1e-5 * abs(first - last)
-    return bisected(family, first, last, width, Means(check, chosen, executor, progress, stop))
+    return bisected(
+        family, first, last, width, Means(check, chosen, executor, progress, stop, time_limit_s)
+    )
 
 
 def axis_vector(axis: Any) -> Any:

@@ -34,20 +34,29 @@ class TiltSweep(OneLine):
         Direction towards which the assembly leans, counter-clockwise from x seen from above.
     limits : (d,)
         The axis of each is the azimuth turned by 90 degrees.
+    missing : [degrees]
+        Directions that were asked for and are not known.
     stopped
-        Why directions are missing; else empty.
+        Why they are missing; else empty.
     """
 
     azimuth: Floats
     limits: tuple[Limit, ...]
+    missing: tuple[float, ...] = ()
     stopped: str = ""
 
     def _summary(self) -> str:
-        weakest = ""
-        if self.limits:
-            least, towards = self.rest[self.weakest], self.azimuth[self.weakest]
-            weakest = f", least tilt {least:.4g} degrees towards {towards:g} degrees"
-        return f"{counted(len(self.limits), 'direction')}{weakest}"
+        if self.missing or not self.limits:
+            return f"{len(self.limits)} of {counted(self._asked, 'direction')}: {self.stopped}"
+        least, towards = self.rest[self.weakest], self.azimuth[self.weakest]
+        return (
+            f"{counted(len(self.limits), 'direction')}, "
+            f"least tilt {least:.4g} degrees towards {towards:g} degrees"
+        )
+
+    @property
+    def _asked(self) -> int:
+        return len(self.limits) + len(self.missing)
 
     @property
     def equilibrium(self) -> Floats:
@@ -61,16 +70,34 @@ class TiltSweep(OneLine):
 
     @property
     def weakest(self) -> int:
-        """The direction in which it falls first, among those that are known.
+        """The direction in which it falls first.
 
         Raises
         ------
         InputError
-            None is.
+            Not all directions are known.
         """
+        if self.missing or not self.limits:
+            raise InputError(
+                f"{len(self.limits)} of {counted(self._asked, 'direction')} are known, "
+                "so the weakest one is not",
+                remedy="let the sweep run to its end, or look at 'rest'",
+            )
+        return self.lowest
+
+    @property
+    def lowest(self) -> int:
+        """The known direction with the least tilt; the weakest one where all are known."""
         if not self.limits:
             raise InputError("no direction is known", remedy="let the sweep go on")
         return int(np.argmin(np.nan_to_num(self.rest, nan=-1.0).round(6)))
+
+    @property
+    def rank(self) -> str:
+        """What the lowest direction is called, for messages."""
+        if not self.missing:
+            return f"the weakest of {counted(self._asked, 'direction')}"
+        return f"the lowest of {len(self.limits)} known directions ({self._asked} were asked for)"
 
     def table(self) -> Table:
         """The limits by direction."""
@@ -83,7 +110,8 @@ class TiltSweep(OneLine):
             "parameter": "tilt",
             "unit": "deg",
             "azimuth": self.azimuth.tolist(),
-            "weakest_azimuth": float(self.azimuth[self.weakest]) if self.limits else None,
+            "missing": list(self.missing),
+            "weakest_azimuth": None if self.missing else float(self.azimuth[self.weakest]),
             "limits": [limit.to_dict() for limit in self.limits],
             "stopped": self.stopped,
         }
@@ -100,6 +128,7 @@ def tilt_sweep(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> TiltSweep:
     """The tilt limit towards equally spaced directions.
@@ -115,15 +144,17 @@ def tilt_sweep(
     executor
         Works on the directions side by side; the answer does not depend on it.
     stop
-        Asked often, with an executor between the directions; True ends the sweep with the limits
-        that are complete.
+        Asked often, with an executor between the directions; True ends the sweep with the
+        directions that are complete.
+    time_limit_s
+        After it those that are complete are the answer.
     """
     if whole(directions, "the number of directions") < 1:
         raise InputError(f"{directions} directions", remedy="give one or more")
     azimuth = 360.0 * np.arange(directions) / directions
     angle = np.deg2rad(azimuth)
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)
-    clock = Clock(float("inf"), stop)
+    clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
     asked: dict[str, Any] = {"upper": upper, "check": check, "options": options}
     if executor is None:
@@ -140,7 +171,13 @@ def tilt_sweep(
             progress("directions", len(limits), directions)
         if len(limits) < directions and clock.late():
             break
-    return TiltSweep(azimuth[: len(limits)], tuple(limits), clock.reason)
+    known = len(limits)
+    missing = tuple(azimuth[known:].tolist())
+    stopped = ""
+    if missing:
+        done = ", ".join(f"{a:g}" for a in azimuth[:known]) or "none"
+        stopped = f"{clock.reason} after {known} of {directions} directions (degrees: {done})"
+    return TiltSweep(azimuth[:known], tuple(limits), missing, stopped)
 
 
 def _one(model: Model, axis: Floats, **options: Any) -> Limit:

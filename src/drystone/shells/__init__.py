@@ -2,9 +2,9 @@
 
 from drystone.shells.blocks.extent import shape_volume
 from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise
-from drystone.shells.build import Shell, build_shell
-from drystone.shells.options import Body, FormOptions, Ground, Intrados, Layout
 from drystone.shells.samples import SAMPLES, sample_shell
+from drystone.shells.shell_of_blocks import Shell, build_shell
+from drystone.shells.shell_options import Body, FormOptions, Ground, Intrados, Layout
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import FormFound, find_form
 from drystone.shells.surface.meshfile import read_surface

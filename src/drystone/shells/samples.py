@@ -8,8 +8,8 @@ from types import MappingProxyType
 
 from drystone.errors import InputError
 from drystone.progress import Progress
-from drystone.shells.build import Shell, build_shell
-from drystone.shells.options import Body, Layout
+from drystone.shells.shell_of_blocks import Shell, build_shell
+from drystone.shells.shell_options import Body, Layout
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import find_form
 from drystone.shells.surface.shape import Shape

@@ -141,10 +141,14 @@ class Cascade:
             first=self.attempts.stalled,
         )
         try:
-            for state in look.states(self.options.stiffness_ratio):
+            for state in look.states(
+                self.options.stiffness_ratio, reduce=self.options.reduce_ratio
+            ):
                 candidate = self._answering(look, state)
                 if candidate is not None:
                     self.stiffness_ratio = stiffness_ratio(self.problem.statics, state)
+                    if not self.options.reduce_ratio:
+                        return candidate
                     return self._with_equal_overlap(look, state) or candidate
         finally:
             self.iterations += look.iterations

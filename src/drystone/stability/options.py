@@ -27,6 +27,10 @@ class CheckOptions(Options):
         Largest ratio of two contact stiffnesses in a state that the search answers with. The
         default follows the wedge of type b of Kao 2023, which needs a ratio of 92 to stand at 58.0
         degrees and of 265 at 59.5 degrees; discrete elements (3DEC) let it stand up to 58.7.
+    reduce_ratio
+        Whether the search reduces the stiffness ratio of a state that it found, down to equal
+        overlaps where steps lead there. The verdict does not depend on it; it can take most of the
+        time.
     seed
         Of the random stiffness distributions.
     time_limit_s
@@ -37,6 +41,7 @@ class CheckOptions(Options):
     search: bool = True
     search_tries: int = 48
     stiffness_ratio: float = 200.0
+    reduce_ratio: bool = True
     seed: int = 0
     time_limit_s: float = float("inf")
 

@@ -79,7 +79,7 @@ class Search:
     first: Sequence[Floats] = ()
     iterations: int = 0
 
-    def states(self, ratio: float) -> Iterator[CompatibleState]:
+    def states(self, ratio: float, *, reduce: bool = True) -> Iterator[CompatibleState]:
         """On joints whose stiffnesses differ by no more than a factor, and as little as steps lead.
 
         More starts lead to joints that differ more, and from there it is not far.
@@ -91,7 +91,7 @@ class Search:
                 rest_within_ratio(statics, motion, WIDER * ratio, stop=self.clock.late)
             )
             if wide.unbalanced <= enough:
-                small = min(SMALL_RATIO, ratio)
+                small = min(SMALL_RATIO, ratio) if reduce else ratio
                 state = self._counted(
                     with_reduced_ratio(statics, wide, small, stop=self.clock.late)
                 )

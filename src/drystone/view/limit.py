@@ -64,17 +64,16 @@ def limit_scene(limit: Limit, source: str = "") -> Scene:
 
 
 def sweep_scene(sweep: TiltSweep, source: str = "") -> Scene:
-    """The states on either side of the limit in the weakest direction, with a plot of all.
+    """The states on either side of the limit in the lowest known direction, with a plot of all.
 
     Raises
     ------
     InputError
         No direction is known.
     """
-    weakest = sweep.weakest
-    scene = limit_scene(sweep.limits[weakest], source)
-    towards = f"{sweep.azimuth[weakest]:g} degrees"
-    message = f"the weakest of {len(sweep.limits)} directions leans towards {towards}"
+    lowest = sweep.lowest
+    scene = limit_scene(sweep.limits[lowest], source)
+    message = f"{sweep.rank} leans towards {sweep.azimuth[lowest]:g} degrees"
     stages = tuple(replace(one, message=f"{message}; {one.message}") for one in scene.stages)
     return replace(scene, stages=stages, panels=(polar_panel(sweep), *scene.panels))
 
@@ -239,8 +238,8 @@ def polar_panel(sweep: TiltSweep) -> str:
         x, y = 0.5 * side + radius * np.cos(angle), 0.5 * side - radius * np.sin(angle)
         return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
 
-    weakest = sweep.weakest
-    mark = ring(rest).split()[weakest].split(",")
+    lowest = sweep.lowest
+    mark = ring(rest).split()[lowest].split(",")
     return f"""    <fieldset><legend>Largest tilt towards each direction</legend>
       <svg viewBox="0 0 {side:g} {side:g}" width="100%" role="img" fill="var(--quiet)"
         font-size="11" aria-label="Largest tilt towards each direction">
@@ -255,7 +254,7 @@ def polar_panel(sweep: TiltSweep) -> str:
         <text x="{side / 2:g}" y="14" text-anchor="middle">y</text>
       </svg>
       <p>Blue: stands. Dashed: some forces balance the loads. The circle is {most:.3g} degrees. Red:
-      the weakest, {rest[weakest]:.3g} degrees towards {sweep.azimuth[weakest]:g} degrees.</p>
+      {sweep.rank}, {rest[lowest]:.3g} degrees towards {sweep.azimuth[lowest]:g} degrees.</p>
     </fieldset>"""
 
 

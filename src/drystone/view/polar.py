@@ -62,11 +62,12 @@ def draw(sweep: TiltSweep, title: str) -> Figure:
         (sweep.equilibrium, "some forces balance the loads", colour["missed"], 5.0),
         (sweep.rest, "stands", colour["pressure"], 1.5),
     ):
-        ring = _closed(sweep.azimuth, values)
+        ring = _ring(sweep.azimuth, values, closed=not sweep.missing)
         axes.plot(*ring, "-", color=ink, label=label, linewidth=width)
-    weakest = sweep.weakest
-    angle = float(sweep.rest[weakest])
-    if np.isfinite(angle):
+    if sweep.missing:
+        known = len(sweep.limits)
+        title = f"{title}\n{known} of {known + len(sweep.missing)} directions are known".strip()
+    elif np.isfinite(angle := float(sweep.rest[weakest := sweep.weakest])):
         azimuth = float(sweep.azimuth[weakest])
         axes.plot([np.deg2rad(azimuth)], [angle], "D", color=colour["help"], markersize=7)
         title = f"{title}\nweakest towards {azimuth:g} deg: {angle:.2f} deg".strip()
@@ -80,8 +81,8 @@ def draw(sweep: TiltSweep, title: str) -> Figure:
     return figure
 
 
-def _closed(azimuth: Floats, values: Floats) -> tuple[Floats, Floats]:
-    ring = np.append(np.arange(len(azimuth)), 0)
+def _ring(azimuth: Floats, values: Floats, *, closed: bool) -> tuple[Floats, Floats]:
+    ring = np.arange(len(azimuth) + closed) % max(len(azimuth), 1)
     return np.deg2rad(azimuth[ring]), values[ring]
 
 

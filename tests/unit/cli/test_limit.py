@@ -136,13 +136,13 @@ def test_limits_take_the_load_cases_of_the_file_with_factors(
     assert told["equilibrium"]["value"] == pytest.approx(4.0 / (2.0 * 2.4 * 9.81), abs=1e-3)
 
 
-def test_shrink_tolerance_and_thickness_answer(model: str, capsys: Capsys) -> None:
+def test_shrink_imperfections_and_thickness_answer(model: str, capsys: Capsys) -> None:
     code, told = answer(capsys, "limit", "shrink", model, "--seismic", "0.25", "--scan", "1")
     assert code == 0
     assert told["rest"]["value"] == pytest.approx(0.25, abs=1e-3)
     assert told["geometric_safety_factor"] == pytest.approx(1.0 / told["rest"]["stands"])
     code, told = answer(
-        capsys, "limit", "tolerance", model, "--friction-range", "0.2,0.4", "--seismic", "0.3",
+        capsys, "limit", "imperfections", model, "--friction-range", "0.2,0.4", "--seismic", "0.3",
         "--draws", "8",
     )  # fmt: skip
     assert code == 1
@@ -172,7 +172,7 @@ def test_a_person_reads_the_same(model: str, capsys: Capsys) -> None:
     assert "falls: block-1" in out
     assert main(["limit", "tilt", model, "--polar", "2", "--equilibrium-only"]) == 0
     assert "weakest" in capsys.readouterr().out
-    assert main(["limit", "tolerance", model, "--offset", "0.01", "--draws", "2"]) == 0
+    assert main(["limit", "imperfections", model, "--offset", "0.01", "--draws", "2"]) == 0
     assert "2 of 2" in capsys.readouterr().out
 
 
@@ -217,9 +217,9 @@ def test_check_writes_joint_tables(model: str, tmp_path: Path, capsys: Capsys) -
         (["limit", "thickness", "arch", "--set", "colour=1"], "no parameter 'colour'"),
         (["limit", "thickness", "arch", "--set", "thickness_ratio=1"], "what is searched"),
         (["limit", "thickness", "arch", "--parameter", "radius"], "--from and --to"),
-        (["limit", "tolerance", "MODEL"], "nothing is imperfect"),
-        (["limit", "tolerance", "MODEL", "--friction-range", "1"], "not LOW,HIGH"),
-        (["limit", "tolerance", "MODEL", "--turn", "nan"], "--turn: is nan"),
+        (["limit", "imperfections", "MODEL"], "nothing is imperfect"),
+        (["limit", "imperfections", "MODEL", "--friction-range", "1"], "not LOW,HIGH"),
+        (["limit", "imperfections", "MODEL", "--turn", "nan"], "--turn: is nan"),
         (["limit", "friction", "MODEL", "--case", "wind"], "no load case is called 'wind'"),
         (["check", "MODEL", "--load", "block-1"], "names no block"),
         (

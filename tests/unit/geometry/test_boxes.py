@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.geometry.boxes import between, expand, overlapping
+from drystone.geometry.boxes import between, overlapping
+from drystone.ragged import expand
 
 
 def all_pairs(low_a, high_a, low_b, high_b):
@@ -14,7 +15,7 @@ def all_pairs(low_a, high_a, low_b, high_b):
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1e2, 1e5])
-def test_grid_finds_what_all_pairs_find(ratio: float) -> None:
+def test_the_tree_finds_what_all_pairs_find(ratio: float) -> None:
     random = np.random.default_rng(7)
     low = 3.0 * random.random((300, 3)) - 1.0
     extent = 0.5 * ratio ** -random.random((300, 1)) * random.random((300, 3))

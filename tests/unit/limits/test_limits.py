@@ -16,6 +16,7 @@ from drystone.limits import (
     LimitOptions,
     Tilt,
     imperfect,
+    imperfections,
     limit_friction,
     limit_load,
     limit_shrink,
@@ -23,7 +24,6 @@ from drystone.limits import (
     limit_tilt,
     thrust_bounds,
     tilt_sweep,
-    tolerance,
 )
 from drystone.model import Model
 from drystone.models import arch, h_model, incline, tower
@@ -103,9 +103,9 @@ def test_loads_keep_their_direction_while_the_model_turns() -> None:
         (lambda: LimitOptions(width=0.0), "width is 0"),
         (lambda: LimitOptions(scan=0), "scan is 0"),
         (lambda: tilt_sweep(Model(TOWER, JOINTS), 0), "0 directions"),
-        (lambda: tolerance(Model(TOWER, JOINTS), Imperfections(), draws=0), "0 draws"),
+        (lambda: imperfections(Model(TOWER, JOINTS), Imperfections(), draws=0), "0 draws"),
         (
-            lambda: tolerance(Model(TOWER, JOINTS), Imperfections(), confidence=1.0),
+            lambda: imperfections(Model(TOWER, JOINTS), Imperfections(), confidence=1.0),
             "confidence is 1",
         ),
         (lambda: Imperfections(friction=(0.5, 0.4)), "friction from 0.5 to 0.4"),
@@ -202,9 +202,9 @@ def test_draws_depend_on_their_seed_only() -> None:
     kinds = Imperfections(friction=(0.3, 0.5))
     slope = incline(np.rad2deg(np.arctan(0.4)))
     joints = touching_faces(slope, 0.4)
-    alone = tolerance(Model(slope, joints), kinds, draws=12, seed=3)
+    alone = imperfections(Model(slope, joints), kinds, draws=12, seed=3)
     with ProcessPoolExecutor(2) as executor:
-        together = tolerance(Model(slope, joints), kinds, draws=12, seed=3, executor=executor)
+        together = imperfections(Model(slope, joints), kinds, draws=12, seed=3, executor=executor)
     assert alone.verdicts == together.verdicts
     assert {Verdict.STABLE, Verdict.UNSTABLE} == set(alone.verdicts)
     low, high = alone.interval
@@ -213,7 +213,7 @@ def test_draws_depend_on_their_seed_only() -> None:
 
 
 def test_perfect_joints_all_stand() -> None:
-    answer = tolerance(Model(TOWER, JOINTS), Imperfections(), draws=3)
+    answer = imperfections(Model(TOWER, JOINTS), Imperfections(), draws=3)
     assert answer.share == 1.0
     assert answer.interval[1] == 1.0
 
@@ -338,7 +338,7 @@ def test_a_stopped_limit_is_a_wider_bracket_around_the_same(
 def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
     none = tilt_sweep(Model(TOWER, JOINTS), 4, options=QUICK, stop=lambda: True)
     assert (none.limits, none.to_dict()["weakest_azimuth"]) == ((), None)
-    with pytest.raises(InputError, match="no direction is known"):
+    with pytest.raises(InputError, match="0 of 4 directions are known"):
         _ = none.weakest
     ended = False
 
@@ -348,11 +348,34 @@ def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
 
     some = tilt_sweep(Model(TOWER, JOINTS), 4, options=QUICK, progress=tell, stop=lambda: ended)
     assert some.azimuth.tolist() == [0.0]
-    assert some.stopped == some.to_dict()["stopped"] == "it was interrupted"
+    assert some.missing == (90.0, 180.0, 270.0)
+    assert some.stopped == "it was interrupted after 1 of 4 directions (degrees: 0)"
+    assert some.to_dict()["stopped"] == some.stopped
+    # one direction is no weakest one
+    assert some.to_dict()["weakest_azimuth"] is None
+    assert "1 of 4 directions" in repr(some)
+    with pytest.raises(InputError, match="1 of 4 directions are known"):
+        _ = some.weakest
+
+
+def test_a_time_limit_ends_every_search_with_what_is_known() -> None:
+    model = Model(TOWER, JOINTS)
+    push = LoadCase.seismic(TOWER, 1.0)
+    for found in (
+        limit_tilt(model, time_limit_s=0.0),
+        limit_friction(model, time_limit_s=0.0),
+        limit_load(model, push, time_limit_s=0.0),
+        limit_shrink(model, time_limit_s=0.0),
+        limit_thickness(lambda t: arch(t, 8), 0.2, 0.05, time_limit_s=0.0),
+        tilt_sweep(model, 2, time_limit_s=0.0),
+    ):
+        assert found.stopped.startswith("the time was up")
+    drawn = imperfections(model, Imperfections(offset=0.01), draws=50, time_limit_s=0.0)
+    assert len(drawn.verdicts) == 1
 
 
 def test_stopped_draws_are_those_made() -> None:
     kinds = Imperfections(offset=0.01)
-    some = tolerance(Model(TOWER, JOINTS), kinds, draws=50, stop=after(2))
+    some = imperfections(Model(TOWER, JOINTS), kinds, draws=50, stop=after(2))
     assert (len(some.verdicts), some.share) == (3, 1.0)
-    assert some.verdicts == tolerance(Model(TOWER, JOINTS), kinds, draws=3).verdicts
+    assert some.verdicts == imperfections(Model(TOWER, JOINTS), kinds, draws=3).verdicts

@@ -35,6 +35,14 @@ def test_a_direction_that_never_stands_is_the_weakest_and_leaves_a_gap() -> None
     assert np.isnan(axes.lines[1].get_xydata()[1, 1])
 
 
+def test_an_unfinished_sweep_has_no_weakest_direction_and_no_closed_ring() -> None:
+    known = sweep(10.0, 5.0, 12.0)
+    axes = draw(TiltSweep(known.azimuth, known.limits, (270.0,), "stopped"), "arch").axes[0]
+    assert [len(line.get_xydata()) for line in axes.lines] == [3, 3]
+    assert "3 of 4 directions are known" in axes.get_title()
+    assert "weakest" not in axes.get_title()
+
+
 @pytest.mark.parametrize("suffix", ["png", "svg"])
 def test_a_plot_is_written_whole(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"polar.{suffix}"

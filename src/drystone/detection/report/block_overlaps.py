@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.arrays import Floats, Ints
 from drystone.assembly import Assembly
-from drystone.detection.report.advice import SHOWN, counted, millimetres
+from drystone.detection.report.phrases import SHOWN, counted, millimetres
 from drystone.detection.search.candidates import Pairs, block_boxes
 from drystone.detection.search.patches import Patches
 from drystone.display import OneLine

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from drystone.arrays import Bools, Floats, Ints
+from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
-from drystone.detection.options import DetectionOptions
-from drystone.detection.report.advice import SHOWN, counted, listed, millimetres, suggestions
+from drystone.detection.report.advice import suggestions
 from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
+from drystone.detection.report.phrases import SHOWN, counted, listed, millimetres
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.display import Card
 from drystone.table import Table
@@ -113,7 +114,17 @@ class ContactReport(Card):
 
     def suggestions(self) -> tuple[str, ...]:
         """What would join more pairs of blocks that do not touch yet, in plain words."""
-        return suggestions(self)
+        return suggestions(
+            self.names,
+            self.options,
+            missed=self.missed,
+            shortfalls=self.shortfalls,
+            overlaps=self.overlaps,
+            duplicates=self.duplicates,
+            parts=self.parts,
+            undirected=(*self.undirected, *self.near_undirected),
+            isolated=self.isolated,
+        )
 
     def summary(self) -> list[str]:
         """The report as lines of text."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.arrays import Floats, Ints
 from drystone.assembly import Assembly
-from drystone.detection.options import DetectionOptions
+from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import Pairs
 from drystone.detection.search.edgecontacts import edge_contacts

@@ -12,8 +12,8 @@ import numpy as np
 
 from drystone.arrays import Floats, Ints, frozen, frozen_floats
 from drystone.assembly import Assembly
+from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.find import find_contacts
-from drystone.detection.options import DetectionOptions
 from drystone.display import OneLine
 from drystone.errors import InputError
 from drystone.progress import Progress

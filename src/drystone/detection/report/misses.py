@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.arrays import Bools, Floats, Ints
-from drystone.detection.options import DetectionOptions
+from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import granted_to
 from drystone.detection.search.interfaces import Interfaces, angles, from_pieces

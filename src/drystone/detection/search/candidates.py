@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.arrays import Bools, Floats, Ints, dot
-from drystone.detection.options import DetectionOptions
+from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.patches import Patches
 from drystone.geometry import boxes
+from drystone.ragged import expand
 
 MISSED_ANGLE = np.deg2rad(10.0)
 """[rad] Patches that exceed the angle tolerance by less are reported as near misses."""
@@ -111,7 +112,7 @@ def _patches_near(patches: Patches, block: Ints, other: Ints, margin: Floats) ->
     """Pair and patch of every patch of a block that is near the other block and looks at it."""
     low, high = block_boxes(patches)
     first = patches.first_patch
-    pair, patch = boxes.expand(first[block], first[block + 1] - first[block])
+    pair, patch = expand(first[block], first[block + 1] - first[block])
     for axis in range(3):  # most are far away along some axis: they are not looked at again
         below = (low[:, axis][other] - margin)[pair]
         above = (high[:, axis][other] + margin)[pair]
@@ -142,7 +143,7 @@ def _products(patches: Patches, one: Pairs, other: Pairs, count: int, margin: Fl
     product = np.bincount(pair_f, minlength=count) * per_pair
     large = product > MANY
     small = np.flatnonzero(~large[pair_f])
-    source, place = boxes.expand(begin[pair_f[small]], per_pair[pair_f[small]])
+    source, place = expand(begin[pair_f[small]], per_pair[pair_f[small]])
     found_f, found_g = [f[small][source]], [g[place]]
     for pair in np.flatnonzero(large):
         mine, theirs = f[pair_f == pair], g[pair_g == pair]

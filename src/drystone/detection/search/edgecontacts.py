@@ -11,7 +11,7 @@ import shapely
 
 from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
-from drystone.detection.options import DetectionOptions
+from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.candidates import Pairs, warp_slack
 from drystone.detection.search.interfaces import Interfaces
 from drystone.detection.search.patches import Patches

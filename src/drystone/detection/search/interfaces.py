@@ -11,8 +11,8 @@ from drystone.contacts import Contacts, check_friction
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes
-from drystone.geometry.boxes import expand
 from drystone.geometry.plane import clip
+from drystone.ragged import expand
 
 
 @dataclass(frozen=True)

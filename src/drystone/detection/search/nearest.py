@@ -8,8 +8,8 @@ import shapely
 from drystone.arrays import Bools, Floats, Ints
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
-from drystone.geometry import boxes
 from drystone.geometry.plane import planar
+from drystone.ragged import expand
 
 EXACT = 1e-4
 """Gaps below this share of the block size hide nothing between them; chosen, thinner than any
@@ -77,7 +77,7 @@ def _sharing(planes: Planes, pieces: Pieces, loose: Bools, gap: Floats) -> tuple
     entry = np.flatnonzero(loose[piece])
     first = np.searchsorted(patch, patch[entry])
     last = np.searchsorted(patch, patch[entry], side="right")
-    source, place = boxes.expand(first, last - first)
+    source, place = expand(first, last - first)
     behind, front = piece[entry[source]], piece[place]
     nearer = (gap[front] < gap[behind]) | ((gap[front] == gap[behind]) & (front < behind))
     keep = nearer & (front != behind)
@@ -87,7 +87,7 @@ def _sharing(planes: Planes, pieces: Pieces, loose: Bools, gap: Floats) -> tuple
 def _in_plane_of(planes: Planes, pieces: Pieces, which: Ints, reference: Ints) -> planar.Regions:
     """Pieces as seen in the planes of other pieces."""
     length = np.diff(pieces.start)[which]
-    source, corner = boxes.expand(pieces.start[which], length)
+    source, corner = expand(pieces.start[which], length)
     row, target = pieces.row[which][source], pieces.row[reference][source]
     flat = pieces.corner[corner]
     space = planes.origin[row] + np.einsum("li,lij->lj", flat, planes.frame[row, 1:])

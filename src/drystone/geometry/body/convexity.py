@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.arrays import Bools, Floats
-from drystone.geometry import boxes
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
 from drystone.geometry.plane import polygon
+from drystone.ragged import expand
 
 CONVEX = 1e-9
 """A body is convex when no vertex lies farther than this share of its size over a face plane."""
@@ -46,7 +46,7 @@ def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     normal, middle = planes(stacked)
     count = np.array([len(v) for v in vertices])
     first = np.cumsum(count) - count
-    face, vertex = boxes.expand(first[stacked.owner], count[stacked.owner])
+    face, vertex = expand(first[stacked.owner], count[stacked.owner])
     height = ((stacked.point[vertex] - middle[face]) * normal[face]).sum(axis=1)
     highest = np.zeros(len(vertices))
     np.maximum.at(highest, stacked.owner[face], height)

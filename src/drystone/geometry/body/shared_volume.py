@@ -9,7 +9,7 @@ from functools import cached_property
 import manifold3d
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, dot, unit
+from drystone.arrays import Bools, Floats, Ints, cross, dot, unit
 from drystone.display import OneLine
 from drystone.errors import InputError
 from drystone.geometry.body.polyhedron import Faces
@@ -96,7 +96,7 @@ def shared_volumes(
     some = np.flatnonzero([common.num_tri() > 0 for common in commons])
     row, a, b, commons = row[some], a[some], b[some], [commons[i] for i in some]
     volume = np.array([common.volume() for common in commons])
-    depth = _deepest(bodies, a, b, commons)
+    depth = _deepest(bodies, a, b, commons, tolerance[row])
     for i in np.flatnonzero(convex[a] & convex[b]):
         depth[i] = _way_out(bodies, a[i], b[i])
     whole = np.array(
@@ -245,7 +245,13 @@ def _way_out(bodies: _Bodies, a: int, b: int) -> float:
     return float(np.minimum(x.max(axis=0) - y.min(axis=0), y.max(axis=0) - x.min(axis=0)).min())
 
 
-def _deepest(bodies: _Bodies, a: Ints, b: Ints, commons: Sequence[manifold3d.Manifold]) -> Floats:
+def _deepest(
+    bodies: _Bodies,
+    a: Ints,
+    b: Ints,
+    commons: Sequence[manifold3d.Manifold],
+    tolerance: Floats,
+) -> Floats:
     """Depth (p,) [m] of the solids that bodies have in common; see :class:`SharedVolume`.
 
     Looked at are the corners of their triangles, and the middles of the edges and of the triangles.
@@ -261,13 +267,29 @@ def _deepest(bodies: _Bodies, a: Ints, b: Ints, commons: Sequence[manifold3d.Man
     points = Ragged.of(tried)
     place = np.concatenate([np.zeros((0, 3)), *tried])
     depth = np.zeros(points.rows)
-    triangle, of = bodies.triangles
     for body in (points.spread(a), points.spread(b)):
-        for part in Ragged.from_counts(of.counts[body]).batches(BATCH):
-            each, row = of.take(body[part])
-            near = squared_distance(each.spread(place[part]), bodies.point[triangle[row]])
-            depth[part] = np.maximum(depth[part], np.sqrt(each.min(near)))
+        for part in Ragged.from_counts(bodies.triangles[1].counts[body]).batches(BATCH):
+            away = _away(bodies, body[part], place[part], points.spread(tolerance)[part])
+            depth[part] = np.maximum(depth[part], away)
     return points.max(depth)
+
+
+def _away(bodies: _Bodies, body: Ints, point: Floats, tolerance: Floats) -> Floats:
+    """Distance (p,) [m] of points from the surfaces of bodies; 0 up to the tolerance.
+
+    Most points lie on a surface: triangles whose planes are near them are looked at first.
+    """
+    triangle, of = bodies.triangles
+    each, row = of.take(body)
+    corner, place = bodies.point[triangle[row]], each.spread(point)
+    normal = unit(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))[0]
+    square = np.full(each.rows, np.inf)
+    flat = np.abs(dot(place - corner[:, 0], normal)) <= each.spread(tolerance)
+    square[flat] = squared_distance(place[flat], corner[flat])
+    deep = each.min(square) > tolerance**2
+    left = each.spread(deep) & ~flat
+    square[left] = squared_distance(place[left], corner[left])
+    return np.where(deep, np.sqrt(each.min(square)), 0.0)
 
 
 __all__ = ["SharedVolume", "shared_volumes"]

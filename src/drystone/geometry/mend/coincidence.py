@@ -156,6 +156,24 @@ def _on_first(
     return tuple(loops), len(used) - len(kept)
 
 
+def once(faces: Sequence[Loop]) -> tuple[list[Loop], int]:
+    """The faces without those that occur again, turned either way, and how many those were.
+
+    Examples
+    --------
+    >>> once([(0, 1, 2), (3, 2, 1, 0), (1, 2, 0), (2, 1, 0), (0, 2, 1, 3)])
+    ([(0, 1, 2), (3, 2, 1, 0), (0, 2, 1, 3)], 2)
+    """
+    first: dict[Loop, Loop] = {}
+    for face in faces:
+        ways = []
+        for loop in (tuple(face), tuple(face)[::-1]):
+            least = loop.index(min(loop)) if loop else 0
+            ways.append(loop[least:] + loop[:least])
+        first.setdefault(min(ways), face)
+    return list(first.values()), len(faces) - len(first)
+
+
 def duplicates(vertices: Sequence[Floats], tolerance: float) -> list[tuple[int, int]]:
     """Pairs of bodies with the same vertices, in any order; each with the first of its kind.
 

@@ -16,6 +16,7 @@ from drystone.geometry import boxes
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import clip, planar
 from drystone.geometry.plane.polygon import area_vectors
+from drystone.ragged import expand
 
 KEPT = 0.02
 """Facets are joined when the area of their projection differs from the sum of theirs by less."""
@@ -123,7 +124,7 @@ def _seen(
     corner: Floats, start: Ints, count: Ints, origin: Floats, frame: Floats
 ) -> planar.Regions:
     """Polygons (q,), each from ``count`` corners, in the planes of frames (q, 3, 3)."""
-    row, place = boxes.expand(start, count)
+    row, place = expand(start, count)
     local = corner[place] - origin[row]
     flat = np.einsum("lij,lj->li", frame[row, 1:], local)
     return planar.valid(shapely.polygons(shapely.linearrings(flat, indices=row)))

@@ -19,7 +19,7 @@ from drystone.shells.blocks.materialise import (
 )
 from drystone.shells.blocks.planarise import PlanarReport, planarise
 from drystone.shells.bond.tessellation import Tessellation
-from drystone.shells.options import Body, Intrados
+from drystone.shells.shell_options import Body, Intrados
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
 

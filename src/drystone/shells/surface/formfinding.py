@@ -21,7 +21,7 @@ from drystone.arrays import Bools, Floats, Ints
 from drystone.display import OneLine
 from drystone.errors import InputError
 from drystone.loads import STANDARD_GRAVITY
-from drystone.shells.options import FormOptions
+from drystone.shells.shell_options import FormOptions
 from drystone.shells.surface.lengths import refuse_unless_positive
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape

@@ -16,7 +16,7 @@ from drystone.files import PathLike, write_bytes
 from drystone.geometry.plane import polygon
 from drystone.io import write
 from drystone.shells.blocks.materialise import cell_faces
-from drystone.shells.build import Shell
+from drystone.shells.shell_of_blocks import Shell
 from drystone.shells.workshop.schedule import block_frame
 
 MARGIN = 0.25

@@ -15,7 +15,7 @@ from drystone.files import PathLike, write_bytes
 from drystone.geometry.plane import polygon
 from drystone.shells.blocks.materialise import cell_faces
 from drystone.shells.bond.tessellation import directed
-from drystone.shells.build import Shell
+from drystone.shells.shell_of_blocks import Shell
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,9 @@ import shapely
 from drystone.arrays import Bools, Floats, Ints
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
-from drystone.geometry.boxes import expand
 from drystone.geometry.plane import clip, planar
 from drystone.geometry.plane.polygon import following
+from drystone.ragged import expand
 
 NEGLIGIBLE = 0.02
 """Overlaps narrower than this share of another of the same patch and blocks are noise; chosen, so

@@ -19,10 +19,10 @@ from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
 from drystone.progress import Progress
 from drystone.ragged import Ragged
+from drystone.shells.blocks.blocks_apart import refuse_overlaps
 from drystone.shells.blocks.extent import check_radius, mean_width
 from drystone.shells.blocks.flat_cells import fit_cells
 from drystone.shells.blocks.materialise import Pins, cell_faces, make_blocks
-from drystone.shells.blocks.overlap import refuse_overlaps
 from drystone.shells.blocks.planar_joints import (
     PlanarPins,
     drift_notes,
@@ -39,7 +39,7 @@ from drystone.shells.bond.head_joints import lay_bond
 from drystone.shells.bond.pattern import lay_pattern
 from drystone.shells.bond.tessellation import Tessellation, directed
 from drystone.shells.bond.weld import weld
-from drystone.shells.options import Body, Ground, Layout
+from drystone.shells.shell_options import Body, Ground, Layout
 from drystone.shells.surface.lengths import refuse_unless_positive
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape

@@ -1,4 +1,4 @@
-"""How much imperfection a structure bears: random joints, and the share of them that stand."""
+"""Random imperfections of joints, and the share of the structures that stand with them."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from drystone.model import Model
 from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.settings import Options, checked_call
+from drystone.stability.problem import Clock
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ class Imperfections(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Tolerance(OneLine):
+class StandingShare(OneLine):
     """The share of imperfect structures that stand.
 
     Attributes
@@ -102,9 +103,9 @@ class Tolerance(OneLine):
 
 
 @checked_call
-def tolerance(
+def imperfections(
     given: Given,
-    imperfections: Imperfections,
+    kinds: Imperfections,
     *,
     draws: int = 100,
     seed: int = 0,
@@ -113,15 +114,17 @@ def tolerance(
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
-) -> Tolerance:
+) -> StandingShare:
     """Draw imperfect joints and count how many of the structures stand.
 
     Parameters
     ----------
     given
         A model; or an assembly or a file, of which ``how`` makes one.
-    imperfections
+    kinds
+        What is imperfect, and how much.
     draws, seed
         The same seed gives the same draws, with any executor.
     confidence
@@ -134,27 +137,30 @@ def tolerance(
     progress
     stop
         Asked after every draw; True ends it with the draws made by then.
+    time_limit_s
+        After it the draws made by then are the answer; one at least.
     """
-    of_type(imperfections, Imperfections, "the value of imperfections")
+    of_type(kinds, Imperfections, "the value of imperfections")
     if whole(draws, "the number of draws") < 1:
         raise InputError(f"{draws} draws", remedy="give one or more")
     whole(seed, "the seed", least=0)
     if not 0.0 < number(confidence, "confidence") < 1.0:
         raise InputError(f"confidence is {confidence}", remedy="give a share between 0 and 1")
-    task = partial(_draw, as_model(given, **how), imperfections, check)
+    task = partial(_draw, as_model(given, **how), kinds, check)
     seeds = np.random.SeedSequence(seed).spawn(draws)
     answers: Iterable[Verdict] = map(task, seeds) if executor is None else executor.map(task, seeds)
+    clock = Clock(time_limit_s, stop)
     verdicts: list[Verdict] = []
     for answer in answers:
         verdicts.append(answer)
         if progress is not None:
             progress("draws", len(verdicts), draws)
-        if stop is not None and stop():
+        if clock.late():
             break
     made = len(verdicts)
     standing = sum(STANDS[verdict] is True for verdict in verdicts)
     interval = stats.binomtest(standing, made).proportion_ci(confidence, method="exact")
-    return Tolerance(
+    return StandingShare(
         tuple(verdicts), standing / made, (float(interval.low), float(interval.high)), confidence
     )
 
@@ -218,4 +224,4 @@ def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats
     return point, np.repeat(contacts.interface, pieces)
 
 
-__all__ = ["Imperfections", "Tolerance", "imperfect", "tolerance"]
+__all__ = ["Imperfections", "StandingShare", "imperfect", "imperfections"]

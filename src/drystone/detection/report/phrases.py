@@ -1,0 +1,40 @@
+"""How a contact report words numbers, lengths and names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+SHOWN = 8
+"""Names listed in one line."""
+
+
+def counted(number: int, noun: str) -> str:
+    """A number of things in words.
+
+    Examples
+    --------
+    >>> counted(1, "pair"), counted(1200, "pair")
+    ('1 pair', '1,200 pairs')
+    """
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
+def listed(items: Sequence[str]) -> str:
+    """The first of several names, and how many more there are."""
+    more = f" and {len(items) - SHOWN} more" if len(items) > SHOWN else ""
+    return ", ".join(items[:SHOWN]) + more
+
+
+def millimetres(length: float) -> str:
+    """A length [m] in millimetres, to three digits or a nanometre, and never as a power of ten.
+
+    Examples
+    --------
+    >>> millimetres(0.0), millimetres(0.0012345), millimetres(-12.345)
+    ('0', '1.23', '-12,345')
+    """
+    value = round(1e3 * float(length), 6) + 0.0
+    return f"{value:,.0f}" if abs(value) >= 1e3 else f"{value:.3g}"
+
+
+__all__ = ["SHOWN", "counted", "listed", "millimetres"]

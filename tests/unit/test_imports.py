@@ -1,0 +1,55 @@
+"""Which module imports which: no circles, and names by which a file is found."""
+
+import ast
+from collections import Counter
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import drystone
+
+ROOT = Path(drystone.__file__).parent
+OPEN = {"drystone.design.wording"}
+"""Modules whose types are those of the module that imports them."""
+
+
+def module(path: Path) -> str:
+    parts = path.relative_to(ROOT.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module(path): path for path in ROOT.rglob("*.py")}
+
+
+def imported(path: Path) -> set[str]:
+    """Modules of the package that a module imports when it is loaded, or for its types."""
+    found: set[str] = set()
+    waiting: list[ast.stmt] = list(ast.parse(path.read_text(encoding="utf-8")).body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in MODULES else node.module for name in names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.If | ast.Try):
+            waiting += node.body
+    return found & set(MODULES)
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """The package itself is left out: it only names what is loaded later."""
+    graph = {
+        name: imported(path) - {name, "drystone"}
+        for name, path in MODULES.items()
+        if name not in OPEN
+    }
+    assert len(graph) > 200
+    TopologicalSorter(graph).prepare()
+
+
+def test_file_names_of_the_solids_are_unique() -> None:
+    """A file of these folders is found by its name alone."""
+    ours = ("geometry", "detection", "shells")
+    count = Counter(path.name for path in MODULES.values())
+    names = {p.name for folder in ours for p in (ROOT / folder).rglob("*.py")} - {"__init__.py"}
+    assert sorted(name for name in names if count[name] > 1) == []
