@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO, TypeAlias
 
@@ -16,19 +17,26 @@ PathLike: TypeAlias = str | os.PathLike[str]
 Job: TypeAlias = tuple[PathLike, Callable[[Path], None]]
 """A file to be written, and what writes it to the path it is given."""
 
-LARGEST_FILE = 2**29
-"""[bytes], chosen: 512 MiB holds some millions of faces in any of the formats, and what a reader
-makes of it still fits a workstation's memory."""
+LARGEST_FILE = 2**26
+"""[bytes], chosen: 64 MiB holds about a million faces in any of the formats, and whatever is in it
+is answered within some ten seconds."""
 
 
-def read_bytes(path: PathLike) -> bytes:
+def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
     """The whole of a file.
+
+    Parameters
+    ----------
+    path
+    largest : [bytes]
+        :data:`LARGEST_FILE` when left out.
 
     Raises
     ------
     FormatError
-        Missing, a folder, empty, not readable, or larger than :data:`LARGEST_FILE`.
+        Missing, a folder, no plain file, empty, not readable, or too large.
     """
+    largest = LARGEST_FILE if largest is None else largest
     file = Path(path)
     try:
         if file.is_dir():
@@ -38,13 +46,16 @@ def read_bytes(path: PathLike) -> bytes:
         if not file.is_file():
             raise FormatError("is not a plain file", where=str(file), remedy="name a model file")
         size = file.stat().st_size
-        if size > LARGEST_FILE:
+        if size > largest:
             raise FormatError(
-                f"holds {size / 2**20:.0f} MiB, more than the {LARGEST_FILE // 2**20} MiB allowed",
+                f"holds {size / 2**20:.3g} MiB, more than the {largest / 2**20:.3g} MiB allowed",
                 where=str(file),
-                remedy="split the model or thin out its meshes",
+                remedy="split the model, thin out its meshes, or allow more (--max-size)",
             )
-        data = file.read_bytes()
+        with file.open("rb") as opened:
+            data = opened.read(largest + 1)
+        if len(data) > largest:  # it grows while it is read, or lies about its size
+            raise FormatError("is larger than it says", where=str(file), remedy="try again")
     except (OSError, ValueError) as error:
         if isinstance(error, FormatError):
             raise
@@ -73,6 +84,12 @@ def decode(data: bytes, path: PathLike) -> str:
         ) from error
 
 
+def lines_of(text: str) -> Iterator[str]:
+    """Lines of a text, without their ends, one at a time: a file may be nothing but line ends."""
+    for line in io.StringIO(text, newline=None):
+        yield line[:-1] if line.endswith("\n") else line
+
+
 def as_path(path: PathLike) -> Path:
     """The path, where it is one.
 
@@ -88,6 +105,29 @@ def as_path(path: PathLike) -> Path:
         raise FormatError(f"the path is {told}", remedy="give a string or a Path") from error
 
 
+def plain_target(path: PathLike) -> Path:
+    """Where a file is to be written: the file that a symbolic link leads to, else the path.
+
+    Raises
+    ------
+    FormatError
+        A folder, a device, a pipe, or a link that leads nowhere.
+    """
+    named = as_path(path)
+    if not (named.exists() or named.is_symlink()):
+        return named
+    target = Path(os.path.realpath(named)) if named.is_symlink() else named
+    if target.is_symlink() or (target.exists() and not target.is_file()):
+        taken = "is a folder" if target.is_dir() else "is not a plain file"
+        raise FormatError(taken, where=str(path), remedy="choose another name")
+    return target
+
+
+def same_place(path: PathLike) -> str:
+    """What two names of one file have in common; a loop of links is a place of its own."""
+    return os.path.realpath(as_path(path))
+
+
 def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
     """Let ``fill`` write a temporary file in the same folder, then give it its name.
 
@@ -98,7 +138,7 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
     FormatError
         The folder does not exist or cannot be written.
     """
-    target = as_path(path)
+    target = plain_target(path)
     try:
         handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     except (OSError, ValueError) as error:
@@ -126,7 +166,7 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
     save
         Gets the temporary name and says whether it worked.
     """
-    target = Path(path)
+    target = plain_target(path)
     try:
         with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
             temporary = Path(folder) / target.name
@@ -162,10 +202,9 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
     done: list[tuple[Path, Path]] = []
     with contextlib.ExitStack() as folders:
         for path, write in jobs:
-            target = Path(path)
-            if target.is_dir() or target.resolve() in [other.resolve() for other, _ in done]:
-                taken = "is a folder" if target.is_dir() else "is named twice"
-                raise FormatError(taken, where=str(target), remedy="choose another name")
+            target = plain_target(path)
+            if target in [other for other, _ in done]:
+                raise FormatError("is named twice", where=str(path), remedy="choose another name")
             try:
                 made = tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent)
                 temporary = Path(folders.enter_context(made)) / target.name
@@ -181,7 +220,7 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
                 temporary.replace(target)
             except OSError as error:
                 raise _unwritable(target, error) from error
-    return [str(target) for target, _ in done]
+    return [str(path) for path, _ in jobs]
 
 
 def write_bytes(path: PathLike, data: bytes) -> None:

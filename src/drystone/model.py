@@ -8,15 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, of_type
-from drystone.assembly import Assembly, Blocks
+from drystone.arrays import FARTHEST, Bools, Floats, of_type
+from drystone.assembly import Assembly, Block, Blocks
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.report.block_overlaps import overlap_lines
-from drystone.display import Card
+from drystone.display import Card, shortened
 from drystone.errors import InputError, counted
 from drystone.loads import LoadCase
 from drystone.supports import UP, Joints, remarks, select, up_of
+
+REPRESENTED = (1e-100, 1e100)
+"""[N, N m], chosen: far from anything that is built, and products of forces fit a float."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +44,8 @@ class Model(Card):
     Raises
     ------
     InputError
-        Contacts or load belong to another assembly.
+        Contacts or load belong to another assembly, or the forces are too small or too large to be
+        calculated with.
 
     Examples
     --------
@@ -71,6 +75,15 @@ class Model(Card):
                 remedy="pass the contacts that were found on this assembly",
             )
         object.__setattr__(self, "load", LoadCase.of(self.assembly, self.load))
+        size = np.abs(self.load.wrench).max(axis=1, initial=0.0)
+        odd = (size != 0.0) & ~((size >= REPRESENTED[0]) & (size <= REPRESENTED[1]))
+        if odd.any():
+            i = int(np.flatnonzero(odd)[0])
+            raise InputError(
+                f"the load on it is {size[i]:.3g}, which cannot be calculated with",
+                where=f"block '{self.assembly.names[i]}'",
+                remedy="check units, density and load",
+            )
         object.__setattr__(self, "notes", tuple(self.notes))
         object.__setattr__(self, "cases", tuple(self.cases))
 
@@ -211,13 +224,25 @@ def up_of_load(load: Any) -> tuple[float, float, float]:
 
 def _with_own_friction(assembly: Assembly, contacts: Contacts) -> tuple[Contacts, tuple[str, ...]]:
     """Contacts with the friction that blocks bring in their metadata, of two the smaller."""
-    given = [block.metadata.get("friction") for block in assembly.blocks]
-    own = np.array([x if isinstance(x, int | float) else np.nan for x in given], dtype=float)
+    own = np.array([_own_friction(block) for block in assembly.blocks])
     if np.isnan(own).all():
         return contacts, ()
     smaller = np.fmin(own[contacts.block_a], own[contacts.block_b])
     friction = np.where(np.isnan(smaller), contacts.friction, smaller)
     return contacts.with_friction(friction), ("joints have the friction that their blocks bring",)
+
+
+def _own_friction(block: Block) -> float:
+    """Friction coefficient in the metadata of a block; NaN where there is none."""
+    given = block.metadata.get("friction")
+    if isinstance(given, bool) or not isinstance(given, int | float):
+        return float("nan")
+    if not 0.0 <= given <= FARTHEST:
+        told = shortened(repr(given), 20)
+        raise InputError(
+            f"its friction is {told}", where=f"block '{block.name}'", remedy="give a coefficient"
+        )
+    return float(given)
 
 
 __all__ = ["Model", "up_of_load"]

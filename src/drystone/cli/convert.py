@@ -14,6 +14,7 @@ from drystone.cli.output import Screen
 from drystone.cli.subject import Source, warnings_of
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
+from drystone.files import same_place
 
 if TYPE_CHECKING:
     from drystone.io.formats import Format
@@ -53,7 +54,7 @@ def convert(
     model = source.model
     chosen = io.format_of(target, to)
     _refuse_other_suffix(target, chosen)
-    if not overwrite and Path(target).resolve() == Path(model).resolve():
+    if not overwrite and same_place(target) == same_place(model):
         raise InputError(
             "the model would be written over itself",
             where=f"'{target}'",

@@ -11,7 +11,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from drystone import units
-from drystone.errors import InputError
+from drystone.errors import FormatError, InputError
+from drystone.files import plain_target
 
 
 class Kind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.5
@@ -130,6 +131,10 @@ def output_path(text: str, suffixes: Sequence[str]) -> Path:
         )
     if path.is_dir():
         raise InputError(f"'{text}' is a folder", remedy="name a file in it")
+    try:
+        plain_target(path)
+    except FormatError as error:
+        raise InputError(f"'{text}' {error.what}", remedy=error.remedy) from error
     if not path.parent.is_dir():
         raise InputError(f"there is no folder '{path.parent}'", remedy="make it first")
     return path

@@ -54,6 +54,10 @@ Layers: TypeAlias = Annotated[
 Hidden: TypeAlias = Annotated[
     bool, Option("Read hidden layers and objects of a 3dm file too.", MODEL, expert=True)
 ]
+MaxSize: TypeAlias = Annotated[
+    float | None,
+    Option("Largest file that is read, in MiB (64).", MODEL, kind=kinds.POSITIVE, expert=True),
+]
 Split: TypeAlias = Annotated[
     bool, Option("Make blocks of the separate parts of a block.", MODEL, expert=True)
 ]

@@ -26,6 +26,7 @@ class Source:
     split: options.Split = False
     layer: options.Layers = ()
     hidden: options.Hidden = False
+    max_size: options.MaxSize = None
 
     def how(self) -> dict[str, Any]:
         """Arguments of the functions that read a file."""
@@ -34,6 +35,7 @@ class Source:
             "split": self.split,
             "layers": self.layer,
             "hidden": self.hidden,
+            "max_size": self.max_size,
         }
 
 

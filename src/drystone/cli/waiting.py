@@ -12,6 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+from drystone.cli.output import clean
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -119,6 +121,7 @@ class Waiting:
         """Progress of the work that is under way; a total of zero means that it is not known."""
         if self.interrupted:
             stage, done, total = STOPPING, 0, 0
+        stage = clean(stage)  # it names files, and a terminal obeys control characters
         self._state = (stage, done, total)
         if self._bar is not None:
             self._bar.update(
@@ -149,7 +152,11 @@ class Waiting:
         with self._lock:
             if self._timer is None:
                 return
-            columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+            columns = (
+                TextColumn("{task.description}", markup=False),
+                BarColumn(),
+                TimeElapsedColumn(),
+            )
             bar = Progress(*columns, console=self._console, transient=True)
             stage, done, total = self._state
             bar.add_task(stage, completed=done, total=total or None)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from drystone.cli import kinds, options
 from drystone.cli.command import OUTPUT, Option
 from drystone.errors import InputError
+from drystone.files import same_place
 
 if TYPE_CHECKING:
     from drystone.cli.answer import Files
@@ -112,9 +113,9 @@ def apart(paths: Sequence[Path | None]) -> None:
     ------
     InputError
     """
-    seen: set[Path] = set()
+    seen: set[str] = set()
     for path in paths:
-        if path is not None and path.resolve() in seen:
+        if path is not None and same_place(path) in seen:
             raise InputError("is named twice", where=f"'{path}'", remedy="name each file once")
         if path is not None:
-            seen.add(path.resolve())
+            seen.add(same_place(path))

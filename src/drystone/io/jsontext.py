@@ -16,6 +16,9 @@ from drystone.arrays import Floats, Ints
 from drystone.errors import FormatError
 from drystone.files import decode
 
+LARGEST_WHOLE = 2**53
+"""Up to here floats hold every whole number."""
+
 
 def parse(data: bytes, path: Path) -> Field:
     """The top-level object of a JSON file.
@@ -134,8 +137,10 @@ class Field:
         return bool(self.value)
 
     def integer(self) -> int:
-        """A whole number."""
+        """A whole number that a float can hold."""
         self._expect(int, "a whole number")
+        if abs(self.value) >= LARGEST_WHOLE:
+            raise self.error("is too large a whole number")
         return int(self.value)
 
     def number(self) -> float:
@@ -183,7 +188,7 @@ class Field:
     def integers(self, *shape: int | None) -> Ints:
         """Nested lists of whole numbers; see :meth:`floats`."""
         array = self.floats(*shape)
-        whole = np.abs(array) < 2**53
+        whole = np.abs(array) < LARGEST_WHOLE
         whole &= array == np.floor(array)
         if not whole.all():
             place = "".join(f"[{i}]" for i in np.argwhere(~whole)[0])

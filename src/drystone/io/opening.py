@@ -48,9 +48,10 @@ class How(TypedDict, total=False):
     skip_defects: bool
     layers: Sequence[str]
     hidden: bool
+    max_size: float | None
 
 
-FILE_ONLY = ("units", "up", "split", "search", "skip_defects", "layers", "hidden")
+FILE_ONLY = ("units", "up", "split", "search", "skip_defects", "layers", "hidden", "max_size")
 """Arguments of :func:`read` that only a file has."""
 
 
@@ -71,6 +72,7 @@ def read(
     skip_defects: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
+    max_size: float | None = None,
     progress: Progress | None = None,
 ) -> Model:
     """Read a model that is ready to be checked.
@@ -108,6 +110,8 @@ def read(
         Names of the layers to read, hidden ones too; 3dm only. Left out, all that are visible.
     hidden
         Read hidden layers and objects too; 3dm only.
+    max_size : [MiB]
+        Refuse larger files, before they are read; 64 when left out.
     progress
 
     Raises
@@ -143,6 +147,7 @@ def read(
         skip_defects=skip_defects,
         layers=layers,
         hidden=hidden,
+        max_size=max_size,
     )
     assembly, contacts, notes = contents.assembly, contents.contacts, list(contents.notes)
     if up != "z" and (contacts is not None or contents.loads):

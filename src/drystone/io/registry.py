@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from drystone.arrays import of_type
+from drystone.arrays import number, of_type
 from drystone.assembly import Assembly
 from drystone.errors import FormatError, InputError
 from drystone.files import PathLike, as_path, read_bytes
@@ -98,6 +98,7 @@ def read_file(
     skip_defects: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
+    max_size: float | None = None,
 ) -> Contents:
     """Read what a file holds, with its contacts where it has some.
 
@@ -115,6 +116,8 @@ def read_file(
         Names of the layers to read, hidden ones too; 3dm only. Left out, all that are visible.
     hidden
         Read hidden layers and objects too; 3dm only.
+    max_size : [MiB]
+        Refuse larger files, before they are read; 64 when left out.
 
     Raises
     ------
@@ -136,7 +139,7 @@ def read_file(
     ('block-0', 'block-1', 'block-2')
     """
     with one_line_errors():
-        draft = _draft(path, units, layers, hidden)
+        draft = _draft(path, units, layers, hidden, max_size)
         return build(draft, Path(path), units, split=split, skip_defects=skip_defects)
 
 
@@ -147,14 +150,21 @@ def inspect(
     split: bool = False,
     layers: Sequence[str] = (),
     hidden: bool = False,
+    max_size: float | None = None,
 ) -> Built:
     """Read the blocks that can be used, with every defect of the others; see :func:`read_file`."""
     with one_line_errors():
-        draft = _draft(path, units, layers, hidden)
+        draft = _draft(path, units, layers, hidden, max_size)
         return try_blocks(draft, Path(path), units, split=split)
 
 
-def _draft(path: PathLike, units: str | None, layers: Sequence[str], hidden: bool) -> Draft:
+def _draft(
+    path: PathLike,
+    units: str | None,
+    layers: Sequence[str],
+    hidden: bool,
+    max_size: float | None = None,
+) -> Draft:
     if units is not None:
         scale_of(units)
     chosen = format_of(path)
@@ -165,7 +175,8 @@ def _draft(path: PathLike, units: str | None, layers: Sequence[str], hidden: boo
     layered = {"layers": named, "hidden": hidden} if named or hidden else {}
     if layered and not chosen.layers:
         raise FormatError(f"{chosen.title} has no layers", where=str(path), remedy="leave them out")
-    data = read_bytes(path)
+    largest = None if max_size is None else int(2**20 * number(max_size, "max_size"))
+    data = read_bytes(path, largest)
     try:
         draft = chosen.read(data, Path(path), **layered)
     except (RecursionError, MemoryError) as error:

@@ -43,7 +43,7 @@ def test_files_larger_than_allowed_are_not_opened(tmp_path: Path) -> None:
     path = tmp_path / "large.obj"
     with path.open("wb") as file:
         file.truncate(files.LARGEST_FILE + 1)
-    with pytest.raises(FormatError, match="more than the 512 MiB allowed"):
+    with pytest.raises(FormatError, match=r"more than the 64 MiB allowed.*--max-size"):
         io.read_file(path)
 
 

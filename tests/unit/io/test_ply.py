@@ -142,3 +142,27 @@ def test_a_block_called_like_the_end_of_the_header_comes_back(tmp_path: Path) ->
     model = Assembly((replace_block(CUBE, name="end_header"),))
     io.write(model, tmp_path / "model.ply")
     assert io.read_file(tmp_path / "model.ply").assembly.names == ("end_header",)
+
+
+AXES = "".join(f"property float {axis}\n" for axis in "xyz")
+HEADER = f"ply\nformat ascii 1.0\nelement vertex 3\n{AXES}"
+POINTS = "0 0 0\n1 0 0\n0 1 0\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        HEADER + "element face 1\nproperty int vertex_indices\nend_header\n" + POINTS + "1\n",
+        HEADER.replace("float x", "list int int x")
+        + "element face 1\nproperty list int int vertex_indices\nend_header\n"
+        + "1 0 0 0\n1 1 0 0\n1 0 1 0\n3 0 1 2\n",
+        HEADER.replace("1.0\n", '1.0\ncomment drystone block {"name":"a"}\n')
+        + "element face 1\nproperty list int int vertex_indices\nproperty list int int block\n"
+        + "end_header\n" + POINTS + "3 0 1 2 1 0\n",
+    ],
+)  # fmt: skip
+def test_properties_of_another_kind_are_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "model.ply"
+    path.write_text(text, encoding="ascii")
+    with pytest.raises(FormatError):
+        io.read_file(path)

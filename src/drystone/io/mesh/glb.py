@@ -27,9 +27,11 @@ INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 FLOAT = 5126
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Turns y up into z up."""
-MOST_NODES = 1_000_000
-MOST_TRIANGLES = 5_000_000
+MOST_NODES = 100_000
+MOST_TRIANGLES = 1_000_000
 """Of all nodes together, chosen; nodes may share a mesh, so that a small file can name many."""
+LARGEST_STRIDE = 252
+"""[bytes] From one element to the next. Source: glTF 2.0, section 5.11."""
 SINGLE = 1e-6
 """What counts as the same place, relative to the extent, in single precision."""
 
@@ -47,12 +49,16 @@ def read(data: bytes, path: Path) -> Draft:
     heaps: list[Heap] = []
     told: dict[str, Field | None] = {}
     triangles = 0
+    known: dict[int, tuple[Floats, Ints]] = {}
     for number, (node, matrix) in enumerate(_placed_nodes(top)):
         if not node.has("mesh"):
             continue
         mesh = _item(top, "meshes", node["mesh"])
         name = node.get("name", mesh.get("name", f"node-{number}").text()).text()
-        vertices, faces = _geometry(top, binary, mesh)
+        index = node["mesh"].integer()
+        if index not in known:
+            known[index] = _geometry(top, binary, mesh)
+        vertices, faces = known[index]
         triangles += len(faces)
         if triangles > MOST_TRIANGLES:
             raise node.error(f"brings the scene over {MOST_TRIANGLES:,} triangles")
@@ -147,6 +153,8 @@ def _placed_nodes(top: Field) -> Iterator[tuple[Field, Floats]]:
 def _matrix(node: Field) -> Floats:
     if node.has("matrix"):
         return node["matrix"].floats(16).reshape(4, 4).T
+    if not any(node.has(key) for key in ("rotation", "scale", "translation")):
+        return np.eye(4)
     x, y, z, w = node.get("rotation", [0.0, 0.0, 0.0, 1.0]).floats(4)
     matrix = np.eye(4)
     matrix[:3, :3] = [
@@ -220,7 +228,12 @@ def _accessor(
     start = view.get("byteOffset", 0).integer() + accessor.get("byteOffset", 0).integer()
     end = view.get("byteOffset", 0).integer() + view["byteLength"].integer()
     last = start + stride * (count - 1) + row
-    if count < 0 or stride < row or start < 0 or (count and last > min(end, len(binary))):
+    if (
+        count < 0
+        or not row <= stride <= LARGEST_STRIDE
+        or start < 0
+        or (count and last > min(end, len(binary)))
+    ):
         raise accessor.error("reaches beyond the data", "export it again")
     if count == 0:
         return np.zeros((0, columns), dtype)

@@ -44,7 +44,9 @@ class Heap:
     split: bool = True
 
 
-def shapes_of(heaps: Sequence[Heap], tolerance: float, path: Path) -> tuple[list[Shape], list[str]]:
+def shapes_of(
+    heaps: Sequence[Heap], tolerance: float, path: Path, *, shared: bool = True
+) -> tuple[list[Shape], list[str]]:
     """A shape for each solid in heaps of faces, and what was done to find them.
 
     Vertices that coincide become one, faces without area go, solids are told apart, and coplanar
@@ -57,6 +59,8 @@ def shapes_of(heaps: Sequence[Heap], tolerance: float, path: Path) -> tuple[list
         Distance that counts as none, relative to the extent of a heap.
     path
         The file, for errors.
+    shared
+        Whether faces of the format share their vertices; where not, merging them is no news.
 
     Raises
     ------
@@ -87,7 +91,7 @@ def shapes_of(heaps: Sequence[Heap], tolerance: float, path: Path) -> tuple[list
         raise FormatError("has no face with an area", where=where, remedy="export it again")
     solids = _per_heap(soup.split_solids(vertices, loops, home), home, heaps)
     gone = sum(len(heap.faces) for heap in heaps) - len(loops)
-    merged = len(vertices) - len(set(first))
+    merged = len(vertices) - len(set(first)) if shared else 0
     return _shapes(vertices, loops, solids, heaps, tolerance), _notes(merged, gone, solids)
 
 

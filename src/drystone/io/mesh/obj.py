@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from drystone.errors import FormatError
-from drystone.files import decode, write_bytes
+from drystone.files import decode, lines_of, write_bytes
 from drystone.io.draft import Contents, Draft, Shape
 
 IGNORED = frozenset(
@@ -26,9 +26,9 @@ FREE_FORM = frozenset(
     ("curv", "curv2", "surf", "trim", "hole", "scrv", "sp", "bsp", "bzp", "cdc", "cdp", "res")
 )
 """Statements of curves and surfaces."""
-NEWLINE = re.compile(r"\r\n|\r|\n")
+INDEX = re.compile(r"-?[0-9]{1,11}")
 NUMBER = re.compile(
-    r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE
+    r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf|infinity)", re.IGNORECASE | re.ASCII
 )
 
 
@@ -59,22 +59,23 @@ def _lines(text: str) -> Iterator[tuple[int, str]]:
 
     Names are taken as they stand: they may hold ``#`` and end in a backslash.
     """
-    held, start = "", 0
-    for number, line in enumerate(NEWLINE.split(text), start=1):
+    held: list[str] = []
+    start = 0
+    for number, line in enumerate(lines_of(text), start=1):
         if not held and line[:2] in ("o ", "g "):
             yield number, line.strip()
             continue
         start = start if held else number
-        held += line
-        if held.endswith("\\"):
-            held = held[:-1] + " "
+        if line.endswith("\\"):
+            held.append(line[:-1])
             continue
-        stripped = held.split("#", 1)[0].strip()
-        held = ""
+        stripped = " ".join((*held, line)).split("#", 1)[0].strip()
+        held = []
         if stripped:
             yield start, stripped
-    if held.strip():
-        yield start, held.strip()
+    last = " ".join(held).strip()
+    if last:
+        yield start, last
 
 
 def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part]]:
@@ -123,7 +124,7 @@ def _face(argument: str, count: int, where: str) -> list[int]:
     for word in argument.split():
         digits = word.split("/", 1)[0]
         try:
-            index = int(digits) if digits.lstrip("-").isdecimal() and len(digits) < 12 else 0
+            index = int(digits) if INDEX.fullmatch(digits) else 0
         except ValueError:
             index = 0
         if index == 0 or index > count or -index > count:
@@ -186,7 +187,7 @@ def write(model: Contents, path: Path) -> None:
     lines = ["# drystone, metres"]
     offset = 1
     for block in model.assembly.blocks:
-        name = NEWLINE.sub(" ", block.name)
+        name = " ".join(lines_of(block.name))
         lines.append(f"o {name}")
         lines += ["v " + " ".join(map(repr, point)) for point in block.vertices.tolist()]
         lines += ["f " + " ".join(str(i + offset) for i in face) for face in block.faces]

@@ -5,14 +5,13 @@ Source: 3D Systems, StereoLithography Interface Specification, 1989.
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
 
 from drystone.arrays import Floats
 from drystone.errors import FormatError
-from drystone.files import decode, write_bytes
+from drystone.files import decode, lines_of, write_bytes
 from drystone.geometry.body.fans import fan_warped
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.draft import Contents, Draft
@@ -64,7 +63,7 @@ def _heap(points: Floats, name: str, where: str) -> Heap:
 def _text(text: str, path: Path) -> Draft:
     solids: list[tuple[str, int, list[list[float]]]] = []
     expected: tuple[str, ...] = ()
-    for number, line in enumerate(re.split(r"\r\n|\r|\n", text), start=1):
+    for number, line in enumerate(lines_of(text), start=1):
         words = line.split()
         if not words:
             continue
@@ -95,8 +94,8 @@ def _named(solids: list[tuple[str, int, list[list[float]]]], path: Path) -> Draf
         known = name or (path.stem if len(solids) == 1 else f"solid-{i}")
         corners = np.array(points, dtype=np.float64).reshape(-1, 3)
         heaps.append(_heap(corners, known, f"line {line}"))
-    shapes, notes = shapes_of(heaps, EXACT, path)
-    return Draft(tuple(shapes), notes=tuple(note for note in notes if "coincident" not in note))
+    shapes, notes = shapes_of(heaps, EXACT, path, shared=False)
+    return Draft(tuple(shapes), notes=tuple(notes))
 
 
 def _vertex(words: list[str], path: Path, number: int, line: str) -> list[float]:

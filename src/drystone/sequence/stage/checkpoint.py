@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drystone.errors import FormatError
-from drystone.files import write_bytes
+from drystone.files import read_bytes, write_bytes
 from drystone.results import Verdict
 from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure
@@ -72,7 +72,7 @@ def read_checkpoint(path: Path, model: Structure) -> dict[Stage, Answer]:
         It cannot be read, or belongs to another model.
     """
     try:
-        data = json.loads(path.read_bytes())
+        data = json.loads(read_bytes(path))
         if data["format"] != FORMAT or data["version"] != VERSION:
             raise FormatError("is no checkpoint of this version", where=str(path))
         if data["model"] != fingerprint(model):

@@ -1,7 +1,8 @@
-"""The tables of a PLY file; sizes in its header are believed only as far as the bytes go."""
+"""The header and the tables of a PLY file; sizes are believed only as far as the bytes go."""
 
 from __future__ import annotations
 
+import re
 import struct
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,22 @@ from typing import Any
 import numpy as np
 
 from drystone.errors import FormatError
+
+END = re.compile(rb"[\r\n][ \t]*end_header")
+"""On a line of its own: a block may be called so."""
+LONGEST_HEADER = 2**20
+"""[bytes], chosen: far more than there are tables to tell of."""
+TYPES = {
+    **dict.fromkeys(("char", "int8"), "i1"),
+    **dict.fromkeys(("uchar", "uint8"), "u1"),
+    **dict.fromkeys(("short", "int16"), "i2"),
+    **dict.fromkeys(("ushort", "uint16"), "u2"),
+    **dict.fromkeys(("int", "int32"), "i4"),
+    **dict.fromkeys(("uint", "uint32"), "u4"),
+    **dict.fromkeys(("float", "float32"), "f4"),
+    **dict.fromkeys(("double", "float64"), "f8"),
+}
+ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 Table = dict[str, Any]
 """Columns by name: arrays of numbers, and for list properties a list of lists."""
@@ -41,6 +58,61 @@ class Header:
     elements: tuple[Element, ...]
     comments: tuple[str, ...]
     size: int
+
+
+def header_of(data: bytes, path: Path) -> Header:
+    """What a file says about its body.
+
+    Raises
+    ------
+    FormatError
+        It has no header, or one that cannot be read.
+    """
+    ending = END.search(data, 0, LONGEST_HEADER)
+    end = -1 if ending is None else ending.end() - len(b"end_header")
+    stop = data.find(b"\n", end)
+    if not data.startswith(b"ply") or end < 0:
+        raise FormatError("is not a PLY file", where=str(path), remedy="export it again")
+    size = stop + 1 if stop >= 0 else len(data)
+    try:
+        lines = data[:end].decode("utf-8").splitlines()
+    except UnicodeDecodeError as error:
+        raise FormatError("has a header that is no text", where=str(path)) from error
+    order: str | None = None
+    elements: list[tuple[str, int, list[Property]]] = []
+    comments: list[str] = []
+    for number, line in enumerate(lines[1:], start=2):
+        words = line.split()
+        try:
+            match words:
+                case [] | ["obj_info", *_]:
+                    pass
+                case ["comment", *_]:
+                    comments.append(line.split(None, 1)[1] if len(words) > 1 else "")
+                case ["format", kind, _]:
+                    order = ORDERS[kind]
+                case ["element", name, count]:
+                    elements.append((name, _count(count), []))
+                case ["property", "list", length, kind, name]:
+                    elements[-1][2].append(Property(name, TYPES[kind], TYPES[length]))
+                case ["property", kind, name]:
+                    elements[-1][2].append(Property(name, TYPES[kind]))
+                case _:
+                    raise KeyError(line)
+        except (KeyError, IndexError, ValueError) as error:
+            raise FormatError(
+                f"'{line.strip()[:40]}' is no PLY header", where=f"{path}, line {number}"
+            ) from error
+    if order is None:
+        raise FormatError("does not say its format", where=str(path), remedy="export it again")
+    tables = tuple(Element(name, count, tuple(columns)) for name, count, columns in elements)
+    return Header(order, tables, tuple(comments), size)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or len(text) > 12:
+        raise ValueError(text)
+    return int(text)
 
 
 def read(body: bytes, header: Header, path: Path) -> dict[str, Table]:
