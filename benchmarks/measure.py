@@ -36,7 +36,7 @@ BALANCE = 1e-6
 """The same for forces of an interior point method, which end at its tolerance."""
 ENOUGH_S = 0.5
 """Runs are repeated until they took so long together; at least once, at most 20 times."""
-UNIFORM = CheckOptions(samples=0, search=False)
+UNIFORM = CheckOptions(samples=0, settle=False)
 """The verdict with uniform stiffness: forces and motion, or a mechanism or first motion."""
 ARCH_LIMIT = 8.2
 """[degrees], Kao 2023; checked to its last digit."""

@@ -46,7 +46,7 @@ WEDGES = (0.0, 0.1, 0.2, 0.3, 0.4)
 FRICTIONS = (0.6, 0.84)
 MOST_FRICTION = 2.0
 """With which the flat plan is tried too."""
-UNIFORM = CheckOptions(samples=0, search=False)
+UNIFORM = CheckOptions(samples=0, settle=False)
 PRECISION = {40: (0.25, 0.01), 400: (1.0, 0.02)}
 """Of limits of tilt [degrees] and of friction, by size; larger shells have the verdict only."""
 

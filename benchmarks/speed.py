@@ -224,7 +224,7 @@ def page(rows: Sequence[Row], machine: str, took_s: float) -> str:
         "",
         "CPU seconds on one thread, the best of several runs; phases apart: build the blocks, "
         "detect the contacts, solve, check the answer. *Solve* is `check` with uniform contact "
-        "stiffness (`CheckOptions(samples=0, search=False)`): forces and motion, or a mechanism or "
+        "stiffness (`CheckOptions(samples=0, settle=False)`): forces and motion, or a mechanism or "
         "first motion. *With all stiffnesses* is `check` as it is called by default, which also "
         "tells robust from sensitive, and searches for a state on unlike joints where none of "
         "them stands: what falls only then takes longest. Both must give the verdict that is "

@@ -118,6 +118,10 @@ class Result(Card):
     stiffness_ratio
         The largest contact stiffness by the smallest one in the state that was found, where none
         of the stiffnesses tried leads to rest.
+    settlement
+        Where the blocks go (:class:`drystone.settlement.Settlement`), where that decided. Where no
+        stiffness that was tried holds a structure that stands after settling, its forces balance
+        the loads on the moved blocks. It is not written to files.
     stopped
         Why it ended before all was tried: ``the time was up`` or ``it was interrupted``; empty
         where nothing was left out.
@@ -139,6 +143,7 @@ class Result(Card):
     eta: float | None = None
     stiffness_ratio: float | None = None
     stopped: str = ""
+    settlement: Any = None
     options: Any = None
     solver: str = ""
     iterations: int = 0

@@ -7,6 +7,7 @@ from drystone import Assembly, LoadCase, Verdict, check, find_contacts, solve_rb
 from drystone.checks import check_forces, mechanism_defects
 from drystone.model import Model
 from drystone.models import box
+from drystone.settlement import Outcome
 from drystone.stability import RBEOptions
 
 BATCHES, PER_BATCH = 10, 30
@@ -49,17 +50,24 @@ def test_random_piles_get_verdicts_that_their_proofs_support(batch):
         result = check(Model(model, contacts, load))
         balance = solve_rbe(Model(model, contacts, load), options=RBEOptions(tension=False))
         seen[result.verdict] += 1
+        if result.verdict is Verdict.UNDECIDED:
+            # two ways were followed to their ends, and differ
+            assert result.settlement.outcome is Outcome.ENDS_DECIDE
         if balance.verdict is Verdict.UNSTABLE:
             assert result.verdict is Verdict.UNSTABLE
         if result.verdict is Verdict.STABLE:
             assert balance.verdict is Verdict.EQUILIBRIUM_EXISTS
             again = check_forces(Model(model, contacts, load), result.force, result.displacement)
-            assert again.largest <= 1e-8
+            if result.samples.standing:
+                assert again.largest <= 1e-8
+            else:
+                assert result.residuals is not None
+                assert result.residuals.largest <= 1e-8
         if result.verdict is Verdict.UNSTABLE:
             closing = contacts.with_friction(0.0)
             violation, power = mechanism_defects(Model(model, closing, load), result.mechanism)
             assert violation <= 1e-5
             assert power > 0.0
-    assert seen[Verdict.UNDECIDED] == 0
+    assert seen[Verdict.UNDECIDED] <= 1
     assert seen[Verdict.STABLE] >= 5
     assert seen[Verdict.UNSTABLE] >= 5

@@ -10,6 +10,7 @@ from drystone.geometry.plane.triangulate import triangulate
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Verdict
+from drystone.settlement import Carrier, SettlementOptions
 from drystone.shells import (
     SAMPLES,
     Body,
@@ -30,6 +31,8 @@ from drystone.stability import CheckOptions, check
 
 TIGHTEST = DetectionOptions(gap=1e-6)
 QUICK = CheckOptions(samples=1)
+ON_THE_BLOCK = CheckOptions(samples=1, settlement=SettlementOptions(carrier=Carrier.MOVING))
+"""Flush ends of joints go with the block that leans: carried by its bed it falls before."""
 
 SHELLS = {kind: sample_shell(kind, 40) for kind in SAMPLES}
 FOUND = {kind: find_contacts(s.assembly, options=TIGHTEST) for kind, s in SHELLS.items()}
@@ -141,7 +144,7 @@ def single_block(wedge):
 def leans(wedge, angle):
     assembly, contacts = single_block(wedge)
     tilt = LoadCase.tilt(assembly, (1.0, 0.0, 0.0), angle)
-    return check(Model(assembly, contacts, tilt), options=QUICK).verdict is Verdict.STABLE
+    return check(Model(assembly, contacts, tilt), options=ON_THE_BLOCK).verdict is Verdict.STABLE
 
 
 def test_a_plain_block_leans_until_its_weight_leaves_the_bed():

@@ -51,14 +51,29 @@ def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
 
 
 def is_sensitive(result: Result) -> bool:
-    """Whether it stands for some contact stiffnesses only."""
-    return result.stable and result.samples.standing < result.samples.tried
+    """Whether it stands for some contact stiffnesses only, or after settling."""
+    some = result.samples.standing < result.samples.tried
+    return result.stable and (some or result.settlement is not None)
 
 
 def exit_code(result: Result, strict: bool) -> int:
     """0 for stable; with ``strict`` only when it stands for every stiffness, and all were tried."""
     robust = not is_sensitive(result) and not result.stopped
     return 0 if result.stable and (robust or not strict) else 1
+
+
+def _settlement(result: Result) -> list[dict[str, Any]] | None:
+    """How each way to follow the blocks ended, where that decided."""
+    if result.settlement is None:
+        return None
+    return [
+        {
+            "carrier": path.carrier.value,
+            "outcome": path.outcome.value,
+            "way": float(path.way.max(initial=0.0)),
+        }
+        for path in result.settlement.paths
+    ]
 
 
 def content(result: Result, spent: Mapping[str, float], model: str) -> dict[str, Any]:
@@ -72,6 +87,7 @@ def content(result: Result, spent: Mapping[str, float], model: str) -> dict[str,
         "method": result.method,
         "message": result.message,
         "sensitive": is_sensitive(result),
+        "settlement": _settlement(result),
         "stopped": result.stopped,
         "blocks": len(assembly),
         "free_blocks": len(assembly.free),

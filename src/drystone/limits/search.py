@@ -28,14 +28,13 @@ SEARCHED = 500
 where it does not stand, and a limit asks often; there only rest with a few friction laws is tried,
 and falling is left to the limit of equilibrium."""
 
-ONE_STIFFNESS = stability.CheckOptions(samples=0, search=False)
-SOME_STIFFNESS = stability.CheckOptions(reduce_ratio=False)
-SAMPLED = stability.CheckOptions(search=False)
+ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
+SOME_STIFFNESS = stability.CheckOptions()
+SAMPLED = stability.CheckOptions(settle=False)
 
 CONVEX_SEARCH = 200
-"""Corners up to which a rest state is also searched by convex steps at every value. Beyond, it is
-searched only where the samples fall first. Measured on a wall of 46
-blocks (408 corners): the search takes 5 s at every value beyond the limit, the samples 1 s."""
+"""Corners up to which blocks are also followed by steps at every value where the stiffness decides.
+Beyond, they are followed only where the samples fall first: a limit asks often."""
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 OTHER = stability.QUICK.with_slip_lengths(10.0, 0.1)

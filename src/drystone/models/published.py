@@ -28,26 +28,33 @@ WEDGES: dict[str, tuple[float, float, float]] = {
 to the horizontal, each with a low and a high wedge."""
 
 
-def wedge(kind: Literal["a", "b", "c", "d"]) -> Assembly:
+def wedge(kind: Literal["a", "b", "c", "d"], longer: float = 0.0) -> Assembly:
     """A free wedge in a V-shaped groove of two fixed blocks: two joints, published tilt limits.
 
     Types ``a`` (low) and ``b`` (high) sit in a steep groove, ``c`` (high) and ``d`` (low) in a
     shallow one.
+
+    Parameters
+    ----------
+    kind
+    longer : [m]
+        By which the groove goes beyond the wedge at both ends. The published ones end flush.
 
     Returns
     -------
     Assembly
         ``left`` and ``right``, fixed, and ``wedge``.
     """
+    require(longer >= 0.0, f"the groove is longer by {longer} m", "give 0 or more")
     require(kind in WEDGES, f"there is no wedge of type '{kind}'", f"one of {', '.join(WEDGES)}")
     w, shoulder, top = WEDGES[kind]
     half = [(-2.0, 0.0), (0.0, 0.0), (0.0, 0.5), (-w, shoulder), (-2.0, shoulder)]
     free = [(0.0, 0.5), (w, shoulder), (w, top), (-w, top), (-w, shoulder)]
-    y = (0.0, 1.0)
+    y = (-longer, 1.0 + longer)
     blocks = (
         prism(half, y, "left"),
         prism([(-x, z) for x, z in half], y, "right"),
-        prism(free, y, "wedge"),
+        prism(free, (0.0, 1.0), "wedge"),
     )
     return Assembly(blocks, np.array([True, True, False]))
 

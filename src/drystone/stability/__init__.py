@@ -3,7 +3,7 @@
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.solvers.program import ConicProgram
-from drystone.stability.check import check
+from drystone.stability.check import check, could_hold
 from drystone.stability.cra import CRAOptions, solve_cra
 from drystone.stability.options import CheckOptions
 from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
@@ -28,6 +28,7 @@ __all__ = [
     "build_rbe",
     "build_rbe_penalty",
     "check",
+    "could_hold",
     "solve_cra",
     "solve_cra_penalty",
     "solve_rbe",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from drystone.arrays import Floats
@@ -12,12 +14,14 @@ from drystone.formulations.rest import compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
+from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import (
     FALLING_SHARE,
+    NO_APPROACH,
     first_motion,
     found_mechanism,
     free_acceleration,
@@ -73,8 +77,11 @@ class Cascade:
                 break
             self._report("stiffness samples", 2 + number)
             attempts.attempt(sample)
-        if attempts.standing:
+        decided = not self.options.settle or len(attempts.standing) == attempts.tried
+        if attempts.standing and (decided or self.clock.late()):
             return self._stable(uniform)
+        if self.options.settle and not self.clock.late():
+            return self._followed()
         self._report("search", 2 + self.options.samples)
         found = self._search()
         if found is not None:
@@ -84,15 +91,25 @@ class Cascade:
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
+        Where they press a little, as on a plug that hardly tapers, following the blocks decides.
+
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, and so do
         several in a row, although forces that nothing provides could hold them.
         """
         problem = self.problem
         acceleration = free_acceleration(problem)
-        falling = unpressed(problem.model.assembly, problem.model.contacts, acceleration)
+        assembly, contacts = problem.model.assembly, problem.model.contacts
+        falling = unpressed(assembly, contacts, acceleration)
         if not falling.any():
             return None
+        if self.options.settle:
+            surely = unpressed(assembly, contacts, acceleration, NO_APPROACH)
+            followed = None if surely.all(where=falling) else self._follow()
+            if followed is not None and followed.outcome is Outcome.RESTS:
+                return self._rests(followed, "hardly anything presses on its blocks at first")
+            if followed is not None and followed.outcome is Outcome.ENDS_DECIDE:
+                return self._open(followed, "hardly anything presses on its blocks at first")
         rest = problem.without(falling)
         if rest is not None:
             part = Cascade(rest, self.options, None, self.clock).run()
@@ -106,6 +123,68 @@ class Cascade:
             mechanism=problem.normalised(motion),
             prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
+        )
+
+    def _follow(self) -> Settlement:
+        """Where the blocks go by finite steps."""
+        self._report("settlement", 2 + self.options.samples)
+        found = settle(self.problem.model, options=self.options.settlement, stop=self.clock.late)
+        self.iterations += sum(path.iterations for path in found.paths)
+        return found
+
+    def _followed(self) -> Result:
+        """The verdict of finite steps, where the contact stiffness decides."""
+        found = self._follow()
+        stood, tried = len(self.attempts.standing), self.attempts.tried
+        held = f"{stood or 'none'} of {tried} contact stiffnesses tried would hold it in place"
+        if found.outcome is Outcome.RESTS:
+            return self._rests(found, held)
+        if found.outcome is Outcome.UNKNOWN and not stood:
+            return replace(self._first_motion(), settlement=found)
+        if found.outcome not in (Outcome.FALLS, Outcome.DISPLACED):
+            return self._open(found, held)
+        motions = (first_motion(self.problem, one.state) for one in self.attempts.falling)
+        motion = next((one for one in motions if one is not None), None)
+        if motion is None:
+            motion = self.problem.normalised(found.displacement)
+        words = f"{found.message}; {held}: {SENSITIVE}"
+        if not stood and self.balances:
+            words = (
+                "forces could balance the loads, but only prestress would bring them about: "
+                f"{found.message}"
+            )
+        return replace(self._unstable(words, motion), settlement=found)
+
+    def _rests(self, found: Settlement, why: str) -> Result:
+        """STABLE after settling, with a rest state in place where a stiffness has one.
+
+        Where none has, the forces are those on the moved blocks, in the axes of the first joints.
+        """
+        words = f"{found.message}; {why}: {SENSITIVE}"
+        for one in self.attempts.standing[:1]:
+            return self._answer(
+                Verdict.STABLE,
+                words,
+                force=one.force,
+                displacement=one.displacement,
+                residuals=one.residuals,
+                settlement=found,
+            )
+        contacts, path = self.problem.model.contacts, found.path
+        world = np.einsum("ki,kij->kj", path.force, path.axes)
+        return self._answer(
+            Verdict.STABLE,
+            words,
+            force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
+            displacement=path.displacement,
+            residuals=path.residuals,
+            settlement=found,
+        )
+
+    def _open(self, found: Settlement, why: str) -> Result:
+        """UNDECIDED, with what following the blocks told."""
+        return self._answer(
+            Verdict.UNDECIDED, f"{found.message}; {why}: {SENSITIVE}", settlement=found
         )
 
     def _impossible(self) -> Result | None:

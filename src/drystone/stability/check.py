@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Unpack
 
 from drystone.io.opening import Given, How, as_model
@@ -63,4 +64,35 @@ def check(
     return Cascade(Problem.build(as_model(given, **how)), chosen, progress, clock).run()
 
 
-__all__ = ["CheckOptions", "check"]
+@checked_call
+@one_blas_thread()
+def could_hold(
+    given: Given,
+    *,
+    options: CheckOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Result:
+    """Could it be wedged to hold: does it stand with some contact stiffness, without prestress?
+
+    Where no stiffness that is tried holds it, joints of unlike stiffness are searched for. Shims
+    can make them so. Blocks that are only set in place do not, and :func:`check` says where those
+    go. Parameters and result are those of :func:`check`.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import concave
+    >>> load = drystone.LoadCase.tilt(concave("short"), (0.0, 1.0, 0.0), 50.0)
+    >>> model = drystone.Model.of(concave("short"), friction=0.84, load=load)
+    >>> could_hold(model).verdict, drystone.check(model).verdict
+    (<Verdict.STABLE: 'stable'>, <Verdict.UNSTABLE: 'unstable'>)
+    """
+    chosen = replace(CheckOptions.of(options), settle=False, search=True)
+    clock = Clock(time_limit_s, stop)
+    return Cascade(Problem.build(as_model(given, **how)), chosen, progress, clock).run()
+
+
+__all__ = ["CheckOptions", "check", "could_hold"]

@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.errors import InputError
 from drystone.settings import Options
+from drystone.settlement import SettlementOptions
 
 
 @dataclass(frozen=True)
@@ -19,8 +20,14 @@ class CheckOptions(Options):
     samples
         Stiffness distributions tried beyond the uniform one, to tell robust from sensitive and to
         find a rest state where uniform stiffness has none.
+    settle
+        Where the stiffness decides whether it stands, follow the blocks by finite steps
+        (:func:`drystone.settle`) and answer with where they go.
+    settlement
+        How they are followed.
     search
-        Look for a rest state by convex steps where no sample has one.
+        Ask whether it could be wedged to hold (:func:`could_hold`): where the stiffness decides and
+        blocks are not followed, look for a rest state by convex steps.
     search_tries
         Random motions from which the search starts on small models; fewer on larger ones.
     stiffness_ratio
@@ -36,7 +43,9 @@ class CheckOptions(Options):
     """
 
     samples: int = 4
-    search: bool = True
+    settle: bool = True
+    settlement: SettlementOptions = SettlementOptions()  # noqa: RUF009 - frozen
+    search: bool = False
     search_tries: int = 48
     stiffness_ratio: float = 200.0
     reduce_ratio: bool = True

@@ -33,6 +33,9 @@ APPROACH = 1e-3
 """A corner is pressed when free blocks approach it by more than this share of their speed: it then
 overlaps by as much of the way that they go, and the source bounds slides by a thousand overlaps."""
 
+NO_APPROACH = 1e-7
+"""The same for faces along which blocks fall freely: less is rounding of their coordinates."""
+
 FALLING_SHARE = 1e-3
 """A block falls when it moves, or leans on the ground springs, more than this share of the one that
 does so most."""
@@ -111,7 +114,9 @@ def free_acceleration(problem: Problem) -> Floats:
     return motion
 
 
-def unpressed(assembly: Assembly, contacts: Contacts, acceleration: Floats) -> Bools:
+def unpressed(
+    assembly: Assembly, contacts: Contacts, acceleration: Floats, least: float = APPROACH
+) -> Bools:
     """The largest set (n,) of free blocks whose free motion approaches no corner.
 
     Parameters
@@ -119,6 +124,8 @@ def unpressed(assembly: Assembly, contacts: Contacts, acceleration: Floats) -> B
     assembly, contacts
     acceleration : (n, 6)
         Of each block under its load alone; blocks outside the set rest.
+    least
+        Share of its speed by which a block that is pressed approaches a corner.
     """
     speed = block_speed(assembly, acceleration)
     falling = ~assembly.fixed & (speed > 0.0)
@@ -131,7 +138,7 @@ def unpressed(assembly: Assembly, contacts: Contacts, acceleration: Floats) -> B
     )  # fmt: skip
 
     def approach(opening: Floats, reach: Floats) -> Bools:
-        near = opening < -APPROACH * reach[joint]
+        near = opening < -least * reach[joint]
         return np.bincount(joint[near], minlength=contacts.count) > 0
 
     both = approach(away_b - away_a, np.maximum(speed[a], speed[b]))

@@ -122,7 +122,8 @@ def test_every_part_of_a_result_is_kept() -> None:
     from drystone.io.own.drystone_json import RESULT
 
     names = {field.name for field in dataclasses.fields(Result)} - {"model"}
-    assert names | {"load"} == set(RESULT)  # blocks and contacts are given once, for all results
+    # blocks and contacts are given once, for all results; paths are not written
+    assert names - {"settlement"} | {"load"} == set(RESULT)
 
 
 def test_a_result_is_written_with_its_model(tmp_path: Path) -> None:

@@ -247,8 +247,8 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
     # a wedge in a groove: where uniform stiffness falls, another share of the forces stands
     from drystone.models import wedge
 
-    assembly = wedge("c")
-    joints = touching_faces(assembly, 0.84)
+    assembly = wedge("c", longer=0.2)
+    joints = Model.of(assembly, friction=0.84).contacts
     limit = limit_tilt(Model(assembly, joints), "x", options=LimitOptions(scan=1, width=6.0))
     assert limit.uniform is not None
     assert limit.rest is not None

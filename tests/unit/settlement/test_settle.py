@@ -25,20 +25,6 @@ def tilted(
     return settle(Model.of(assembly, friction=friction, load=load), options=options)
 
 
-def grooved(longer: float) -> Assembly:
-    """The wedge of type c in a groove that ends flush with it, or is longer at both ends."""
-    half = [(-2.0, 0.0), (0.0, 0.0), (0.0, 0.5), (-1.0, 1.0773502691896257), (-2.0, 1.07735026919)]
-    top = 2.3381
-    free = [(0.0, 0.5), (1.0, half[3][1]), (1.0, top), (-1.0, top), (-1.0, half[3][1])]
-    y = (-longer, 1.0 + longer)
-    blocks = (
-        prism(half, y, "left"),
-        prism([(-x, z) for x, z in half], y, "right"),
-        prism(free, (0.0, 1.0), "wedge"),
-    )
-    return Assembly(blocks, np.array([True, True, False]))
-
-
 @pytest.mark.parametrize(
     ("assembly", "axis", "stands", "falls"),
     [
@@ -93,11 +79,11 @@ def test_what_nothing_presses_falls_and_what_tapers_wedges_itself() -> None:
 
 def test_the_ends_of_joints_decide_only_where_the_faces_end_flush() -> None:
     both = SettlementOptions(fall=0.1)
-    flush = tilted(grooved(0.0), X, 40.0, options=both)
+    flush = tilted(wedge("c"), X, 40.0, options=both)
     assert flush.outcome is Outcome.ENDS_DECIDE
     assert "the ends of the joints decide" in flush.message
     assert [path.outcome for path in flush.paths] == [Outcome.RESTS, Outcome.FALLS]
-    longer = tilted(grooved(0.2), X, 40.0, options=both)
+    longer = tilted(wedge("c", longer=0.2), X, 40.0, options=both)
     assert longer.outcome is Outcome.RESTS
 
 

@@ -67,7 +67,7 @@ def test_a_high_tower_that_leans_on_the_ground_for_a_while_stands(count, angle):
     tower = models.tower(count)
     contacts = find_contacts(tower, friction=0.6).contacts
     load = LoadCase.tilt(tower, (1.0, 0.0, 0.0), angle)
-    found = check(Model(tower, contacts, load), options=CheckOptions(samples=0, search=False))
+    found = check(Model(tower, contacts, load), options=CheckOptions(samples=0, settle=False))
     assert found.verdict is Verdict.STABLE
 
 
@@ -179,7 +179,7 @@ def flat_arch(voussoirs):
 
 
 @pytest.mark.parametrize("voussoirs", [1, 2, 3, 4])
-@pytest.mark.parametrize("tilt", [0.0, 1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("tilt", [0.0, 1e-9, 1e-6])
 def test_voussoirs_between_vertical_joints_slide_down_together(voussoirs, tilt):
     """Nothing presses on them, whatever the friction and the last digits of the load."""
     arch = flat_arch(voussoirs)
@@ -187,6 +187,20 @@ def test_voussoirs_between_vertical_joints_slide_down_together(voussoirs, tilt):
     leaning = LoadCase.tilt(arch, (0.0, 1.0, 0.0), tilt)
     assert check(Model(arch, contacts, leaning)).verdict is Verdict.UNSTABLE
     assert try_rest(Model(arch, contacts, leaning)).verdict is Verdict.UNDECIDED
+
+
+@pytest.mark.parametrize(
+    ("voussoirs", "verdict"), [(1, Verdict.UNSTABLE), (2, Verdict.STABLE), (3, Verdict.STABLE)]
+)
+def test_voussoirs_that_lean_by_a_thousandth_of_a_degree_are_followed(voussoirs, verdict):
+    """A single one slides down; several sag by less than a thousandth and carry each other."""
+    arch = flat_arch(voussoirs)
+    contacts = find_contacts(arch, friction=2.0).contacts
+    found = check(Model(arch, contacts, LoadCase.tilt(arch, (0.0, 1.0, 0.0), 1e-3)))
+    assert found.verdict is verdict
+    if verdict is Verdict.STABLE:
+        assert found.settlement.way < 1e-3
+        assert "sensitive" in found.message
 
 
 @pytest.mark.parametrize("voussoirs", [2, 3])

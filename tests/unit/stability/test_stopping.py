@@ -82,7 +82,7 @@ def test_a_fall_told_before_the_search_has_ended_says_so():
     wedge = models.wedge("b")
     contacts = find_contacts(wedge, friction=0.84).contacts
     load = LoadCase.tilt(wedge, (1.0, 0.0, 0.0), 61.0)
-    options = CheckOptions(samples=0, search_tries=8)
+    options = CheckOptions(samples=0, settle=False, search=True, search_tries=8)
     asked = itertools.count()
     whole = check(Model(wedge, contacts, load), options=options, stop=lambda: next(asked) < 0)
     broken = check(Model(wedge, contacts, load), options=options, stop=after(next(asked) // 2))

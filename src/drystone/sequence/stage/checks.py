@@ -25,7 +25,7 @@ def check_once(model: Model) -> Result:
 
     A stage that stands only with other stiffnesses is not relied upon.
     """
-    return check(model, options=CheckOptions(samples=0, search=False))
+    return check(model, options=CheckOptions(samples=0, settle=False))
 
 
 def check_thoroughly(model: Model) -> Result:
