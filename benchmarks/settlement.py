@@ -126,7 +126,7 @@ def table(rows: Sequence[Row]) -> list[str]:
         other = row.resting
         differs = f"{other:.2f}" if abs(other - row.moving) > 0.1 else ""
         lines.append(
-            f"| {study.model} | {study.axis_name} | {study.friction:.2f} | {study.dem:g} "
+            f"| {study.model} | {study.axis_label} | {study.friction:.2f} | {study.dem:g} "
             f"| {row.moving:.2f} | {row.miss:+.2f} | {differs} |"
         )
     mean, most = rms(rows)

@@ -56,6 +56,13 @@ class Study:
     published_axis: str = ""
 
     @property
+    def axis_label(self) -> str:
+        """Our name of the axis, with that of the source where it differs."""
+        published = self.published_axis.split(",")[0]
+        ours = "-x" if self.axis[0] == -1.0 else self.axis_name
+        return f"{ours} (source: {published})" if published else ours
+
+    @property
     def key(self) -> str:
         """Name of the study."""
         return f"{self.model} {self.axis_name} mu {self.friction:.2f}"

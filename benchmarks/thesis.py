@@ -133,13 +133,6 @@ def measure(study: Study) -> Row:
     return Row(study, {name: found[name] for name in JUDGES}, time.perf_counter() - began)
 
 
-def axis_cell(study: Study) -> str:
-    """Our name of the axis, with that of the source where it differs."""
-    published = study.published_axis.split(",")[0]
-    ours = "-x" if study.axis[0] == -1.0 else study.axis_name
-    return f"{ours} (source: {published})" if published else ours
-
-
 def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
     """Markdown lines of the table, and of its notes."""
     lines = [
@@ -167,7 +160,7 @@ def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
         ours = [limit.angle for limit in row.limits.values()]
         cells = [
             study.model,
-            axis_cell(study),
+            study.axis_label,
             f"{study.friction:.2f}",
             *(f"{value:g}" if value is not None else "" for value in published),
             *(f"{value:.2f}" for value in ours),
