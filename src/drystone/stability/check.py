@@ -65,12 +65,14 @@ def check(
 
 
 @checked_call
+@one_blas_thread()
 def could_hold(
     given: Given,
     *,
     options: CheckOptions | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
     """Could it be wedged to hold: does it stand with some contact stiffness, without prestress?
@@ -89,7 +91,7 @@ def could_hold(
     (<Verdict.STABLE: 'stable'>, <Verdict.UNSTABLE: 'unstable'>)
     """
     chosen = replace(CheckOptions.of(options), settle=False, search=True)
-    clock = Clock(chosen.time_limit_s, stop)
+    clock = Clock(time_limit_s, stop)
     return Cascade(Problem.build(as_model(given, **how)), chosen, progress, clock).run()
 
 

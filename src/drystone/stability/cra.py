@@ -110,8 +110,9 @@ def solve_cra(
     chosen = CRAOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    searching = CheckOptions(samples=2, settle=False, search=True)
-    base = Cascade(problem, searching, progress, clock).run()
+    base = Cascade(
+        problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
+    ).run()
     if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
         method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
         return replace(base, method=method, options=chosen, time_s={"solve": clock.elapsed_s})

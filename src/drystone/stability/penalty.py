@@ -97,8 +97,9 @@ def solve_cra_penalty(
     chosen = PenaltyOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    searching = CheckOptions(samples=2, settle=False, search=True)
-    dry = Cascade(problem, searching, progress, clock).run()
+    dry = Cascade(
+        problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
+    ).run()
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
     if dry.verdict is Verdict.STABLE:
