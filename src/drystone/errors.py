@@ -13,6 +13,10 @@ A verdict is never an error: a structure that falls is an answer.
 
 from __future__ import annotations
 
+import enum
+import functools
+from typing import Any
+
 
 def counted(number: int, one: str, many: str = "") -> str:
     """A number with its noun, for messages; ``many`` is the plural where it is not ``one`` + s.
@@ -23,6 +27,14 @@ def counted(number: int, one: str, many: str = "") -> str:
     ('1 face', '2 faces', '0 unused vertices')
     """
     return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+class Kind(enum.StrEnum):
+    """Kinds of faults of the shape of a block that can be told from others."""
+
+    OPEN = "open mesh"
+    CROWDED = "non-manifold"
+    TWICE = "twice"
 
 
 class DrystoneError(Exception):
@@ -40,13 +52,27 @@ class InputError(DrystoneError, ValueError):
         The block, face, interface or argument that is wrong.
     remedy
         What the user can do about it.
+    kind
+        Kind of fault, where a caller may have to tell it from others.
     """
 
-    def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:
+    def __init__(
+        self, what: str, *, where: str = "", remedy: str = "", kind: Kind | None = None
+    ) -> None:
         self.what = what
         self.where = where
         self.remedy = remedy
+        self.kind = kind
         super().__init__(what, where, remedy)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        make = functools.partial(type(self), where=self.where, remedy=self.remedy, kind=self.kind)
+        return make, (self.what,)
+
+    def located(self, where: str, remedy: str | None = None) -> InputError:
+        """The same fault with its place, and perhaps another remedy."""
+        remedy = self.remedy if remedy is None else remedy
+        return type(self)(self.what, where=where, remedy=remedy, kind=self.kind)
 
     def __str__(self) -> str:
         head = f"{self.where}: {self.what}" if self.where else self.what

@@ -172,7 +172,7 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
                 write(temporary)
                 temporary.chmod(_mode(target))
             except FormatError as error:
-                raise FormatError(error.what, where=str(target), remedy=error.remedy) from error
+                raise error.located(str(target)) from error
             except (OSError, ValueError) as error:
                 raise _unwritable(target, error) from error
             done.append((target, temporary))

@@ -16,7 +16,7 @@ from drystone.detection.report.block_overlaps import overlap_lines
 from drystone.display import Card
 from drystone.errors import InputError, counted
 from drystone.loads import LoadCase
-from drystone.supports import select
+from drystone.supports import UP, Joints, remarks, select, up_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,11 +129,8 @@ class Model(Card):
         InputError
             Two blocks share more than a tenth of the smaller one.
         """
-        notes: list[str] = []
         of_type(assembly, Assembly, "the assembly of a model")
         of_type(anyway, bool, "anyway")
-        if supports is not None:
-            assembly = supported(assembly, supports)
         if density is not None:
             assembly = assembly.with_density(density)
         found = find_contacts(
@@ -144,10 +141,12 @@ class Model(Card):
         if not anyway:
             found.report.require_apart()
         contacts = found.contacts
+        notes: tuple[str, ...] = ()
         if friction is None:
             contacts, notes = _with_own_friction(assembly, contacts)
-        notes += overlap_lines(assembly.names, found.report.overlaps)
-        return cls(assembly, contacts, load, found.report, tuple(notes))
+        notes = (*notes, *overlap_lines(assembly.names, found.report.overlaps))
+        model = cls(assembly, contacts, load, found.report, notes)
+        return model if supports is None else model.with_supports(supports, up_of_load(load))
 
     def with_load(self, load: Any) -> Model:
         """The same model under another load; see :class:`Model`."""
@@ -161,9 +160,22 @@ class Model(Card):
         """The same model with another friction coefficient, one for all interfaces or one each."""
         return self.with_contacts(self.contacts.with_friction(friction))
 
-    def with_supports(self, supports: str | Sequence[int | str]) -> Model:
-        """The same model with exactly these blocks fixed; see :meth:`of`."""
-        return replace(self, assembly=supported(self.assembly, supports))
+    def with_supports(self, supports: str | Sequence[int | str], up: Sequence[float] = UP) -> Model:
+        """The same model with exactly these blocks fixed; see :meth:`of`.
+
+        ``lowest`` and ``below:`` look along ``up`` (3,). What is odd about them is added to the
+        notes.
+        """
+        if not isinstance(supports, str):
+            return replace(self, assembly=self.assembly.with_fixed(supports))
+        assembly = select(self.assembly, supports, up=up, joints=self.joints)
+        said = remarks(assembly, supports, self.joints, up)
+        return replace(self, assembly=assembly, notes=(*self.notes, *said))
+
+    @property
+    def joints(self) -> Joints:
+        """Blocks a (m,), blocks b (m,) and normals (m, 3) from a to b of all interfaces."""
+        return self.contacts.block_a, self.contacts.block_b, self.contacts.frame[:, 0]
 
     def subset(self, blocks: Blocks) -> Model:
         """The model of some of the blocks, in the given order, with the contacts among them."""
@@ -190,22 +202,22 @@ class Model(Card):
         return active
 
 
-def supported(assembly: Assembly, supports: str | Sequence[int | str]) -> Assembly:
-    """The same blocks, with those fixed that ``supports`` names; see :meth:`Model.of`."""
-    if isinstance(supports, str):
-        return select(assembly, supports)
-    return assembly.with_fixed(supports)
+def up_of_load(load: Any) -> tuple[float, float, float]:
+    """The axis (3,) that points up under a load; z unless it is an acceleration."""
+    if isinstance(load, Sequence | np.ndarray) and np.shape(load) == (3,) and np.any(load):
+        return up_of([float(x) for x in load])
+    return UP
 
 
-def _with_own_friction(assembly: Assembly, contacts: Contacts) -> tuple[Contacts, list[str]]:
+def _with_own_friction(assembly: Assembly, contacts: Contacts) -> tuple[Contacts, tuple[str, ...]]:
     """Contacts with the friction that blocks bring in their metadata, of two the smaller."""
     given = [block.metadata.get("friction") for block in assembly.blocks]
     own = np.array([x if isinstance(x, int | float) else np.nan for x in given], dtype=float)
     if np.isnan(own).all():
-        return contacts, []
+        return contacts, ()
     smaller = np.fmin(own[contacts.block_a], own[contacts.block_b])
     friction = np.where(np.isnan(smaller), contacts.friction, smaller)
-    return contacts.with_friction(friction), ["joints have the friction that their blocks bring"]
+    return contacts.with_friction(friction), ("joints have the friction that their blocks bring",)
 
 
-__all__ = ["Model", "supported"]
+__all__ = ["Model", "up_of_load"]

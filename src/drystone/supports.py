@@ -1,23 +1,41 @@
-"""Which blocks are fixed: lowest ones, names and patterns, or all below a height."""
+"""Which blocks are fixed: those that stand lowest, names and patterns, or all below a height."""
 
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from fnmatch import fnmatchcase
+from typing import TypeAlias
 
 import numpy as np
 
-from drystone.arrays import Bools
+from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
-from drystone.errors import InputError
+from drystone.errors import InputError, counted
+from drystone.geometry.plane.polygon import area_vectors
 from drystone.units import length
 
 LOWEST = 0.1
 """Blocks whose lowest corner is within this share of the median block height of the lowest corner
 of all are the lowest blocks."""
+FOOT = 0.5
+"""A foot is in the lower half of the model: what has nothing below it higher up hangs."""
+PRESSED = -np.sin(np.deg2rad(20.0))
+"""A joint presses a block down where the upward part of its normal is below this: friction of
+0.36 cannot hold the block there."""
+LEVEL = np.cos(np.deg2rad(5.0))
+"""The underside of a foot is level within 5 degrees."""
+UP = (0.0, 0.0, 1.0)
+NAMED = 4
+"""Names told in one remark."""
+
+Joints: TypeAlias = tuple[Ints, Ints, Floats]
+"""Blocks a (m,) and b (m,), and normals (m, 3) from a to b, of all interfaces."""
 
 
-def select(assembly: Assembly, spec: str) -> Assembly:
+def select(
+    assembly: Assembly, spec: str, *, up: Sequence[float] = UP, joints: Joints | None = None
+) -> Assembly:
     """The same blocks, with those fixed that ``spec`` names.
 
     Parameters
@@ -28,6 +46,10 @@ def select(assembly: Assembly, spec: str) -> Assembly:
         is at or below Z (metres, or with a unit: ``below:150mm``); block names and patterns
         (``*``, ``?``, ``[...]``). A name that holds a comma is understood when it stands alone; a
         block called ``lowest`` is reached by the pattern ``[l]owest``.
+    up : (3,)
+        Unit vector; heights are along it.
+    joints
+        Where blocks touch. With it, ``lowest`` fixes every foot; see :func:`feet`.
 
     Raises
     ------
@@ -44,25 +66,132 @@ def select(assembly: Assembly, spec: str) -> Assembly:
     alone = spec in assembly.names
     for part in [spec] if alone else [part.strip() for part in spec.split(",")]:
         if part == "lowest":
-            fixed |= lowest(assembly)
+            fixed |= lowest(assembly, up)
+            fixed |= feet(assembly, joints, up)
         elif part.startswith("below:"):
-            fixed |= _below(assembly, part.removeprefix("below:"))
+            fixed |= _below(assembly, part.removeprefix("below:"), up)
         else:
             fixed |= _named(assembly, part)
     return Assembly(assembly.blocks, fixed)
 
 
-def lowest(assembly: Assembly) -> Bools:
+def lowest(assembly: Assembly, up: Sequence[float] = UP) -> Bools:
     """Mask (n,) of the lowest blocks; see :data:`LOWEST`."""
-    bottom = assembly.bounds[:, 0, 2]
-    height = assembly.bounds[:, 1, 2] - bottom
-    out: Bools = bottom <= bottom.min() + LOWEST * np.median(height)
+    bottom, top = heights(assembly, up)
+    out: Bools = bottom <= bottom.min() + LOWEST * np.median(top - bottom)
     return out
 
 
-def _below(assembly: Assembly, text: str) -> Bools:
+def feet(assembly: Assembly, joints: Joints | None, up: Sequence[float] = UP) -> Bools:
+    """Mask (n,) of the blocks that only something below the model can hold.
+
+    Such a block is in the lower half of the model, its underside is level, and every joint that it
+    has presses it down: the springer of an arch whose feet are at different heights.
+    """
+    bottom, top = heights(assembly, up)
+    if joints is None:
+        return np.zeros(len(assembly), dtype=bool)
+    low = bottom <= bottom.min() + FOOT * (top.max() - bottom.min())
+    found: Bools = low & hanging(assembly, joints, up) & _level(assembly, bottom, up)
+    return found
+
+
+def hanging(assembly: Assembly, joints: Joints, up: Sequence[float] = UP) -> Bools:
+    """Mask (n,) of the blocks that touch others, and that every joint presses down."""
+    a, b, normal = joints
+    upward = normal @ np.asarray(up, dtype=np.float64)
+    most = np.full(len(assembly), -np.inf)
+    np.maximum.at(most, b, upward)
+    np.maximum.at(most, a, -upward)
+    out: Bools = np.isfinite(most) & (most < PRESSED)
+    return out
+
+
+def heights(assembly: Assembly, up: Sequence[float] = UP) -> tuple[Floats, Floats]:
+    """Lowest and highest corner (n,) [m] of each block along ``up``."""
+    along = [block.vertices @ np.asarray(up, dtype=np.float64) for block in assembly.blocks]
+    return np.array([z.min() for z in along]), np.array([z.max() for z in along])
+
+
+def up_of(gravity: Sequence[float]) -> tuple[float, float, float]:
+    """The axis (3,) that is nearest to straight up where gravity is as given.
+
+    Examples
+    --------
+    >>> up_of((5.0, 0.0, -9.81)), up_of((0.0, -9.81, 0.0))
+    ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+    """
+    axis = [0.0, 0.0, 0.0]
+    largest = max(range(3), key=lambda i: abs(gravity[i]))
+    axis[largest] = -1.0 if gravity[largest] > 0.0 else 1.0
+    return axis[0], axis[1], axis[2]
+
+
+def remarks(
+    assembly: Assembly, spec: str, joints: Joints, up: Sequence[float] = UP
+) -> tuple[str, ...]:
+    """What to say about the blocks that ``spec`` has fixed.
+
+    Feet that ``lowest`` has found above the lowest blocks, blocks with nothing below them that are
+    not fixed, and a model most of whose blocks are fixed.
+    """
+    said = []
+    bottom, _ = heights(assembly, up)
+    fixed = assembly.fixed
+    if "lowest" in (part.strip() for part in spec.split(",")):
+        higher = feet(assembly, joints, up) & ~lowest(assembly, up)
+        if higher.any():
+            rise = bottom[higher].max() - bottom.min()
+            said.append(
+                f"'lowest' also fixes {_list(assembly, higher)}, up to {rise:.3g} m above the"
+                " others: nothing else is below"
+            )
+        left = hanging(assembly, joints, up) & ~fixed
+        if left.any():
+            said.append(
+                f"nothing is below {_list(assembly, left)}, which 'lowest' does not fix: name"
+                " what is a support"
+            )
+    if fixed.sum() > 0.5 * len(fixed) and not fixed.all():
+        said.append(f"{fixed.sum()} of {len(fixed)} blocks are fixed by '{spec}'")
+    return tuple(said)
+
+
+def advice(assembly: Assembly, up: Sequence[float] = UP, joints: Joints | None = None) -> str:
+    """What ``lowest`` and ``below:`` would fix, counted, as the remedy of an error."""
+    low = lowest(assembly, up) | feet(assembly, joints, up)
+    bottom, top = heights(assembly, up)
+    level = bottom.min() + LOWEST * (top.max() - bottom.min())
+    return (
+        f"'lowest' would fix {_list(assembly, low)}; 'below:{level:.3g}' "
+        f"{counted(int((bottom <= level).sum()), 'block')}; or give names"
+    )
+
+
+def _list(assembly: Assembly, mask: Bools) -> str:
+    names = [assembly.names[i] for i in np.flatnonzero(mask).tolist()]
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return f"{counted(len(names), 'block')} ({', '.join(names[:NAMED])}{more})"
+
+
+def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:
+    """Mask (n,) of the blocks whose lowest corner is one of a face that looks straight down."""
+    faces = assembly.faces
+    area = area_vectors(faces.point[faces.loop], faces.start)
+    direction = np.asarray(up, dtype=np.float64)
+    size = np.linalg.norm(area, axis=1)
+    down = -(area @ direction) >= LEVEL * size
+    least = np.minimum.reduceat(faces.point[faces.loop] @ direction, faces.start[:-1])
+    reach = np.array([block.size for block in assembly.blocks])
+    down &= least <= bottom[faces.owner] + 1e-3 * reach[faces.owner]
+    out = np.zeros(len(assembly), dtype=bool)
+    out[faces.owner[down]] = True
+    return out
+
+
+def _below(assembly: Assembly, text: str, up: Sequence[float]) -> Bools:
     level = length(text, "height")
-    bottom = assembly.bounds[:, 0, 2]
+    bottom, _ = heights(assembly, up)
     out: Bools = bottom <= level
     if not out.any():
         raise InputError(

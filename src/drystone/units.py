@@ -160,6 +160,17 @@ def components(values: Sequence[float], unit: str) -> str:
     return f"{', '.join(map(shown, values))} {prefix}{unit}"
 
 
+def extent(sizes: Sequence[float]) -> str:
+    """Sizes [m] along x, y and z.
+
+    Examples
+    --------
+    >>> extent([6.125, 0.5, 3.0])
+    '6.12 x 0.5 x 3 m'
+    """
+    return f"{' x '.join(f'{size:.3g}' for size in sizes)} m"
+
+
 def mass(value: float) -> str:
     """A mass [kg] in kg, from a tonne on in t.
 

@@ -79,7 +79,7 @@ class Block(OneLine):
             vertices = frozen_points(self.vertices, (None, 3), "vertices")
             surface = closed_surface(self.faces, len(vertices))
         except InputError as error:
-            raise InputError(error.what, where=where, remedy=error.remedy) from error
+            raise error.located(where) from error
         vertices = frozen(surface.select(vertices))
         bounds = frozen(np.array([vertices.min(axis=0), vertices.max(axis=0)]))
         extent = math.dist(*bounds.tolist())

@@ -59,13 +59,12 @@ def finish(answer: Answer, waiting: Waiting, as_json: bool) -> Callable[[], int]
             notes.append(f"interrupted: {NOTHING}")
         except (DrystoneError, OSError) as error:
             failed = error
-        if not files:
-            waiting.time_s.pop("write", None)
     waiting.wrote = files
     data = {**answer.data, "notes": notes, "files": files}
 
     def tell() -> int:
-        data.setdefault("time_s", dict(waiting.time_s))
+        spent = {key: s for key, s in waiting.time_s.items() if key != "write" or files}
+        data.setdefault("time_s", spent)
         if failed is not None and as_json:
             return output.fail(failed, output.code_of(failed), as_json, data)
         if as_json:

@@ -25,6 +25,7 @@ from drystone.cli.limit import friction, load, shrink, tilt
 from drystone.cli.limit_models import imperfections, thickness
 from drystone.cli.mcp import mcp
 from drystone.cli.mend import mend
+from drystone.cli.models import models
 from drystone.cli.plan import plan
 from drystone.cli.reproduce import reproduce
 from drystone.cli.settle import settle
@@ -90,10 +91,24 @@ limit = _group(
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
 )
+COMMANDS: tuple[click.Command, ...] = (
+    check,
+    convert,
+    demo,
+    inspect,
+    limit,
+    mcp,
+    mend,
+    models,
+    plan,
+    reproduce,
+    settle,
+    shell,
+)
 app = _group(
     "drystone",
     "Does a structure of loose blocks stand by contact and friction alone?",
-    (check, convert, demo, inspect, limit, mcp, mend, plan, reproduce, settle, shell),
+    COMMANDS,
     "drystone demo",
     "drystone check arch.json --html arch.html",
 )

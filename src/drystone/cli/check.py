@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Annotated
 
@@ -36,6 +37,9 @@ def check(
     """
     model = subject.prepared(waiting, finding, seismic)
     result = verdict.solve(model, waiting, time_limit)
+    if result.verdict == "unstable" and not result.stopped:
+        said = subject.upright(result.model, waiting)
+        result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
     why = mend.short(result, waiting)
     files = partial(wanted.all_of, result, subject.model)
     return verdict.answer(result, waiting, subject.model, files, strict, why)

@@ -11,7 +11,7 @@ from drystone.cli import kinds, options
 from drystone.cli.answer import Answer
 from drystone.cli.command import CONTACTS, OUTPUT, Argument, Option, command
 from drystone.cli.output import Screen
-from drystone.cli.subject import warnings_of
+from drystone.cli.subject import Source, warnings_of
 from drystone.cli.waiting import Waiting
 from drystone.errors import InputError
 
@@ -25,14 +25,13 @@ if TYPE_CHECKING:
 )
 def convert(
     *,
-    model: options.ModelArgument,
+    source: Source,
     target: Annotated[
         str, Argument("TARGET", "File to write; its suffix tells the format.", kinds.FILE)
     ],
+    skip_defects: options.SkipDefects = False,
     supports: options.Supports = None,
     friction: options.Friction = None,
-    units: options.Units = None,
-    split: options.Split = False,
     contacts: Annotated[bool, Option("Find the contacts and write them too.", CONTACTS)] = False,
     to: Annotated[
         str | None,
@@ -48,8 +47,10 @@ def convert(
 ) -> Answer:
     """Write a model in another format, and say what that format has no place for."""
     from drystone import io  # the program starts fast: work is imported when there is some
-    from drystone.model import Model, supported
+    from drystone.model import Model
+    from drystone.supports import select
 
+    model = source.model
     chosen = io.format_of(target, to)
     _refuse_other_suffix(target, chosen)
     if not overwrite and Path(target).resolve() == Path(model).resolve():
@@ -59,10 +60,10 @@ def convert(
             remedy="name another file, or add --overwrite",
         )
     waiting.stage("read", f"reading {model}")
-    read = io.read_file(model, units=units, split=split)
+    read = io.read_file(model, skip_defects=skip_defects, **source.how())
     notes = list(read.notes)
     if supports is not None:
-        read = replace(read, assembly=supported(read.assembly, supports), results=(), loads=())
+        read = replace(read, assembly=select(read.assembly, supports), results=(), loads=())
     if contacts:
         waiting.stage("detect", "finding contacts")
         made = Model.of(read.assembly, friction=friction, anyway=True)

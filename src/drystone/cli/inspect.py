@@ -11,7 +11,7 @@ from drystone.cli import options
 from drystone.cli.answer import Answer
 from drystone.cli.command import CONTACTS, OUTPUT, Option, command
 from drystone.cli.output import LISTED, Screen, grouped
-from drystone.cli.subject import Tolerances
+from drystone.cli.subject import Source, Tolerances
 from drystone.cli.waiting import Waiting
 from drystone.cli.written import Pictures
 from drystone.errors import InputError, counted
@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 @command("drystone inspect arch.json", "drystone inspect arch.json --sweep --html contacts.html")
 def inspect(
     *,
-    model: options.ModelArgument,
+    source: Source,
     supports: options.Supports = None,
-    units: options.Units = None,
-    split: options.Split = False,
     tolerances: Tolerances,
     sweep: Annotated[bool, Option("Count the contacts for many gap tolerances.", CONTACTS)] = False,
     pictures: Pictures,
@@ -45,22 +43,22 @@ def inspect(
     from drystone import io  # the program starts fast: work is imported when there is some
     from drystone.detection import find_contacts
 
-    waiting.stage("read", f"reading {model}")
-    built = io.inspect(model, units=units, split=split)
+    waiting.stage("read", f"reading {source.model}")
+    built = io.inspect(source.model, **source.how())
     assembly, notes = _usable(built, supports)
     detection = swept = None
     if assembly is not None:
         waiting.stage("detect", "finding contacts")
         detection = find_contacts(assembly, options=tolerances.options())
         swept = _swept(assembly, waiting) if sweep else None
-    data = _content(model, built, assembly, detection, swept)
+    data = _content(source.model, built, assembly, detection, swept)
     lines = [] if detection is None else list(detection.report.summary())
     lines += [] if swept is None else swept.summary()
 
     def files() -> Files:
         if assembly is None or detection is None:
             return [], []
-        return _pictures(assembly, detection, swept, built.bare, pictures, model)
+        return _pictures(assembly, detection, swept, built.bare, pictures, source.model)
 
     show = partial(_show, data, lines, everything)
     return Answer(data, show, 2 if built.defects else 0, notes, files)
@@ -95,7 +93,12 @@ def _content(
         "blocks": blocks,
         "volume": sum(block["volume"] for block in blocks),
         "defects": [
-            {"what": error.what, "where": error.where, "remedy": error.remedy}
+            {
+                "what": error.what,
+                "where": error.where,
+                "remedy": error.remedy,
+                "kind": error.kind,
+            }
             for error in built.defects
         ],
         "contacts": None if detection is None else detection.report.to_dict(),
@@ -105,11 +108,11 @@ def _content(
 
 def _usable(built: Built, supports: str | None) -> tuple[Assembly | None, list[str]]:
     """The blocks in which contacts can be looked for, with their supports, and what to note."""
-    from drystone import supports as chosen
+    from drystone.supports import select
 
     assembly, notes = built.assembly, list(built.notes)
     if assembly is not None:
-        return assembly if supports is None else chosen.select(assembly, supports), notes
+        return assembly if supports is None else select(assembly, supports), notes
     assembly = built.usable
     if assembly is None:
         notes.append("contacts are found, and drawn, once the defects are mended")
@@ -122,7 +125,7 @@ def _usable(built: Built, supports: str | None) -> tuple[Assembly | None, list[s
     )
     if supports is not None:
         try:
-            assembly = chosen.select(assembly, supports)
+            assembly = select(assembly, supports)
         except InputError as error:
             notes.append(f"--supports waits for the defects: {error}")
     return assembly, notes
@@ -156,10 +159,16 @@ def _show(
 ) -> None:
     blocks = data["blocks"]
     supports = sum(block["fixed"] for block in blocks)
-    screen.line(
-        f"{counted(len(blocks), 'block')}, {supports} of them fixed, {data['volume']:,.4g} m3",
-        data["model"],
-    )
+    screen.line("", data["model"])
+    told = [f"{counted(len(blocks), 'block')}, {supports} of them fixed"]
+    if blocks:
+        import numpy as np  # the commands start fast
+
+        bounds = np.array([block["bounds"] for block in blocks])
+        extent = bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)
+        weight = si.mass(sum(block["mass"] for block in blocks))
+        told += [si.extent(extent), f"{data['volume']:,.4g} m3", weight]
+    screen.line(", ".join(told))
     rows = []
     for block in blocks:
         low, high = block["bounds"]
@@ -172,8 +181,13 @@ def _show(
     screen.table(head, shown, most, more="--all lists every block")
     if len(shown) < len(rows):
         screen.dim("blocks of one size share a row (--all lists every block)")
+    kinds: dict[str, list[Any]] = {}
     for error in data["defects"]:
-        told = InputError(error["what"], where=error["where"], remedy=error["remedy"])
-        screen.line(str(told), "defect:", "red", " ")
+        kinds.setdefault(error["kind"] or error["what"], []).append(error)
+    for kind, errors in kinds.items():
+        first = errors[0]
+        fault = InputError(first["what"], where=first["where"], remedy=first["remedy"])
+        more = f" ({len(errors) - 1} more: {kind}; --json lists all)" if len(errors) > 1 else ""
+        screen.line(f"{fault}{more}", "defect:", "red", " ")
     for line in contacts:
         screen.line(line)

@@ -63,15 +63,15 @@ def thickness(
 ) -> Answer:
     """The least thickness at which a parametric model stands."""
     name, unit, (first, last) = SEARCHED[family]
-    build, types = families.family(family)
+    build, known = families.family(family)
     if parameter is not None and parameter != name:
         if thick is None or thin is None:
             raise InputError(
                 "needs a range", where="--parameter", remedy="give --from and --to too"
             )
-        families.refuse_unknown(parameter, types, "--parameter")
+        families.refuse_unknown(parameter, known, "--parameter")
         name, unit = parameter, ""
-    fixed = dict(families.setting(text, types) for text in set)
+    fixed = dict(families.setting(text, known) for text in set)
     if name in fixed:
         raise InputError(f"'{name}' is what is searched", where="--set", remedy="leave it out")
     from drystone.limits import limit_thickness

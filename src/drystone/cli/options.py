@@ -35,6 +35,25 @@ Units: TypeAlias = Annotated[
     str | None,
     Option("Unit of length of the file (the file's, else m).", MODEL, kind=kinds.UNIT),
 ]
+Up: TypeAlias = Annotated[
+    str,
+    Option("Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z"))),
+]
+SkipDefects: TypeAlias = Annotated[
+    bool, Option("Leave out blocks that cannot be used.", MODEL, expert=True)
+]
+Layers: TypeAlias = Annotated[
+    tuple[str, ...],
+    Option(
+        "Layer of a 3dm file to read, hidden or not. Can be given several times.",
+        MODEL,
+        metavar="NAME",
+        expert=True,
+    ),
+]
+Hidden: TypeAlias = Annotated[
+    bool, Option("Read hidden layers and objects of a 3dm file too.", MODEL, expert=True)
+]
 Split: TypeAlias = Annotated[
     bool, Option("Make blocks of the separate parts of a block.", MODEL, expert=True)
 ]

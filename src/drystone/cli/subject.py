@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from drystone.cli import loading, options
 from drystone.cli.waiting import Waiting
-from drystone.errors import InputError
+from drystone.errors import InputError, counted
 
 if TYPE_CHECKING:
     from drystone.detection import ContactReport, DetectionOptions
@@ -15,6 +15,26 @@ if TYPE_CHECKING:
 
 PAIRS = 5
 """Blocks or pairs named in a remark."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A model file, and how it is read."""
+
+    model: options.ModelArgument
+    units: options.Units = None
+    split: options.Split = False
+    layer: options.Layers = ()
+    hidden: options.Hidden = False
+
+    def how(self) -> dict[str, Any]:
+        """Arguments of the functions that read a file."""
+        return {
+            "units": self.units,
+            "split": self.split,
+            "layers": self.layer,
+            "hidden": self.hidden,
+        }
 
 
 @dataclass(frozen=True)
@@ -42,15 +62,14 @@ class Finding(Tolerances):
 
 
 @dataclass(frozen=True)
-class Subject:
+class Subject(Source):
     """The model that is analysed, its supports and materials, and its loads but for earthquakes."""
 
-    model: options.ModelArgument
+    up: options.Up = "z"
+    skip_defects: options.SkipDefects = False
     supports: options.Supports = None
     friction: options.Friction = None
     density: options.Density = None
-    units: options.Units = None
-    split: options.Split = False
     gravity: options.Gravity = None
     load: loading.Loads = ()
     case: loading.Cases = ()
@@ -83,18 +102,14 @@ class Subject:
             density=self.density,
             load=1.0 if self.case else self.gravity,  # the cases replace it
             detection=finding.options(),
-            units=self.units,
-            split=self.split,
+            up=self.up,
+            skip_defects=self.skip_defects,
             search=finding.find_contacts,
             anyway=finding.anyway,
+            **self.how(),
             progress=lambda stage, *_: waiting.stage(*stages[stage]),
         )
-        if not model.assembly.fixed.any():
-            raise InputError(
-                "no block is fixed",
-                where=self.model,
-                remedy="add --supports lowest, below:Z or the names of blocks",
-            )
+        _refuse_supports(model, self)
         notes = list(model.notes)
         notes += [] if model.report is None else warnings_of(model.report)
         load = model.load
@@ -114,6 +129,55 @@ class Subject:
                 remedy="ask 'drystone settle', or choose --case without settlement",
             )
         return replace(model, load=load, notes=(*notes, *load.notes))
+
+    def upright(self, model: Model, waiting: Waiting) -> tuple[str, ...]:
+        """A remark where a model that falls would stand with the y axis of its file up."""
+        from drystone.io import format_of
+        from drystone.supports import select
+
+        if self.up != "z" or self.gravity is not None or not self.supports:
+            return ()
+        if not format_of(self.model).axes_unknown:
+            return ()
+        waiting.stage("upright", "trying another axis")
+        up = (0.0, 1.0, 0.0)
+        try:
+            turned = select(model.assembly, self.supports, up=up, joints=model.joints)
+        except InputError:
+            return ()
+        if turned.fixed.all():
+            return ()
+        from drystone.limits.search import one_stiffness
+        from drystone.loads import LoadCase
+
+        down = LoadCase.gravity(turned, direction=(0.0, -1.0, 0.0))
+        found = one_stiffness(replace(model, assembly=turned, load=down))
+        stands = found.verdict.value == "stable"
+        return ("it would stand with --up y: does y point up in the file?",) if stands else ()
+
+
+def _refuse_supports(model: Model, subject: Subject) -> None:
+    """Raise InputError where no block is fixed, or every block is."""
+    fixed = model.assembly.fixed
+    if fixed.any() and not fixed.all():
+        return
+    from drystone.model import up_of_load  # as above
+    from drystone.supports import advice, select
+
+    if not fixed.any():
+        told = advice(model.assembly, up_of_load(subject.gravity), model.joints)
+        raise InputError("no block is fixed", where=subject.model, remedy=f"--supports: {told}")
+    remedy = "name fewer blocks with --supports"
+    if subject.up == "z" and subject.supports is not None:
+        lying = select(model.assembly, "lowest", up=(0.0, 1.0, 0.0), joints=model.joints)
+        if not lying.fixed.all():
+            some = counted(int(lying.fixed.sum()), "block")
+            remedy += f"; or does the model lie on its side? With --up y 'lowest' fixes {some}"
+    raise InputError(
+        f"every block is fixed, all {len(fixed)}: there is nothing to check",
+        where="--supports" if subject.supports is not None else subject.model,
+        remedy=remedy,
+    )
 
 
 def warnings_of(report: ContactReport) -> list[str]:

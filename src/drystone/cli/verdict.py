@@ -78,6 +78,7 @@ def content(result: Result, spent: Mapping[str, float], model: str) -> dict[str,
         "interfaces": contacts.count,
         "corners": contacts.corner_count,
         "mass": float(assembly.mass[assembly.free].sum()),
+        "size": (assembly.bounds[:, 1].max(axis=0) - assembly.bounds[:, 0].min(axis=0)).tolist(),
         "falling": list(result.falling_names),
         "props": props(result),
         "samples": dataclasses.asdict(result.samples),
@@ -138,8 +139,8 @@ def show(data: Mapping[str, Any], screen: Screen) -> None:
         screen.line(data["message"])
     screen.line(
         f"{counted(data['blocks'], 'block')} ({data['free_blocks']} free, "
-        f"{units.mass(data['mass'])}), {counted(data['interfaces'], 'interface')}, "
-        f"{counted(data['corners'], 'corner')}"
+        f"{units.mass(data['mass'])}), {units.extent(data['size'])}, "
+        f"{counted(data['interfaces'], 'interface')}, {counted(data['corners'], 'corner')}"
     )
     if data["falling"]:
         _show_falling(screen, data)

@@ -17,7 +17,7 @@ import numpy as np
 from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.contacts import DEFAULT_FRICTION, Contacts
-from drystone.errors import InputError, MissingDependency
+from drystone.errors import InputError, Kind, MissingDependency
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.io.compas.compas_contacts import frame_of, joined
@@ -118,7 +118,7 @@ def block_of(mesh: Any, name: str, density: float | None = None) -> Block:
     try:
         return Block(np.array(vertices), tuple(tuple(face) for face in faces), name, density)
     except InputError as error:
-        if "open mesh" not in error.what:
+        if error.kind is not Kind.OPEN:
             raise
     return mended_block(np.array(vertices), faces, name, density)
 

@@ -12,18 +12,24 @@ import numpy as np
 
 from drystone.arrays import Floats, frozen_floats
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.errors import FormatError, InputError, counted
+from drystone.errors import FormatError, InputError, Kind, counted
 from drystone.geometry.body import polyhedron, selfcontact
 from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.mend import coincidence
 from drystone.io.draft import Contents, Draft, Shape
 from drystone.io.wording import printable
-from drystone.units import scale_of
+from drystone.units import UNITS, mass, scale_of
 
 LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""
 LIKELY_EXTENT = (0.01, 1000.0)
-"""[m], chosen: a model smaller or larger than this is answered, with a remark on its unit."""
+LIKELY_BLOCK = (0.002, 4.0)
+LIKELY_MASS = 1e10
+"""[m, m, kg], chosen: a model that is smaller or larger, whose blocks are in the median, or that is
+heavier than the Great Pyramid (6e9 kg) is answered, with a remark on its unit."""
+USUAL_BLOCK = 0.5
+METRIC = ("mm", "cm", "m")
+"""[m], chosen: the metric unit is suggested in which the median block is nearest to this."""
 SAME_PLACE = 1e-9
 """Vertices nearer than this share of their block's size are the same point."""
 MANY = 5
@@ -44,6 +50,9 @@ class Built:
     notes
     bare
         Faces (c, 3) [m] of open meshes, beside which another is missing.
+    faulty
+        Positions of blocks that were made and must not be used: they touch themselves, or are
+        there twice.
     """
 
     blocks: tuple[Block | None, ...]
@@ -51,6 +60,7 @@ class Built:
     defects: tuple[InputError, ...]
     notes: tuple[str, ...]
     bare: tuple[Floats, ...] = ()
+    faulty: frozenset[int] = frozenset()
 
     @cached_property
     def assembly(self) -> Assembly | None:
@@ -62,10 +72,10 @@ class Built:
 
     @cached_property
     def usable(self) -> Assembly | None:
-        """Of the blocks that could be made, the first of each name; ``None`` without any."""
+        """Of the blocks without defects, the first of each name; ``None`` without any."""
         first: dict[str, tuple[Block, bool]] = {}
-        for block, held in zip(self.blocks, self.fixed, strict=True):
-            if block is not None:
+        for i, (block, held) in enumerate(zip(self.blocks, self.fixed, strict=True)):
+            if block is not None and i not in self.faulty:
                 first.setdefault(block.name, (block, held))
         if not first:
             return None
@@ -73,21 +83,35 @@ class Built:
         return Assembly(blocks, np.array(fixed, dtype=bool))
 
 
-def build(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Contents:
-    """The model of a draft.
+def build(
+    draft: Draft,
+    path: Path,
+    units: str | None = None,
+    *,
+    split: bool = False,
+    skip_defects: bool = False,
+) -> Contents:
+    """The model of a draft; with ``skip_defects`` of those of its blocks that can be used.
 
     Raises
     ------
     InputError
-        The first defect; the number of further ones is told.
+        The first defect, the number of further ones is told; or no block can be used.
     """
     built = try_blocks(draft, path, units, split=split)
     assembly = built.assembly
+    if assembly is None and skip_defects and built.usable is not None:
+        left = len(built.blocks) - len(built.usable)
+        said = [
+            f"{counted(left, 'block')} with defects left out ('drystone inspect' lists them)",
+            *(["contacts, loads and results of the file left out"] if draft.finish else []),
+        ]
+        return Contents(built.usable, notes=(*built.notes, *said))
     if assembly is None:
         first = built.defects[0]
         more = len(built.defects) - 1
         tail = f" ({more} more; 'drystone inspect' lists all)" if more else ""
-        raise type(first)(first.what, where=first.where, remedy=first.remedy + tail) from first
+        raise first.located(first.where, first.remedy + tail) from first
     scale = scale_of(units or draft.units or "m")
     contacts, loads, results = draft.finish(assembly, scale) if draft.finish else (None, (), ())
     return Contents(assembly, contacts, loads, results, built.notes)
@@ -129,20 +153,28 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
             made, said = _in_parts(plain, split)
         except InputError as error:
             defects.append(_located(error, path, shape))
-            if _is_open(error):
+            if error.kind is Kind.OPEN:
                 bare += _faces_at_holes(shape, scale)
             made, said = [None], []
         blocks += made
         fixed += [shape.fixed] * len(made)
         remarks += said
+    place = [i for i, block in enumerate(blocks) if block is not None]
     good = [block for block in blocks if block is not None]
     defects += _name_defects(draft.shapes, path)
-    defects += _self_contact_defects(good, path)
-    defects += _duplicate_defects(good, path)
+    inside, pinched = _self_contact_defects(good, path)
+    doubled, twice = _duplicate_defects(good, path)
+    defects += [*inside, *doubled]
+    faulty = frozenset(place[i] for i in (*pinched, *twice))
     sized = _size_notes(good, units or draft.units)
     notes = (*draft.notes, *overruled, *remarks, *_repair_notes(good), *sized)
     return Built(
-        tuple(blocks), tuple(fixed), tuple(defects), tuple(map(printable, notes)), tuple(bare)
+        tuple(blocks),
+        tuple(fixed),
+        tuple(defects),
+        tuple(map(printable, notes)),
+        tuple(bare),
+        faulty,
     )
 
 
@@ -168,7 +200,7 @@ def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]
 def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
     """The block of each shape, or what keeps it from being one.
 
-    Coincident vertices are merged where that closes it.
+    Coincident vertices are merged, and faces that are there twice left out, where that closes it.
     """
     made: list[Block | InputError] = []
     for shape in shapes:
@@ -176,15 +208,24 @@ def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
             made.append(_block(shape, _scaled(shape, scale), shape.faces))
         except InputError as error:
             made.append(error)
-    opened = [i for i, one in enumerate(made) if isinstance(one, InputError) and _is_open(one)]
+    opened = [
+        i
+        for i, one in enumerate(made)
+        if isinstance(one, InputError) and one.kind in (Kind.OPEN, Kind.CROWDED)
+    ]
     points = [_scaled(shapes[i], scale) for i in opened]
     loops = [shapes[i].faces for i in opened]
     welded = coincidence.weld_each(points, loops, SAME_PLACE)
     for i, vertices, (faces, merged) in zip(opened, points, welded, strict=True):
+        once = list({frozenset(face): face for face in reversed(faces)}.values())[::-1]
+        said = []
         if merged:
+            said.append(f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged")
+        if len(once) < len(faces):
+            said.append(f"{counted(len(faces) - len(once), 'face')} that are there twice left out")
+        if said:
             try:
-                said = f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged"
-                made[i] = _block(shapes[i], vertices, faces, said)
+                made[i] = _block(shapes[i], vertices, once, *said)
             except InputError as error:
                 made[i] = error
     return made
@@ -195,10 +236,6 @@ def _faces_at_holes(shape: Shape, scale: float) -> list[Floats]:
     vertices = _scaled(shape, scale)
     loops = [tuple(face) for face in shape.faces]
     return [vertices[list(loops[i])] for i in polyhedron.open_faces(loops)]
-
-
-def _is_open(error: InputError) -> bool:
-    return "open mesh" in error.what
 
 
 def _scaled(shape: Shape, scale: float) -> Floats:
@@ -222,9 +259,8 @@ def _block(shape: Shape, vertices: Floats, faces: Sequence[Sequence[int]], *note
 
 def _located(error: InputError, path: Path, shape: Shape) -> InputError:
     place = f"{shape.where} " if shape.where else ""
-    return FormatError(
-        error.what, where=f"{path}, {place}block '{shape.name}'", remedy=error.remedy
-    )
+    where = f"{path}, {place}block '{shape.name}'"
+    return FormatError(error.what, where=where, remedy=error.remedy, kind=error.kind)
 
 
 def _name_defects(shapes: tuple[Shape, ...], path: Path) -> list[InputError]:
@@ -242,7 +278,8 @@ def _name_defects(shapes: tuple[Shape, ...], path: Path) -> list[InputError]:
     ]
 
 
-def _self_contact_defects(blocks: list[Block], path: Path) -> list[InputError]:
+def _self_contact_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
+    """A defect for each place in which a block touches itself, and which blocks do."""
     found = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
     return [
         FormatError(
@@ -251,10 +288,11 @@ def _self_contact_defects(blocks: list[Block], path: Path) -> list[InputError]:
             remedy="separate the parts there, or split it into two blocks",
         )
         for fault in found
-    ]
+    ], [fault.body for fault in found]
 
 
-def _duplicate_defects(blocks: list[Block], path: Path) -> list[InputError]:
+def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
+    """A defect for each pair of blocks that are one, and the second of each pair."""
     pairs = coincidence.duplicates([block.vertices for block in blocks], SAME_PLACE)
     return [
         FormatError(
@@ -262,9 +300,10 @@ def _duplicate_defects(blocks: list[Block], path: Path) -> list[InputError]:
             " at the same place",
             where=str(path),
             remedy="remove one of them",
+            kind=Kind.TWICE,
         )
         for a, b in pairs
-    ]
+    ], [max(a, b) for a, b in pairs]
 
 
 def _repair_notes(blocks: list[Block]) -> list[str]:
@@ -287,7 +326,16 @@ def _size_notes(blocks: list[Block], units: str | None) -> list[str]:
     low = np.min([block.bounds[0] for block in blocks], axis=0)
     high = np.max([block.bounds[1] for block in blocks], axis=0)
     extent = float((high - low).max())
-    if LIKELY_EXTENT[0] <= extent <= LIKELY_EXTENT[1]:
+    block = float(np.median([(one.bounds[1] - one.bounds[0]).max() for one in blocks]))
+    weight = sum(one.mass for one in blocks)
+    usual = LIKELY_BLOCK[0] <= block <= LIKELY_BLOCK[1] and weight <= LIKELY_MASS
+    if usual and LIKELY_EXTENT[0] <= extent <= LIKELY_EXTENT[1]:
         return []
     read_in = f"read in {units}" if units else "no unit was given, metres assumed"
-    return [f"the model is {extent:.3g} m across; {read_in}: is the unit right (--units)?"]
+    now = UNITS[units or "m"]
+    likely = min(METRIC, key=lambda unit: abs(np.log(block * UNITS[unit] / now / USUAL_BLOCK)))
+    remedy = f"--units {likely}" if likely != (units or "m") else "--units"
+    return [
+        f"the model is {extent:.3g} m across, its median block {block:.3g} m, and weighs"
+        f" {mass(weight)}; {read_in}: is the unit right ({remedy})?"
+    ]

@@ -29,11 +29,17 @@ class Format(OneLine):
         ``write(model, path)``; ``None`` when it is only read.
     loses
         What of a model the format has no place for, in words; empty when it keeps everything.
+    axes_unknown
+        Whether files do not say which axis points up.
+    layers
+        Whether it has layers; ``read`` then takes ``layers`` and ``hidden`` too.
     """
 
     name: str
     title: str
     suffixes: tuple[str, ...]
-    read: Callable[[bytes, Path], Draft] | None = None
+    read: Callable[..., Draft] | None = None
     write: Callable[[Contents, Path], None] | None = None
     loses: str = ""
+    axes_unknown: bool = False
+    layers: bool = False

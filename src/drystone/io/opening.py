@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias, TypedDict, Unpack
 
@@ -17,7 +18,7 @@ from drystone.display import shortened
 from drystone.errors import InputError, counted
 from drystone.files import PathLike
 from drystone.io.registry import read_file
-from drystone.model import Model, supported
+from drystone.model import Model, up_of_load
 from drystone.progress import Progress
 from drystone.settings import checked_call
 
@@ -44,6 +45,13 @@ class How(TypedDict, total=False):
     split: bool
     search: bool
     anyway: bool
+    skip_defects: bool
+    layers: Sequence[str]
+    hidden: bool
+
+
+FILE_ONLY = ("units", "up", "split", "search", "skip_defects", "layers", "hidden")
+"""Arguments of :func:`read` that only a file has."""
 
 
 @checked_call
@@ -60,6 +68,9 @@ def read(
     split: bool = False,
     search: bool = False,
     anyway: bool = False,
+    skip_defects: bool = False,
+    layers: Sequence[str] = (),
+    hidden: bool = False,
     progress: Progress | None = None,
 ) -> Model:
     """Read a model that is ready to be checked.
@@ -69,8 +80,9 @@ def read(
     path
         Its suffix tells the format.
     supports
-        Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns. Left out, those that
-        the file marks.
+        Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns; see
+        :func:`drystone.supports.select`. Heights are along z, or along the axis that is nearest to
+        straight up where ``load`` is an acceleration. Left out, those that the file marks.
     friction
         Coefficient of every interface. Left out, that of the file, else 0.6.
     density : [kg/m3]
@@ -90,6 +102,12 @@ def read(
         Search the contacts although the file has some.
     anyway
         Accept blocks that overlap by more than a tenth of the smaller one.
+    skip_defects
+        Leave out blocks that cannot be used, with a note.
+    layers
+        Names of the layers to read, hidden ones too; 3dm only. Left out, all that are visible.
+    hidden
+        Read hidden layers and objects too; 3dm only.
     progress
 
     Raises
@@ -118,7 +136,14 @@ def read(
     of_type(anyway, bool, "anyway")
     if progress is not None:
         progress("read", 0, 2)
-    contents = read_file(path, units=units, split=split)
+    contents = read_file(
+        path,
+        units=units,
+        split=split,
+        skip_defects=skip_defects,
+        layers=layers,
+        hidden=hidden,
+    )
     assembly, contacts, notes = contents.assembly, contents.contacts, list(contents.notes)
     if up != "z" and (contacts is not None or contents.loads):
         raise InputError(
@@ -142,11 +167,7 @@ def read(
             detection=detection,
             anyway=anyway,
         )
-        contacts, report = model.contacts, model.report
-        assembly, load, notes = model.assembly, model.load, [*notes, *model.notes]
     else:
-        report = None
-        assembly = assembly if supports is None else supported(assembly, supports)
         assembly = assembly if density is None else assembly.with_density(density)
         contacts = contacts if friction is None else contacts.with_friction(friction)
         verb = "is" if contacts.count == 1 else "are"
@@ -155,9 +176,13 @@ def read(
         if not anyway:
             require_apart(assembly.names, overlaps)
         notes += overlap_lines(assembly.names, overlaps)
+        model = Model(assembly, contacts, load)
+        if supports is not None:
+            model = model.with_supports(supports, up_of_load(load))
+    notes += model.notes
     if case:
         notes.append(f"the load case '{contents.loads[0].name}' of the file is used")
-    return Model(assembly, contacts, load, report, tuple(notes), contents.loads)
+    return replace(model, notes=tuple(notes), cases=contents.loads)
 
 
 def as_model(given: Given, **how: Unpack[How]) -> Model:
@@ -184,14 +209,14 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     if isinstance(given, str | Path):
         return read(given, **how)
     if isinstance(given, Assembly):
-        _refuse(how, ("units", "up", "split", "search"), "an assembly")
+        _refuse(how, FILE_ONLY, "an assembly")
         return Model.of(given, **how)  # type: ignore[misc]
     if not isinstance(given, Model):
         raise InputError(
             f"{shortened(repr(given), 60)} cannot be analysed",
             remedy="give a Model, an Assembly or the path of a file",
         )
-    _refuse(how, ("units", "up", "split", "search", "anyway", "detection", "density"), "a model")
+    _refuse(how, (*FILE_ONLY, "anyway", "detection", "density"), "a model")
     model = given
     if how.get("supports") is not None:
         model = model.with_supports(how["supports"])  # type: ignore[arg-type]

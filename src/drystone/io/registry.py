@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from drystone.arrays import of_type
 from drystone.assembly import Assembly
 from drystone.errors import FormatError, InputError
 from drystone.files import PathLike, as_path, read_bytes
@@ -52,10 +54,12 @@ FORMATS: tuple[Format, ...] = (
         compas_json_write.write_block_model,
         f"friction, metadata, {LOADS} but for forces",
     ),
-    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write, MATERIAL),
-    Format("stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {MATERIAL}"),
-    Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS),
-    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino.write, CONTACTS),
+    Format("obj", "Wavefront OBJ", (".obj",), obj.read, obj.write, MATERIAL, axes_unknown=True),
+    Format(
+        "stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {MATERIAL}", axes_unknown=True
+    ),
+    Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS, axes_unknown=True),
+    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino.write, CONTACTS, layers=True),
     Format(
         "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
     ),
@@ -86,7 +90,15 @@ def format_of(path: PathLike, name: str | None = None) -> Format:
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 
 
-def read_file(path: PathLike, *, units: str | None = None, split: bool = False) -> Contents:
+def read_file(
+    path: PathLike,
+    *,
+    units: str | None = None,
+    split: bool = False,
+    skip_defects: bool = False,
+    layers: Sequence[str] = (),
+    hidden: bool = False,
+) -> Contents:
     """Read what a file holds, with its contacts where it has some.
 
     Parameters
@@ -97,6 +109,12 @@ def read_file(path: PathLike, *, units: str | None = None, split: bool = False) 
         Unit of length of the file: mm, cm, m, in or ft. Left out, what the file says, else metres.
     split
         Separate parts of a block become blocks of their own.
+    skip_defects
+        Leave out blocks that cannot be used, with a note.
+    layers
+        Names of the layers to read, hidden ones too; 3dm only. Left out, all that are visible.
+    hidden
+        Read hidden layers and objects too; 3dm only.
 
     Raises
     ------
@@ -118,24 +136,38 @@ def read_file(path: PathLike, *, units: str | None = None, split: bool = False) 
     ('block-0', 'block-1', 'block-2')
     """
     with one_line_errors():
-        return build(_draft(path, units), Path(path), units, split=split)
+        draft = _draft(path, units, layers, hidden)
+        return build(draft, Path(path), units, split=split, skip_defects=skip_defects)
 
 
-def inspect(path: PathLike, *, units: str | None = None, split: bool = False) -> Built:
+def inspect(
+    path: PathLike,
+    *,
+    units: str | None = None,
+    split: bool = False,
+    layers: Sequence[str] = (),
+    hidden: bool = False,
+) -> Built:
     """Read the blocks that can be used, with every defect of the others; see :func:`read_file`."""
     with one_line_errors():
-        return try_blocks(_draft(path, units), Path(path), units, split=split)
+        draft = _draft(path, units, layers, hidden)
+        return try_blocks(draft, Path(path), units, split=split)
 
 
-def _draft(path: PathLike, units: str | None) -> Draft:
+def _draft(path: PathLike, units: str | None, layers: Sequence[str], hidden: bool) -> Draft:
     if units is not None:
         scale_of(units)
     chosen = format_of(path)
     if chosen.read is None:
         raise FormatError(f"{chosen.title} is written, not read", where=str(path))
+    named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
+    hidden = of_type(hidden, bool, "hidden")
+    layered = {"layers": named, "hidden": hidden} if named or hidden else {}
+    if layered and not chosen.layers:
+        raise FormatError(f"{chosen.title} has no layers", where=str(path), remedy="leave them out")
     data = read_bytes(path)
     try:
-        draft = chosen.read(data, Path(path))
+        draft = chosen.read(data, Path(path), **layered)
     except (RecursionError, MemoryError) as error:
         raise FormatError(
             "the file asks for more memory or depth than it can need", where=str(path)

@@ -36,4 +36,5 @@ def one_line_errors() -> Iterator[None]:
         clean = tuple(printable(part) for part in parts)
         if clean == parts:
             raise
-        raise type(error)(clean[0], where=clean[1], remedy=clean[2]) from error
+        what, where, remedy = clean
+        raise type(error)(what, where=where, remedy=remedy, kind=error.kind) from error

@@ -55,7 +55,11 @@ MODELS: dict[str, tuple[str, bytes | list[dict[str, Any]], list[str]]] = {
     "one name twice": ("model.json", [block(), block("a", 2.0)], ["one name, 'a'", "rename"]),
     "zero volume": ("model.json", [block(vertices=scaled([1, 1, 0]))], ["volume is zero"]),
     "doubled": ("model.json", [block(), block("b")], ["'a' and 'b'", "twice", "remove"]),
-    "no support": ("model.json", [block()], ["no block is fixed", "--supports lowest"]),
+    "no support": (
+        "model.json",
+        [block()],
+        ["no block is fixed; --supports: 'lowest' would fix 1 block (a)", "'below:0.1' 1 block"],
+    ),
 }
 
 

@@ -88,7 +88,7 @@ def test_the_help_of_every_command_has_two_examples_and_few_options(
     examples = out.partition("Examples:\n")[2].splitlines()
     assert len(examples) == 2
     assert all(
-        line.startswith(f"  drystone {name} ") for line in examples if line != "  drystone demo"
+        line.startswith(f"  drystone {name}") for line in examples if line != "  drystone demo"
     )
     assert len(re.findall(r"^  --[a-z]", out, re.MULTILINE)) <= 16
     assert max(map(len, out.splitlines())) <= 100

@@ -12,7 +12,7 @@ from drystone import io
 from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
 from drystone.model import Model
-from drystone.models import arch, box, incline, prism, tower
+from drystone.models import arch, box, incline, prism, tower, vault
 from drystone.view.palette import ROLE_COLOUR
 
 Capsys = pytest.CaptureFixture[str]
@@ -169,6 +169,60 @@ def test_contacts_and_loads_of_a_file_are_used_unless_told_otherwise(
     _, told = answer(capsys, "check", model, "--find-contacts", "--gravity", "9.81")
     assert told["notes"] == []
     assert told["largest"]["utilisation"]["utilisation"] == pytest.approx(0.0, abs=1e-9)
+
+
+Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+
+
+def test_a_model_that_lies_on_its_side_is_told_to_stand_up(tmp_path: Path, capsys: Capsys) -> None:
+    model = file(tmp_path, vault().transformed(Y_UP), "lying.obj")
+    note = "it would stand with --up y: does y point up in the file?"
+    code, told = answer(capsys, "check", model, "--supports", "lowest")
+    assert (code, note in told["notes"]) == (1, True)
+    code, told = answer(capsys, "check", model, "--supports", "lowest", "--up", "y")
+    assert (code, told["notes"]) == (0, [])
+    fallen = file(tmp_path, boxes(base=(0, 0, 0), far=(0, 3, 0)), "fallen.obj")
+    _, told = answer(capsys, "check", fallen, "--supports", "base")
+    assert note not in told["notes"]
+
+
+def test_all_blocks_fixed_is_bad_input_with_advice(tmp_path: Path, capsys: Capsys) -> None:
+    model = file(tmp_path, arch().transformed(Y_UP), "lying.obj")
+    for spec, advice in (("lowest", "With --up y 'lowest' fixes 2 blocks"), ("*", "name fewer")):
+        assert main(["check", model, "--supports", spec]) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert "every block is fixed, all 38" in err
+        assert advice in err
+
+
+def test_size_and_mass_are_told_first(tmp_path: Path, capsys: Capsys) -> None:
+    _, told = answer(capsys, "check", file(tmp_path, tower(3)))
+    assert told["size"] == pytest.approx([1.0, 1.0, 3.0])
+    for command in ("check", "inspect"):
+        assert main([command, file(tmp_path, tower(3))]) == 0
+        head = capsys.readouterr().out.splitlines()[:3]
+        assert any("1 x 1 x 3 m" in line for line in head)
+
+
+def test_equal_rows_and_equal_defects_share_a_line(tmp_path: Path, capsys: Capsys) -> None:
+    assert main(["inspect", file(tmp_path, tower(9))]) == 0
+    assert "block-1, block-2, block-3 and 5 more" in capsys.readouterr().out
+    cube = box((1.0, 1.0, 1.0))
+    blocks = [
+        {
+            "name": f"b{i}",
+            "vertices": (cube.vertices + np.array([2.0 * i, 0, 0])).tolist(),
+            "faces": cube.faces[1:],
+        }
+        for i in range(5)
+    ]
+    path = tmp_path / "open.json"
+    path.write_text(json.dumps({"blocks": blocks}), encoding="utf-8")
+    assert main(["inspect", str(path)]) == 2
+    out = capsys.readouterr().out
+    assert out.count("defect:") == 1
+    assert "(4 more: open mesh; --json lists all)" in " ".join(out.split())
 
 
 def test_check_writes_the_page_and_the_figure(tmp_path: Path, capsys: Capsys) -> None:

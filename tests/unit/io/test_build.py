@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+import drystone
 from drystone import io
 from drystone.arrays import Floats
 from drystone.errors import FormatError
 from drystone.geometry.mend import coincidence
-from drystone.models import box
+from drystone.models import box, vault
 
 CUBE = box((1.0, 1.0, 1.0))
 
@@ -188,3 +189,41 @@ def test_each_open_shape_is_closed_by_its_own_vertices(tmp_path: Path) -> None:
     built = io.inspect(file(tmp_path, *blocks, block("open", 9.0, faces=faces[:1] * 4)))
     assert [one is None for one in built.blocks] == [False, False, False, True]
     assert all(len(one.vertices) == 8 for one in built.blocks if one is not None)
+
+
+def test_faces_that_are_there_twice_are_left_out_and_that_is_told(tmp_path: Path) -> None:
+    """Once with shared vertices, some turned; once with vertices of their own."""
+    faces = [list(f) for f in CUBE.faces]
+    shared = block(faces=[*faces, *(face[::-1] for face in faces[:4])])
+    apart = block(
+        "b",
+        2.0,
+        vertices=(CUBE.vertices + np.array([2.0, 0, 0])).tolist() * 2,
+        faces=[*faces, *([i + 8 for i in face] for face in faces)],
+    )
+    model = io.read_file(file(tmp_path, shared))
+    assert model.assembly.blocks[0].volume == pytest.approx(1.0)
+    assert model.notes == ("block 'a': 4 faces that are there twice left out",)
+    assert "separate parts" in io.read_file(file(tmp_path, apart)).notes[0]
+
+
+def test_blocks_with_defects_are_left_out_on_request(tmp_path: Path) -> None:
+    opened = block("open", 2.0, faces=[list(f) for f in CUBE.faces[1:]])
+    path = file(tmp_path, block("a"), opened, block("a", 4.0), block("c"))
+    model = io.read_file(path, skip_defects=True)
+    assert model.assembly.names == ("a",)
+    assert model.notes[-1] == "3 blocks with defects left out ('drystone inspect' lists them)"
+    assert drystone.read(path, skip_defects=True, supports="a").assembly.fixed.all()
+    with pytest.raises(FormatError, match="open mesh"):
+        io.read_file(file(tmp_path, opened), skip_defects=True)
+
+
+@pytest.mark.parametrize(("scale", "suggested"), [(100.0, "cm"), (1000.0, "mm")])
+def test_a_unit_is_suggested_for_blocks_that_are_too_large(
+    tmp_path: Path, scale: float, suggested: str
+) -> None:
+    path = tmp_path / "vault.obj"
+    io.write(vault().transformed(scale * np.eye(3)), path)
+    (note,) = io.read_file(path).notes
+    assert f"is the unit right (--units {suggested})?" in note
+    assert io.read_file(path, units=suggested).notes == ()

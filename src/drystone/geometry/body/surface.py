@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from drystone.arrays import Floats
-from drystone.errors import InputError, counted
+from drystone.errors import InputError, Kind, counted
 from drystone.geometry.body import polyhedron
 from drystone.geometry.body.polyhedron import Edge, Fan, Loop
 
@@ -86,6 +86,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
         raise InputError(
             f"non-manifold: more than two faces meet at edges {_edges_text(crowded, used)}",
             remedy="split the block there or remove inner faces",
+            kind=Kind.CROWDED,
         )
     if open_edges:
         shown = _edges_text(open_edges, used)
@@ -95,6 +96,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
             f" {'face' if len(at) == 1 else 'faces'} {', '.join(map(str, at[:4]))}{more}",
             remedy="close the holes or merge coincident vertices",
+            kind=Kind.OPEN,
         )
     if not consistent:
         oriented, turned = polyhedron.orient(faces)

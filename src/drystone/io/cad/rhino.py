@@ -12,6 +12,7 @@ import importlib.util
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ import numpy as np
 
 from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.errors import FormatError, MissingDependency
+from drystone.errors import FormatError, MissingDependency, counted
 from drystone.files import write_through
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.holes import faces_with_holes
@@ -43,12 +44,17 @@ machines with other work too."""
 EXACT, SINGLE = 1e-9, 1e-6
 
 
-def read(data: bytes, path: Path) -> Draft:
-    """Blocks of a 3dm file."""
+def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = False) -> Draft:
+    """Blocks of a 3dm file: all that is visible, what is on ``layers``, or hidden things too."""
     _require("reading 3dm")
-    top = _extracted(data, path)
+    top = _extracted(data, path, {"layers": list(layers), "hidden": hidden})
     units = UNITS.get(top["units"].text())
     notes = [f"{count.integer()} x {kind} left out" for kind, count in top["skipped"].items()]
+    unread = {layer: count.integer() for layer, count in top["hidden"].items()}
+    notes += [
+        f"{counted(count, 'hidden object')} left out on layer '{layer}'"
+        for layer, count in unread.items()
+    ]
     if units is None:
         notes.append(f"its unit, {top['units'].text()}, is not known; metres assumed")
     shapes: list[Shape] = []
@@ -56,6 +62,21 @@ def read(data: bytes, path: Path) -> Draft:
         made, remarks = _shapes(item, number, path)
         shapes += made
         notes += remarks
+    if not shapes and layers:
+        known = ", ".join(f"'{one.text()}'" for one in top["layers"].elements())
+        wanted = ", ".join(f"'{one}'" for one in layers)
+        raise FormatError(
+            f"holds no block on layer {wanted}",
+            where=str(path),
+            remedy=f"its layers are {known or 'none'}",
+        )
+    if not shapes and unread:
+        total = counted(sum(unread.values()), "object")
+        raise FormatError(
+            f"holds no visible block; {total} hidden on layers {', '.join(map(repr, unread))}",
+            where=str(path),
+            remedy="read them with --layer NAME or --hidden, or show them in Rhino",
+        )
     shapes, renamed = named_apart(shapes)
     return Draft(tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed))
 
@@ -65,13 +86,16 @@ def _require(purpose: str) -> None:
         raise MissingDependency("rhino3dm", extra="cad", purpose=purpose)
 
 
-def _extracted(data: bytes, path: Path) -> Field:
+def _extracted(data: bytes, path: Path, wanted: dict[str, Any]) -> Field:
     """What the file holds, read by a process of its own that may hang or die."""
     size = len(data) // 2**20
     patience = WALL_S + WALL_S_PER_MIB * size
     try:
         done = subprocess.run(
-            [sys.executable, "-P", str(PROGRAM), str(CPU_S + CPU_S_PER_MIB * size)],
+            [
+                *(sys.executable, "-P", str(PROGRAM)),
+                *(str(CPU_S + CPU_S_PER_MIB * size), json.dumps(wanted)),
+            ],
             input=data,
             capture_output=True,
             timeout=patience,

@@ -25,13 +25,13 @@ def limit(cpu_s: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
-def content(data: bytes) -> dict[str, Any]:
-    """Everything that is of use for blocks."""
+def content(data: bytes, wanted: dict[str, Any]) -> dict[str, Any]:
+    """Everything that is of use for blocks, of the layers that are wanted."""
     rhino3dm: Any = importlib.import_module("rhino3dm")
     file = rhino3dm.File3dm.FromByteArray(data)
     if file is None:
         return {"error": "is no 3dm file that can be read"}
-    found = _Found(file)
+    found = _Found(file, wanted)
     for item in file.Objects:
         if not item.Attributes.IsInstanceDefinitionObject:
             found.take(item, None, 0)
@@ -39,14 +39,18 @@ def content(data: bytes) -> dict[str, Any]:
         "units": file.Settings.ModelUnitSystem.name,
         "objects": found.objects,
         "skipped": found.skipped,
+        "hidden": found.hidden,
+        "layers": [layer.FullPath for layer in file.Layers],
     }
 
 
 class _Found:
     """Objects that were taken, and those that were not, by kind."""
 
-    def __init__(self, file: Any) -> None:
+    def __init__(self, file: Any, wanted: dict[str, Any]) -> None:
         self.file = file
+        self.wanted = wanted
+        self.hidden: dict[str, int] = {}
         self.layers = {layer.Index: layer for layer in file.Layers}
         self.tolerance = file.Settings.ModelAbsoluteTolerance
         self.objects: list[dict[str, Any]] = []
@@ -57,8 +61,7 @@ class _Found:
         geometry, attributes = item.Geometry, item.Attributes
         kind = type(geometry).__name__
         layer = self.layers.get(attributes.LayerIndex)
-        if not attributes.Visible or (layer is not None and not layer.Visible):
-            self._skip("hidden object")
+        if not self._wants(attributes, layer, depth):
             return
         if kind == "InstanceReference":
             self._instance(geometry, placed, depth)
@@ -81,6 +84,18 @@ class _Found:
             }
         )
 
+    def _wants(self, attributes: Any, layer: Any, depth: int) -> bool:
+        """Whether an object is on a layer that is wanted, or is to be seen where none is named."""
+        path = layer.FullPath if layer is not None else ""
+        named = self.wanted["layers"]
+        if named:  # what an instance stands for is where the instance is
+            return depth > 0 or any(one in (path, path.rpartition("::")[2]) for one in named)
+        seen = attributes.Visible and (layer is None or layer.Visible)
+        if seen or self.wanted["hidden"]:
+            return True
+        self.hidden[path] = self.hidden.get(path, 0) + 1
+        return False
+
     def _skip(self, kind: str) -> None:
         self.skipped[kind] = self.skipped.get(kind, 0) + 1
 
@@ -98,19 +113,24 @@ class _Found:
     def _shape(self, geometry: Any, kind: str) -> dict[str, Any] | None:
         if kind == "Mesh":
             return {"kind": "mesh", **_mesh([geometry])}
+        drawn = None
         if kind == "Extrusion":
+            rhino3dm: Any = importlib.import_module("rhino3dm")
+            drawn = geometry.GetMesh(rhino3dm.MeshType.Any)  # a Brep made of it has none
             geometry = geometry.ToBrep(True)
             kind = "Brep" if geometry is not None else kind
         if kind != "Brep":
-            return None
-        return self._brep(geometry)
+            return None if drawn is None else {"kind": "drawn", **_mesh([drawn])}
+        return self._brep(geometry, drawn)
 
-    def _brep(self, brep: Any) -> dict[str, Any]:
+    def _brep(self, brep: Any, carried: Any) -> dict[str, Any]:
         """Loops of a planar Brep; else the meshes that Rhino drew it with; else what is wrong."""
         curved = [i for i in range(len(brep.Faces)) if not brep.Faces[i].IsPlanar(self.tolerance)]
         bent = [i for i in range(len(brep.Edges)) if not brep.Edges[i].IsLinear(self.tolerance)]
         if not curved and not bent:
             return {"kind": "brep", **_loops(brep)}
+        if carried is not None:
+            return {"kind": "drawn", **_mesh([carried])}
         rhino3dm: Any = importlib.import_module("rhino3dm")
         drawn = [brep.Faces[i].GetMesh(rhino3dm.MeshType.Any) for i in range(len(brep.Faces))]
         if drawn and all(mesh is not None for mesh in drawn):
@@ -156,4 +176,4 @@ def _loops(brep: Any) -> dict[str, Any]:
 
 if __name__ == "__main__":
     limit(int(sys.argv[1]))
-    json.dump(content(sys.stdin.buffer.read()), sys.stdout)
+    json.dump(content(sys.stdin.buffer.read(), json.loads(sys.argv[2])), sys.stdout)
