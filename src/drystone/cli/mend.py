@@ -70,7 +70,7 @@ def mend(
         ),
     ] = (),
     apply: Annotated[
-        int | None, Option("Number of the mend to make, as they are listed.", OUTPUT)
+        int | None, Option("Number of the mend to make, as they are listed.", OUTPUT, expert=True)
     ] = None,
     out: Annotated[
         Path | None,

@@ -1,6 +1,6 @@
 """Stability-aware design: why a structure falls, and what to change until it stands."""
 
-from drystone.design.candidates import Tried
+from drystone.design.bench import Tried
 from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
 from drystone.design.joint_motion import JointMotion, JointState
 from drystone.design.margin import DesignMargin

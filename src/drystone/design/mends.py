@@ -8,7 +8,7 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.design.candidates import KINDS, Bench, Candidate, Tried, volume_changed
+from drystone.design.bench import KINDS, Bench, Candidate, Tried, volume_changed
 from drystone.design.diagnosis import Diagnosis, diagnose
 from drystone.design.margin import DesignMargin
 from drystone.display import OneLine, shortened
