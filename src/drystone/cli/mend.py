@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from drystone.cli import kinds, loading, verdict
+from drystone.cli import kinds, loading, options, verdict
 from drystone.cli.answer import Answer
 from drystone.cli.command import OUTPUT, Option, command
 from drystone.cli.output import Screen
@@ -70,20 +70,13 @@ def mend(
         ),
     ] = (),
     apply: Annotated[
-        int | None, Option("Number of the mend to make, as they are listed.", OUTPUT)
+        int | None, Option("Number of the mend to make, as they are listed.", OUTPUT, expert=True)
     ] = None,
     out: Annotated[
         Path | None,
         Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
     ] = None,
-    time_limit: Annotated[
-        float | None,
-        Option(
-            "Seconds after which the search stops with what it knows.",
-            kind=kinds.POSITIVE,
-            expert=True,
-        ),
-    ] = None,
+    time_limit: options.TimeLimit = None,
     wanted: Pictures,
     waiting: Waiting,
 ) -> Answer:

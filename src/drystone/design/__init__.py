@@ -1,9 +1,9 @@
 """Stability-aware design: why a structure falls, and what to change until it stands."""
 
+from drystone.design.bench import Tried
 from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
 from drystone.design.joint_motion import JointMotion, JointState
 from drystone.design.margin import DesignMargin
-from drystone.design.mend_kinds import Tried
 from drystone.design.mending import Mending, mend
 from drystone.design.mends import Mend, MendOptions, Mends, find_mends
 from drystone.design.needs import Ballast, Needs, Pull

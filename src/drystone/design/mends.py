@@ -8,9 +8,9 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.design.bench import KINDS, Bench, Candidate, Tried, volume_changed
 from drystone.design.diagnosis import Diagnosis, diagnose
 from drystone.design.margin import DesignMargin
-from drystone.design.mend_kinds import KINDS, Bench, Candidate, Tried, volume_changed
 from drystone.display import OneLine, shortened
 from drystone.errors import InputError, counted
 from drystone.io.opening import Given, How, as_model
