@@ -28,7 +28,7 @@ from drystone.model import Model
 from drystone.progress import Progress
 from drystone.results import Result, Verdict
 from drystone.settings import Options, checked_call
-from drystone.stability import CheckOptions, PenaltyOptions, check, solve_cra_penalty
+from drystone.stability import check, solve_cra_penalty
 from drystone.stability.problem import Clock
 
 
@@ -54,7 +54,7 @@ class DiagnosisOptions(Options):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._refuse_below(1, "regions")
-        CheckOptions(time_limit_s=self.time_limit_s)
+        self._refuse_below(0.0, "time_limit_s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,8 +216,7 @@ def diagnose(
     if answer.stable:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))))
     if answer.prop is None or not answer.falling:
-        limit = PenaltyOptions(time_limit_s=clock.left_s)
-        answer = solve_cra_penalty(model, options=limit, stop=clock.late)
+        answer = solve_cra_penalty(model, stop=clock.late, time_limit_s=clock.left_s)
     if answer.prop is None or not answer.falling:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))), stopped=clock.reason)
     prop = np.zeros((len(model), 6))
@@ -261,7 +260,13 @@ def _region(
     mine[list(blocks)] = wrench
     interfaces = interfaces_of(model, blocks)
     motion = first_motion_of(model, mine)
-    joints = joint_states(model, inside, interfaces, motion, answer.force)
+    joints = joint_states(
+        model,
+        inside,
+        interfaces,
+        motion,
+        answer.force if answer.force is not None else answer.force_with_props,
+    )
     force, point = one_force(model, blocks, wrench)
     support = friction = ballast = None
     if options.needs and not alone.stable and not late():

@@ -35,7 +35,7 @@ SHARES = (0.0, 0.4, 0.7, -0.4, -0.7)
 SMALL_REGION = 4
 """Blocks up to which all places are tried; with more blocks the middle of each face."""
 
-QUICK = CheckOptions(samples=0, search=False)
+QUICK = CheckOptions(samples=0, settle=False)
 """One stiffness: what stands in it stands, and the full check has the last word."""
 
 
