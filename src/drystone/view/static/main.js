@@ -173,7 +173,7 @@ function drawMarks(pen, view, ratio) {
   }
   if (page.joint >= 0 && view.time === 0) drawJoint(pen, data, stage(), page.joint, view, size, colours);
   if (page.measuring?.length) drawMeasure(pen, page.measuring, view, size, colours);
-  drawScale(pen, view, size, colours, size.width - 250);
+  drawScale(pen, view, size, colours);
   drawGizmo(pen, view, stage().gravity, size, colours);
 }
 
@@ -595,6 +595,8 @@ function exportPng() {
 function beforePrint() {
   if (!renderer) return;
   page.printing = true;
+  page.closed = !byId("details").open;
+  byId("details").open = true; // paper cannot be clicked
   refreshPanels();
   byId("printed").src = pictureOf(2).sheet.toDataURL("image/png");
   byId("printed").hidden = false;
@@ -602,6 +604,7 @@ function beforePrint() {
 
 function afterPrint() {
   page.printing = false;
+  byId("details").open = !page.closed;
   byId("printed").hidden = true;
   refreshPanels();
 }

@@ -57,9 +57,12 @@ function scaleBar(metresPerPixel, most = 130) {
   return { pixels: length / metresPerPixel, text: quantity(length, "m") };
 }
 
-function drawScale(pen, view, size, colours, left) {
-  const { pixels, text } = scaleBar(view.metresPerPixel);
-  const [x, y] = [left, size.height - 16];
+// Beside the directions; above them where there is no room for both beside the legend.
+function drawScale(pen, view, size, colours) {
+  const small = size.width < 560;
+  const { pixels, text } = scaleBar(view.metresPerPixel, small ? 90 : 130);
+  const [x, y] = small
+    ? [size.width - pixels - 16, size.height - 112] : [size.width - 250, size.height - 16];
   pen.strokeStyle = pen.fillStyle = colours.ink;
   pen.lineWidth = 2;
   pen.beginPath();
