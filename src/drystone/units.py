@@ -141,15 +141,19 @@ def quantity(value: float, unit: str, negligible: float = 0.0) -> str:
     return f"{value:.3g} {unit}"
 
 
-def components(values: Sequence[float], unit: str) -> str:
+def components(values: Sequence[float], unit: str, negligible: float = 0.0) -> str:
     """Components of a vector with one prefix, to three digits of the largest.
+
+    A vector of which no component exceeds ``negligible`` is zero.
 
     Examples
     --------
-    >>> components([0.1, -2500.0, 12340.0], "N")
-    '0, -2.5, 12.3 kN'
+    >>> components([0.1, -2500.0, 12340.0], "N"), components([0.0, -2e-7, 0.0], "N m", 1e-6)
+    ('0, -2.5, 12.3 kN', '0, 0, 0 N m')
     """
     largest = max((abs(value) for value in values), default=0.0)
+    if largest <= negligible:
+        values, largest = [0.0] * len(values), 0.0
     factor, prefix = next((one for one in PREFIXES if largest >= 0.9995 * one[0]), (1.0, ""))
     digits = 0 if largest == 0.0 else max(2 - math.floor(math.log10(largest / factor)), 0)
 

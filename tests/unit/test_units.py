@@ -31,6 +31,7 @@ def test_forces_are_told_by_their_size(value: float, told: str) -> None:
 def test_components_share_a_prefix_and_rounding_is_zero() -> None:
     assert units.components([-1e-9, 0.0, 23544.0], "N") == "0, 0, 23.5 kN"
     assert units.components([0.0, 0.0, 0.0], "N") == "0, 0, 0 N"
+    assert units.components([0.0, -1.17e-7, 0.0], "N m", 1e-5) == "0, 0, 0 N m"
     assert units.components([-4.0, 700.0, -999.9], "N") == "-0.004, 0.7, -1 kN"
     assert units.components([-0.4, 700.0, -999.9], "N") == "0, 0.7, -1 kN"
     assert units.components([-40.0, 700.0, 150.0], "N") == "-40, 700, 150 N"

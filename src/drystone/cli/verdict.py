@@ -188,8 +188,13 @@ def _show_falling(screen: Screen, data: Mapping[str, Any]) -> None:
     screen.line(f"falls: {counted(len(names), 'block')}")
     rows = []
     for name in names:
-        need = needs.get(name)
-        parts = ("force", "N"), ("moment", "N m")
-        told = [units.components(need[key], unit) if need else "-" for key, unit in parts]
+        told = ["-", "-"]
+        if need := needs.get(name):
+            # with the size of the model as lever arm
+            least = NEGLIGIBLE * max(map(abs, need["force"])) * max(data["size"])
+            told = [
+                units.components(need["force"], "N"),
+                units.components(need["moment"], "N m", least),
+            ]
         rows.append([name, *told])
     screen.table(("block", "prop force", "prop moment"), grouped(rows))
