@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.errors import FormatError, MissingDependency, counted
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError, MissingDependency, counted
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.holes import faces_with_holes
 from drystone.io.draft import Draft, Shape

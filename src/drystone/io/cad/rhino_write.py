@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Block
-from drystone.errors import FormatError
-from drystone.files import write_through
+from drystone.base.errors import FormatError
+from drystone.base.files import write_through
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.cad.rhino import TEXT, require
 from drystone.io.draft import Contents

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Ints
-from drystone.display import OneLine
-from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
-from drystone.view.scene import Scene, Stage
+from drystone.base.arrays import Ints
+from drystone.base.display import OneLine
+from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
+from drystone.view.scenes.scene import Scene, Stage
 
 NAMES = {State.FREE: "blocks", State.SUPPORT: "supports", State.FALLING: "falling blocks"}
 

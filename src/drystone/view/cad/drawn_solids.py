@@ -6,9 +6,9 @@ from typing import TypeAlias
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.geometry.frames import frames_from_normals
-from drystone.view.scene import Layer, Shape
+from drystone.view.scenes.scene import Layer, Shape
 
 Triangles: TypeAlias = tuple[Floats, Ints]
 """Points (p, 3) [m] and triangles (t, 3) of points, counter-clockwise from outside."""
@@ -47,7 +47,9 @@ def arrows(start: Floats, end: Floats, radius: float) -> Triangles:
     """Arrows from (p, 3) to (p, 3) [m]; a head is at most half of its arrow."""
     length = np.linalg.norm(end - start, axis=1)
     head = np.minimum(2.0 * HEAD * radius, 0.5 * length)
-    neck = end - (end - start) * np.divide(head, length, where=length > 0.0, out=head * 0.0)[:, None]
+    neck = (
+        end - (end - start) * np.divide(head, length, where=length > 0.0, out=head * 0.0)[:, None]
+    )
     thick = np.full(len(start), radius)
     return joined(tubes(start, neck, thick), cones(neck, end, HEAD * thick))
 
@@ -102,7 +104,16 @@ def _repeated(points: Floats, corners: Ints) -> Triangles:
 
 def _octahedron() -> Triangles:
     points = np.concatenate([np.eye(3), -np.eye(3)])
-    corners = [(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)]
+    corners = [
+        (0, 1, 2),
+        (1, 3, 2),
+        (3, 4, 2),
+        (4, 0, 2),
+        (1, 0, 5),
+        (3, 1, 5),
+        (4, 3, 5),
+        (0, 4, 5),
+    ]
     return points, np.array(corners)
 
 

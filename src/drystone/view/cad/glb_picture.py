@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.arrays import Floats, Ints
-from drystone.files import write_bytes
+from drystone.base.arrays import Floats, Ints
+from drystone.base.files import write_bytes
 from drystone.geometry.body.fans import fan_warped
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.mesh.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
@@ -21,10 +21,10 @@ from drystone.io.mesh.glb_write import container
 from drystone.view.cad.block_groups import block_groups, stage_of_scene
 from drystone.view.cad.drawn_solids import Triangles, arrow_ends, arrows, marks, tubes
 from drystone.view.cad.keyframes import fall_moments, quaternions
-from drystone.view.palette import ROLE_COLOUR, ramp_colours, rgb
-from drystone.view.presets import PRESETS, is_shown
-from drystone.view.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.staging import VIRTUAL
+from drystone.view.scenes.palette import ROLE_COLOUR, ramp_colours, rgb
+from drystone.view.scenes.presets import PRESETS, is_shown
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.staging import VIRTUAL
 
 UNSIGNED = 5125
 NETWORK, ARROW, MARK = 0.05, 0.02, 0.05
@@ -207,7 +207,11 @@ class _Glb:
 
     def file(self) -> bytes:
         """The whole file."""
-        told = {"answer": self.stage.headline, "message": self.stage.message, "made": self.scene.made}
+        told = {
+            "answer": self.stage.headline,
+            "message": self.stage.message,
+            "made": self.scene.made,
+        }
         facts = {**self.scene.facts, **self.stage.facts, **told}
         content: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "drystone", "extras": {"drystone": facts}},

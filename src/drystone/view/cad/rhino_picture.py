@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.cad.rhino_extract import PICTURE
 from drystone.io.cad.rhino_write import add_layer, attributes_of, empty_file, mesh_of, save
@@ -19,10 +19,10 @@ from drystone.view.cad.block_groups import block_groups, stage_of_scene
 from drystone.view.cad.drawn_solids import arrow_ends, marks
 from drystone.view.cad.glb_picture import MARK
 from drystone.view.cad.keyframes import matrix_of
-from drystone.view.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
-from drystone.view.presets import is_shown
-from drystone.view.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.staging import VIRTUAL
+from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
+from drystone.view.scenes.presets import is_shown
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.staging import VIRTUAL
 
 WIDEST = 2.0
 """[mm] on paper, of the line of the largest force; chosen by eye."""
@@ -96,7 +96,9 @@ def _draw(file: Any, layer: Layer, scene: Scene, stage: Stage, number: int) -> N
         size = MARK * scene.block_size
         points, corners = marks(np.zeros((1, 3)), size, layer.shape)
         for at in layer.position:
-            file.Objects.AddMesh(_mesh(points + at, corners), _drawn(number, layer.key, layer.label))
+            file.Objects.AddMesh(
+                _mesh(points + at, corners), _drawn(number, layer.key, layer.label)
+            )
     else:
         _lines(file, layer, scene, number)
 

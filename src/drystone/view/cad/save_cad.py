@@ -5,12 +5,12 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
+from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
-from drystone.errors import FormatError, InputError
 from drystone.view.cad.glb_picture import write_glb
 from drystone.view.cad.rhino_picture import write_3dm
-from drystone.view.presets import PRESETS, first_preset
-from drystone.view.subject import Subject, scene_of
+from drystone.view.scenes.presets import PRESETS, first_preset
+from drystone.view.scenes.subjects import Subject, scene_of
 
 WRITERS = {".3dm": write_3dm, ".glb": write_glb}
 

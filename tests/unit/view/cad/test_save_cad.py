@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone.errors import FormatError, InputError
+from drystone.base.errors import FormatError, InputError
 from drystone.io.cad import rhino
 from drystone.models import arch, shelf
 from drystone.results import Result
@@ -19,7 +19,7 @@ from drystone.view import Shape
 from drystone.view.cad import drawn_solids
 from drystone.view.cad.keyframes import matrix_of, quaternions
 from drystone.view.cad.save_cad import save_cad
-from drystone.view.palette import ramp_colours
+from drystone.view.scenes.palette import ramp_colours
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +163,9 @@ def test_marks_tubes_and_arrows_are_closed_and_have_the_volume_of_their_shape(sh
     )
     found = volume(drawn_solids.marks(start, 0.5, shape))
     octahedron, ball = 2 * 4 / 3 * 0.125, 2 * 4 / 3 * np.pi * 0.125
-    assert found == pytest.approx(octahedron) if shape is Shape.DIAMOND else 0.9 * ball < found < ball
+    assert (
+        found == pytest.approx(octahedron) if shape is Shape.DIAMOND else 0.9 * ball < found < ball
+    )
 
 
 def volume(solid: drawn_solids.Triangles) -> float:
