@@ -28,8 +28,8 @@ from drystone.view.scenes.staging import VIRTUAL
 
 UNSIGNED = 5125
 NETWORK, ARROW, MARK = 0.05, 0.02, 0.05
-"""By the size of a block: radius of the line of the largest force, of an arrow, of a mark; chosen by
-eye."""
+"""By the size of a block, chosen by eye: radius of the line of the largest force, of an arrow, of a
+mark."""
 PLACED_S = 1.6
 """[s] from one block of an assembly to the next, as on the page."""
 

@@ -35,18 +35,24 @@ def write_3dm(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
     drawn = stage_of_scene(scene, stage)
     _blocks(file, scene, drawn, path)
     above = _layer(file, "drystone", "#000000")
-    for layer in drawn.layers:
+    for layer in _wanted(drawn):
         if layer.count:
             colour = ROLE_COLOUR["light"][layer.colour]
             number = _layer(file, layer.label, colour, above, shown=is_shown(layer, preset))
             _draw(file, layer, scene, drawn, number)
-    if drawn.motion is not None:
-        shown = drawn.motion_name != VIRTUAL
-        number = _layer(file, drawn.motion_name, STATE_COLOUR["light"][State.FALLING], above, shown)
+    if drawn.motion is not None and drawn.motion_name != VIRTUAL:
+        number = _layer(file, drawn.motion_name, STATE_COLOUR["light"][State.FALLING], above)
         _motion(file, scene, drawn.motion, number)
     for name, text in {**scene.facts, **drawn.facts, "Answer": drawn.headline}.items():
         file.Strings[f"drystone {name}"] = text
     save(file, path)
+
+
+def _wanted(stage: Stage) -> list[Layer]:
+    """Layers without those that say again, in more objects, what others say."""
+    keys = {layer.key for layer in stage.layers}
+    doubled = {"interfaces", "pressure"} if "joint-force" in keys else set()
+    return [layer for layer in stage.layers if layer.key not in doubled]
 
 
 def _layer(file: Any, name: str, colour: str, above: int | None = None, shown: bool = True) -> int:
