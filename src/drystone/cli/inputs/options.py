@@ -97,6 +97,7 @@ Anyway: TypeAlias = Annotated[
         "Go on where blocks overlap by more than a tenth of the smaller one; plan also where the "
         "complete model does not stand.",
         CONTACTS,
+        expert=True,
     ),
 ]
 Html: TypeAlias = Annotated[
@@ -109,7 +110,9 @@ Png: TypeAlias = Annotated[
 ]
 TimeLimit: TypeAlias = Annotated[
     float | None,
-    Option("Seconds after which the search stops with what it knows.", kind=kinds.POSITIVE),
+    Option(
+        "Seconds after which the search stops with what it knows.", kind=kinds.POSITIVE, expert=True
+    ),
 ]
 
 

@@ -43,6 +43,26 @@ def first_coincident(points: Floats, distance: float | Floats, body: Ints | None
     return whole[same]
 
 
+def distinct(points: Floats, distance: float) -> tuple[Ints, Ints]:
+    """The points that remain when those that coincide are made one.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    distance : [m]
+        See :func:`first_coincident`.
+
+    Returns
+    -------
+    kept : (k,)
+        Ascending positions of the points that remain: the first of each group.
+    number : (p,)
+        Which of those each point coincides with.
+    """
+    kept, number = np.unique(first_coincident(points, distance), return_inverse=True)
+    return kept, number.astype(np.intp)
+
+
 def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
     """For each of different points the first that it coincides with."""
     from scipy.sparse import coo_array  # slow to import, and few models need it
