@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 
 
@@ -145,18 +146,12 @@ def weld_each(
     tolerance
         Relative to the bounding box diagonal of each body.
     """
-    count = np.array([len(points) for points in vertices], dtype=np.intp)
-    owner = np.repeat(np.arange(len(count)), count)
+    of_body = Ragged.of(vertices)
     every = np.concatenate([np.zeros((0, 3)), *vertices])
-    start = (np.cumsum(count) - count)[count > 0]
-    low, high = (np.zeros((len(count), 3)) for _ in range(2))
-    if len(start):
-        low[count > 0] = np.minimum.reduceat(every, start)
-        high[count > 0] = np.maximum.reduceat(every, start)
-    reach = tolerance * np.linalg.norm(high - low, axis=1)
-    first = first_coincident(every, reach[owner], owner).tolist()
+    reach = tolerance * np.linalg.norm(of_body.max(every, 0.0) - of_body.min(every, 0.0), axis=1)
+    first = first_coincident(every, of_body.spread(reach), of_body.owner).tolist()
     welded = []
-    for loops, begin in zip(faces, (np.cumsum(count) - count).tolist(), strict=True):
+    for loops, begin in zip(faces, of_body.first.tolist(), strict=True):
         welded.append(_on_first(loops, first, begin))
     return welded
 
