@@ -37,7 +37,9 @@ Units: TypeAlias = Annotated[
 ]
 Up: TypeAlias = Annotated[
     str,
-    Option("Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z"))),
+    Option(
+        "Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z")), expert=True
+    ),
 ]
 SkipDefects: TypeAlias = Annotated[
     bool, Option("Leave out blocks that cannot be used.", MODEL, expert=True)
