@@ -27,6 +27,7 @@ from drystone.limits import (
 )
 from drystone.model import Model
 from drystone.models import arch, h_model, incline, tower
+from drystone.results import Samples
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
 
@@ -259,37 +260,57 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
     assert limit.equilibrium.value == pytest.approx(47.0, abs=6.0)
 
 
+def stands_up_to(degrees: float, standing: int) -> Callable[..., Result]:
+    """A check of the tower: at larger angles it falls."""
+
+    def check(model: Model, *, stop: object = None) -> Result:
+        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
+        stands = lean < degrees
+        count = 5 if stands and lean < 8.0 else standing if stands else 0
+        verdict = Verdict.STABLE if stands else Verdict.UNSTABLE
+        return Result("given", verdict, model, samples=Samples(5, count))
+
+    return check
+
+
 @pytest.mark.parametrize("searched", [0, 500])
-def test_large_models_are_searched_by_growing_steps_to_the_same_limit(
-    searched: int, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("verdict", [9.0, 15.0])
+def test_a_limit_where_stiffness_decides_is_that_of_the_verdict(
+    searched: int, verdict: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from drystone.limits import inside
 
-    def some(model):  # type: ignore[no-untyped-def]
-        # stands for some stiffness until the load leans by 15 degrees, then nobody knows
-        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
-        verdict = Verdict.STABLE if lean < 15.0 else Verdict.UNDECIDED
-        return solve_result(model, verdict)
-
-    def one(model):  # type: ignore[no-untyped-def]
-        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
-        verdict = Verdict.STABLE if lean < 10.0 else Verdict.UNDECIDED
-        return solve_result(model, verdict)
-
-    monkeypatch.setattr(inside, "some_stiffness", some)
-    monkeypatch.setattr(inside, "one_stiffness", one)
+    # robust up to 8 degrees; uniform stiffness stands up to 10
+    monkeypatch.setattr(inside, "one_stiffness", stands_up_to(10.0, 1))
+    monkeypatch.setattr(inside, "verdict", stands_up_to(verdict, 2))
+    monkeypatch.setattr(inside, "every_stiffness", stands_up_to(8.0, 5))
     monkeypatch.setattr(inside, "SEARCHED", searched)
     limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
-    assert limit.uniform is not None
-    assert limit.rest is not None
-    assert limit.uniform.value == pytest.approx(10.0, abs=0.1)
-    assert limit.rest.stands == pytest.approx(15.0, abs=0.1)
-    assert limit.rest.falls == limit.equilibrium.falls
+    for bracket, value in ((limit.uniform, 10.0), (limit.rest, verdict), (limit.robust, 8.0)):
+        assert bracket is not None
+        assert bracket.value == pytest.approx(value, abs=0.1)
     assert limit.is_sensitive
+    assert limit.sensitive_between == pytest.approx((8.0, max(verdict, 10.0)), abs=0.1)
+    assert "depends on the stiffness of the joints" in limit.remarks[0]
+    assert limit.to_dict()["sensitive_between"] == list(limit.sensitive_between)
 
 
-def solve_result(model, verdict):  # type: ignore[no-untyped-def]
-    return Result("given", verdict, model)
+def test_a_robust_limit_needs_two_verdicts_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    from drystone.limits import inside
+
+    asked: list[float] = []
+    check = stands_up_to(7.0, 5)
+
+    def verdict(model: Model, *, stop: object = None) -> Result:
+        asked.append(1.0)
+        return check(model)
+
+    monkeypatch.setattr(inside, "one_stiffness", check)
+    monkeypatch.setattr(inside, "verdict", verdict)
+    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
+    assert len(asked) == 2
+    assert limit.sensitive_between is None
+    assert limit.remarks == ()
 
 
 def after(calls: int) -> Callable[[], bool]:
