@@ -1,0 +1,234 @@
+"""How a limit is searched, and what is found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from drystone.base.display import Card
+from drystone.base.errors import InputError, counted
+from drystone.base.settings import Options
+from drystone.base.table import Table
+from drystone.formulations.equilibrium import FrictionCone
+from drystone.limits.search import Bracket, Evaluation, plain
+from drystone.results import Verdict
+from drystone.settlement import Outcome
+
+
+@dataclass(frozen=True)
+class LimitOptions(Options):
+    """How a limit is searched.
+
+    Attributes
+    ----------
+    width
+        Of the brackets, in the unit of the parameter; left out, a default of each limit.
+    scan
+        Steps between the start and the limit of equilibrium that are tried before it is bisected:
+        an island narrower than a step can be missed.
+    cone
+        Of the equilibrium limit.
+    full
+        Whether to search the full verdict too.
+    """
+
+    width: float | None = None
+    scan: int = 6
+    cone: FrictionCone = field(default_factory=FrictionCone.exact)
+    full: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.width is not None and not 0.0 < self.width < float("inf"):
+            raise InputError(f"width is {self.width}", remedy="give a number above zero")
+        if self.scan < 1:
+            raise InputError(f"scan is {self.scan}", remedy="give one step or more")
+
+
+@dataclass(frozen=True, eq=False)
+class Limit(Card):
+    """A limit by both definitions.
+
+    Attributes
+    ----------
+    parameter, unit
+    start, end
+        Range that was searched, from where it should stand.
+    equilibrium
+        Some forces balance the loads (associative friction).
+    rest
+        The verdict of :func:`drystone.check` on both sides. Where contact stiffness decides, the
+        blocks were followed by finite steps. ``None`` where it was not asked for.
+    uniform
+        Stands for uniform contact stiffness, as a discrete-element program sees it to first order.
+        ``None`` with a check of one's own.
+    robust
+        Stands for every contact stiffness that is tried. ``None`` with a check of one's own, and
+        where it was not searched.
+    islands
+        Values beyond the first fall at which it stands again, as far as they were tried.
+    evaluations
+        Values that were tried, in ascending order.
+    time_s
+    stopped
+        Why the search ended before the brackets were as narrow as asked for; else empty.
+    """
+
+    parameter: str
+    unit: str
+    start: float
+    end: float
+    equilibrium: Bracket
+    rest: Bracket | None = None
+    uniform: Bracket | None = None
+    robust: Bracket | None = None
+    islands: tuple[tuple[float, float], ...] = ()
+    evaluations: tuple[Evaluation, ...] = ()
+    time_s: Mapping[str, float] = field(default_factory=dict)
+    stopped: str = ""
+
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        kinds = {
+            "equilibrium": self.equilibrium,
+            "rest": self.rest,
+            "uniform": self.uniform,
+            "robust": self.robust,
+        }
+        falling = self.best.falling
+        return self._summary(), {
+            **{
+                kind: f"{_told(bracket.stands)} to {_told(bracket.falls)} {self.unit}"
+                for kind, bracket in kinds.items()
+                if bracket is not None
+            },
+            "falls then": "" if falling is None else ", ".join(falling.falling_names),
+            "tried": counted(len(self.evaluations), "value"),
+            "depends on joints": "; ".join(self.remarks),
+        }
+
+    def _summary(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        stands, falls = (_told(x) for x in (self.best.stands, self.best.falls))
+        early = f", stopped: {self.stopped}" if self.stopped else ""
+        return f"{self.parameter}, stands at {stands}{unit}, falls at {falls}{unit}{early}"
+
+    @property
+    def best(self) -> Bracket:
+        """The bracket of the full verdict, or that of equilibrium where there is no other."""
+        return self.equilibrium if self.rest is None else self.rest
+
+    @property
+    def sensitive_between(self) -> tuple[float, float] | None:
+        """Values between which contact stiffness decides whether it stands.
+
+        From the last at which it stands for every stiffness that was tried, to where it falls by
+        the verdict and for uniform stiffness. ``None`` where the verdict changes at one value.
+        """
+        if self.robust is None or self.rest is None:
+            return None
+        low = self.start if self.robust.stands is None else self.robust.stands
+        known = (
+            self.rest.stands,
+            self.rest.falls,
+            None if self.uniform is None else self.uniform.falls,
+        )
+        high = max((v for v in known if v is not None), key=lambda v: abs(v - self.start))
+        return None if (low, high) == (self.rest.stands, self.rest.falls) else (low, high)
+
+    @property
+    def is_sensitive(self) -> bool:
+        """Whether contact stiffness decides somewhere before the limit, or a little beyond it."""
+        return self.sensitive_between is not None
+
+    @property
+    def undecided_between(self) -> tuple[float, float] | None:
+        """The first and last value between the two sides of the limit that are undecided."""
+        inside, outside = self.best.stands, self.best.falls
+        if inside is None:
+            return None
+        low = abs(inside - self.start)
+        high = float("inf") if outside is None else abs(outside - self.start)
+        within = [
+            one.value
+            for one in self.evaluations
+            if low < abs(one.value - self.start) < high and one.verdict is Verdict.UNDECIDED
+        ]
+        within.sort(key=lambda value: abs(value - self.start))
+        return (within[0], within[-1]) if within else None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences that tell where the answer depends on the joints."""
+        unit = f" {self.unit}" if self.unit else ""
+        told = []
+        if self.sensitive_between is not None:
+            low, high = sorted(self.sensitive_between)
+            told.append(
+                f"between {_told(low)} and {_told(high)}{unit} the answer depends on the stiffness "
+                "of the joints: there the blocks were followed by finite steps, and the limit is "
+                "where they no longer come to rest"
+            )
+        if self.undecided_between is not None:
+            low, high = sorted(self.undecided_between)
+            ends = [one.settled for one in self.evaluations if one.value in self.undecided_between]
+            because = ""
+            if all(one is Outcome.ENDS_DECIDE for one in ends):
+                because = ": it depends on which block carries the ends of the joints"
+            told.append(f"between {_told(low)} and {_told(high)}{unit} it is undecided{because}")
+        return tuple(told)
+
+    def table(self) -> Table:
+        """The values that were tried, in ascending order, and what stands there."""
+        tried = self.evaluations
+        columns = {
+            "value": [one.value for one in tried],
+            "verdict": [one.verdict.value for one in tried],
+            "stiffnesses_tried": [one.samples.tried for one in tried],
+            "stiffnesses_standing": [one.samples.standing for one in tried],
+            "settled": ["" if one.settled is None else one.settled.value for one in tried],
+        }
+        return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values; blocks that fall by name."""
+        falling = self.best.falling
+        return {
+            "parameter": self.parameter,
+            "unit": self.unit,
+            "range": [self.start, self.end],
+            "equilibrium": plain(self.equilibrium),
+            "rest": plain(self.rest),
+            "uniform": plain(self.uniform),
+            "robust": plain(self.robust),
+            "islands": [list(run) for run in self.islands],
+            "falling": [] if falling is None else list(falling.falling_names),
+            "message": "" if falling is None else falling.message,
+            "sensitive": self.is_sensitive,
+            "sensitive_between": _listed(self.sensitive_between),
+            "undecided_between": _listed(self.undecided_between),
+            "remarks": list(self.remarks),
+            "stopped": self.stopped,
+            "evaluations": [
+                {
+                    "value": one.value,
+                    "verdict": one.verdict.value,
+                    "tried": one.samples.tried,
+                    "standing": one.samples.standing,
+                    "settled": None if one.settled is None else one.settled.value,
+                }
+                for one in self.evaluations
+            ],
+            "time_s": dict(self.time_s),
+        }
+
+
+def _listed(pair: tuple[float, float] | None) -> list[float] | None:
+    return None if pair is None else list(pair)
+
+
+def _told(value: float | None) -> str:
+    return "none that was tried" if value is None else f"{value:.6g}"
+
+
+__all__ = ["Limit", "LimitOptions"]
