@@ -185,7 +185,10 @@ def _robust(
         return search.so_far(start).bracket
     by_way = sorted(search.results, key=lambda value: abs(value - start))
     sensitive = next(value for value in by_way if search.stands(value) is False)
-    return search.around(by_way[0], sensitive, (start, rest.stands), width=width).bracket
+    try:
+        return search.around(by_way[0], sensitive, (start, rest.stands), width=width).bracket
+    except Stopped:
+        return search.so_far(start).bracket
 
 
 def _is_robust(result: Result) -> bool:
