@@ -226,7 +226,7 @@ where it depends on which block carries the ends of the joints.
 
 The convex limit comes first. A checked state on either side confirms it: forces below, a mechanism
 above. Uniform stiffness is cheap: it is computed at the steps of a scan and bisected inside. Then
-the verdict is computed on both sides of that limit. If it stands and falls there, that is the limit.
+the verdict is computed on both sides of that limit. If it stands and falls there, it is the limit.
 Else values are tried by growing steps from there, and bisected. So blocks are followed only where
 the stiffness decides, and no value far beyond the limit is tried. Nothing is known between the two
 ends of a bracket.

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, LoadCase, Result, Verdict, solve_rbe
+from drystone import Assembly, InputError, LoadCase, Result, Verdict, check, solve_rbe
 from drystone.limits import (
     Imperfections,
     Limit,
     LimitOptions,
+    LoadFactor,
     Tilt,
     imperfect,
     imperfections,
@@ -26,7 +27,7 @@ from drystone.limits import (
     tilt_sweep,
 )
 from drystone.model import Model
-from drystone.models import arch, h_model, incline, tower
+from drystone.models import arch, h_model, incline, tower, wedge
 from drystone.results import Samples
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
@@ -400,3 +401,29 @@ def test_stopped_draws_are_those_made() -> None:
     some = imperfections(Model(TOWER, JOINTS), kinds, draws=50, stop=after(2))
     assert (len(some.verdicts), some.share) == (3, 1.0)
     assert some.verdicts == imperfections(Model(TOWER, JOINTS), kinds, draws=3).verdicts
+
+
+@pytest.mark.parametrize(
+    ("family", "start", "guess"),
+    [
+        (Tilt(Model.of(wedge("c", longer=0.2), friction=0.84), np.array([1.0, 0.0, 0.0])), 0, 60.0),
+        (Tilt(Model.of(wedge("a"), friction=0.3), np.array([0.0, 1.0, 0.0])), 0, 90.0),
+        (LoadFactor(Model.of(tower(2), friction=0.4), LoadCase.seismic(tower(2), 1.0)), 0, 1.0),
+    ],
+)
+def test_check_says_the_same_on_both_sides_of_a_limit(
+    family: Tilt | LoadFactor, start: float, guess: float
+) -> None:
+    options = LimitOptions(scan=2, width=0.01 * guess)
+    if isinstance(family, Tilt):
+        limit = limit_tilt(family.model, family.axis, upper=guess, options=options)
+    else:
+        limit = limit_load(family.model, family.live, upper=guess, options=options)
+    stands, falls = limit.best.stands, limit.best.falls
+    assert stands is not None
+    assert falls is not None
+    margin = 0.01 * guess
+    assert check(family(max(stands - margin, start))).stable
+    assert check(family(stands)).stable
+    assert check(family(falls)).falls
+    assert check(family(falls + margin)).falls
