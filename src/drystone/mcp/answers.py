@@ -139,8 +139,8 @@ def _hardest(result: Result, by: Any) -> dict[str, Any] | None:
 
 def _diagnose(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
-    options = DiagnosisOptions(needs=given.get("needs", True), time_limit_s=_left(end))
-    told = diagnose(model, options=options).to_dict()
+    options = DiagnosisOptions(needs=given.get("needs", True))
+    told = diagnose(model, options=options, time_limit_s=_left(end)).to_dict()
     kept = ("prop", "support", "friction", "ballast", "glue_holds")
     return {
         "verdict": told["verdict"],
@@ -182,7 +182,7 @@ def _limit(given: Given, folder: Folder, end: float) -> dict[str, Any]:
 
 def _bracket(found: Limit, notes: Sequence[str]) -> dict[str, Any]:
     told = found.to_dict()
-    kinds = ("equilibrium", "rest", "uniform")
+    kinds = ("equilibrium", "rest", "robust", "uniform")
     return {
         "parameter": found.parameter,
         "unit": found.unit,
@@ -193,6 +193,7 @@ def _bracket(found: Limit, notes: Sequence[str]) -> dict[str, Any]:
         "falling": _few(told["falling"]),
         "message": told["message"],
         "sensitive": found.is_sensitive,
+        "remarks": told["remarks"],
         "stopped": UP if found.stopped else "",
         "notes": list(notes)[:MOST],
     }

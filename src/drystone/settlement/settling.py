@@ -43,6 +43,7 @@ def settle(
     options: SettlementOptions | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Settlement:
     """Where the blocks go when they are left to themselves, step by step, to rest or into a fall.
@@ -63,7 +64,9 @@ def settle(
     options
     progress
     stop
-        Asked before every step; True ends it with what is known, like the time limit.
+        Asked before every step; True ends it with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
 
     Raises
     ------
@@ -85,7 +88,7 @@ def settle(
     """
     chosen = SettlementOptions.of(options)
     model = as_model(given, **how)
-    clock = Clock(chosen.time_limit_s, stop)
+    clock = Clock(time_limit_s, stop)
     moving = _support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
@@ -188,13 +191,16 @@ def _path(
     if progress is not None:
         progress(stage, 100, 100)
     path = _physical(model, bodies, track, carrier)
+    way = float(track.way.max(initial=0.0))
     if track.ended != "rests":
-        return path
+        # out of steps: where a block is beyond what stands and still moves, it does not stand
+        moved_on = motion is None and not clock.reason and way > chosen.rest_within
+        return replace(path, outcome=Outcome.FALLS) if moved_on else path
     residuals = rest_residuals(path)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks that follow their supports go as far as those
-    near = motion is not None or float(track.way.max(initial=0.0)) <= chosen.rest_within
+    near = motion is not None or way <= chosen.rest_within
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
@@ -249,9 +255,7 @@ def _judged(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, s
     first = paths[0]
     for one in paths:
         if one.outcome is Outcome.UNKNOWN:
-            why = clock.reason
-            if not why:
-                why = f"no further step was found, {one.share:.1e} of the load is not carried"
+            why = clock.reason or f"not at rest, {one.share:.1e} of the load is not carried"
             return Outcome.UNKNOWN, f"{why} after {one.steps} steps"
     stands = [one.outcome is Outcome.RESTS for one in paths]
     if any(stands) and not all(stands):

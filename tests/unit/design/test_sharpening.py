@@ -122,5 +122,5 @@ def test_the_command_writes_the_model_and_tells_the_joints(
     assert code == 1
     assert told["verdict"] == "unstable"
     assert told["joints"]
-    assert told["joints"][0]["blocks"] == ["block", "out"]
+    assert told["joints"][0]["blocks"] == ["box", "out"]
     assert out.exists()
