@@ -12,7 +12,7 @@ from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed
 from drystone.design.surgery.joint_changes import interface_near
 from drystone.design.surgery.joint_cut import joint_plane
-from drystone.design.surgery.surgery import wedge_joint
+from drystone.design.surgery.joint_surgery import wedge_joint
 from drystone.model import Model
 from drystone.stability.problem import Problem
 from drystone.stability.programs.penalty import glued_state

@@ -18,7 +18,7 @@ from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mends import stands_already
-from drystone.design.surgery.surgery import STEEPEST
+from drystone.design.surgery.joint_surgery import STEEPEST
 from drystone.design.wedges.plane_joints import PlaneJoints
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
