@@ -296,7 +296,7 @@ def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError
     pairs = coincidence.duplicates([block.vertices for block in blocks], SAME_PLACE)
     return [
         FormatError(
-            f"blocks '{blocks[a].name}' and '{blocks[b].name}' are one block twice,"
+            f"blocks '{blocks[a].name}' and '{blocks[b].name}' are the same block twice,"
             " at the same place",
             where=str(path),
             remedy="remove one of them",

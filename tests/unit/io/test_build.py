@@ -99,7 +99,7 @@ def test_one_note_tells_of_many_blocks_that_were_mended_alike(tmp_path: Path) ->
 def test_a_block_that_is_there_twice_is_refused(tmp_path: Path) -> None:
     twin = block("copy", vertices=(CUBE.vertices[::-1] + 1e-12).tolist())
     twin["faces"] = [[7 - i for i in face] for face in CUBE.faces]
-    with pytest.raises(FormatError, match="'a' and 'copy' are one block twice"):
+    with pytest.raises(FormatError, match="'a' and 'copy' are the same block twice"):
         io.read_file(file(tmp_path, block("a"), block("b", 1.0), twin))
 
 

@@ -162,10 +162,10 @@ def test_triangles_in_a_file_enclose_the_blocks_of_the_schedule(tmp_path: Path, 
     assert again.centroid == pytest.approx(assembly.centroid, abs=1e-6)
 
 
-@pytest.mark.parametrize(("register_deg", "steps"), [(15.0, {75.0, 285.0}), (-10.0, {80.0, 280.0})])
-def test_corner_angles_of_a_stepped_bed_are_those_of_its_section(register_deg: float, steps):
-    """Both halves of a bed turn by the register: 90 less it and 270 more it at the step."""
-    body = Body(thickness=0.3, register_deg=register_deg)
+@pytest.mark.parametrize(("joggle_deg", "steps"), [(15.0, {75.0, 285.0}), (-10.0, {80.0, 280.0})])
+def test_corner_angles_of_a_stepped_bed_are_those_of_its_section(joggle_deg: float, steps):
+    """Both halves of a bed turn by the joggle: 90 less it and 270 more it at the step."""
+    body = Body(thickness=0.3, joggle_deg=joggle_deg)
     shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=9, blocks=4), body)
     row = next(row for row in schedule(shell) if row.name == "c03-b01")
     assert set(np.round(row.corner_deg, 5)) == {90.0, 180.0} | steps

@@ -1,4 +1,4 @@
-"""From cells on a surface to blocks: pins through the thickness, planar joints, polyhedra."""
+"""Blocks from cells on a surface: pins through the thickness, side faces, polyhedra."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from drystone.geometry.plane.triangulate import triangulate
 from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
 
 LEAST_COSINE = 0.5
-"""Of the angle between a vertex's normal and the flat cells around it, chosen: beyond 60 degrees a
-block's faces say nothing of the surface any more."""
+"""Least cosine between the normal of a vertex and the flat cells around it. Chosen: beyond 60
+degrees the faces of a block no longer approximate the surface."""
 
 PLANAR = 1e-9
-"""Distance of a corner from the plane of its face, by the square root of its area, that counts as
-none: far above rounding, far below what files in text keep."""
+"""Distance of a corner from the plane of its face that counts as zero, relative to the square root
+of the area. Chosen: far above rounding, far below the precision of text files."""
 
 Polygon: TypeAlias = tuple[int, ...]
 
@@ -37,8 +37,8 @@ class Pins(OneLine):
     Attributes
     ----------
     point : (p, 3) [m]
-        From the intrados to the extrados, vertex after vertex: two, or four where the bed joint has
-        a register.
+        From the intrados to the extrados, vertex after vertex: two points, or four where the bed
+        joint has a joggle.
     start : (v + 1,) vertex i has the points start[i] to start[i + 1]
     """
 
@@ -58,7 +58,7 @@ def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
 
 
 def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
-    """(v,) mean over the cells at each vertex of a value per cell (c,)."""
+    """Mean (v,) at each vertex of a value per cell (c,)."""
     loop, start = flat_loops(mesh.cells)
     return _corner_means(loop, np.repeat(per_cell, np.diff(start)), len(mesh.point))
 
@@ -71,7 +71,7 @@ def _corner_means(loop: Ints, value: Floats, count: int) -> Floats:
 
 
 def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
-    """(v,) mean part of each vertex's vector (v, 3) square to the flat cells around it.
+    """Mean component (v,) of each vertex's vector (v, 3) normal to the flat cells around it.
 
     The cells have their vertices at ``point`` (v, 3).
     """
@@ -85,19 +85,19 @@ def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
 def facet_cosine(mesh: Tessellation) -> Floats:
     """(v,) mean cosine between each vertex normal and the flat cells around it.
 
-    A block is as thick as asked, measured across its faces, when the pins at its corners are longer
-    by this factor; otherwise coarse shells come out too thin.
+    Pins divided by this factor give blocks the required thickness, measured normal to their faces.
+    Without it coarse shells are too thin.
     """
     return _facet_means(mesh, mesh.point, mesh.normal)
 
 
 def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
-    """Straight pins along the normals, half the thickness (v,) [m] to either side.
+    """Straight pins along the normals, half the thickness (v,) [m] to each side.
 
     Raises
     ------
     InputError
-        The surface turns so far across a block that it has no thickness to speak of.
+        The surface turns by more than 60 degrees across a block.
     """
     cosine = facet_cosine(mesh)
     steep = cosine < LEAST_COSINE
@@ -114,13 +114,14 @@ def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
     return Pins(point, 2 * np.arange(len(low) + 1, dtype=np.intp))
 
 
-def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
-    """Give straight pins on bed lines between two courses a step.
+def add_joggle(mesh: Tessellation, pins: Pins, joggle_deg: float) -> Pins:
+    """Give straight pins on bed lines between two courses a joggle.
 
-    Both halves of every bed joint are turned by ``register_deg`` [degrees] about the direction of
-    the course, each about its own outer edge, which leaves a step at mid thickness: the block above
-    hooks over the block below and can only be turned in. Positive holds it against sliding inwards.
-    The step lies in the head joint that ends at the pin, so that this one stays planar.
+    Both halves of every bed joint are rotated by ``joggle_deg`` [degrees] about the direction of
+    the course, each about its outer edge. This makes a step at mid thickness: the upper block hooks
+    over the lower block, and can only be rotated into place. A positive angle prevents sliding
+    inwards. The step lies in the plane of the head joint that ends at the pin, so the head joint
+    stays planar.
     """
     low, high = pins.point[0::2], pins.point[1::2]
     middle, along = 0.5 * (low + high), high - low
@@ -134,7 +135,7 @@ def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
     axis = along / length
     up -= np.einsum("vi,vi->v", up, axis)[:, None] * axis
     up /= np.linalg.norm(up, axis=1, keepdims=True)
-    step = 0.5 * length * np.tan(np.deg2rad(register_deg)) * up
+    step = 0.5 * length * np.tan(np.deg2rad(joggle_deg)) * up
     count = np.where(mesh.inner, 4, 2)
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
     point = np.empty((start[-1], 3))
@@ -145,9 +146,10 @@ def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
 
 
 def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
-    """Lengthen pins that were tilted, until the blocks are as thick as asked across their faces.
+    """Lengthen tilted pins until the blocks have the required thickness.
 
-    A pin grows along its own line, so that planar joints between straight pins stay planar.
+    The thickness is measured normal to the faces. A pin grows along its own line, so planar joints
+    between straight pins stay planar.
     """
     first, last = pins.start[:-1], pins.start[1:] - 1
     low, high = pins.point[first], pins.point[last]
@@ -160,7 +162,7 @@ def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
 
 
 def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tuple[int, ...]]:
-    """Faces of the cell on the left of an edge, outwards: one, or three where there is a step."""
+    """Side faces of the cell on the left of an edge, outwards: one, or three at a joggle."""
     a, b = pins.of(edge[0]), pins.of(edge[1])
     head = (min(edge), max(edge)) in mesh.heads
     if len(a) == len(b) and not head:
@@ -169,7 +171,7 @@ def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tu
 
 
 def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
-    """Every side face once, shared or not."""
+    """Every side face once."""
     seen: set[frozenset[int]] = set()
     polygons = []
     for cell in mesh.cells:
@@ -198,16 +200,15 @@ def make_blocks(
     *,
     density: float = DEFAULT_DENSITY,
 ) -> list[Block]:
-    """One block per cell; neighbours have the corners of their common faces in common.
+    """One block per cell; neighbours share the corners of their common faces.
 
-    Inner and outer faces stay polygons, slightly warped ones included, except those that the mean
-    of their corners does not see whole: a warped face is understood as the fan about that mean,
-    which would fold over, so they become triangles.
+    Inner and outer faces stay polygons, also slightly warped ones. A warped face stands for the fan
+    about the mean of its corners. Where this fan would fold over, the face becomes triangles.
 
     Raises
     ------
     InputError
-        A block that is turned inside out, or a face that crosses itself; the block is named.
+        A block is inside out, or a face crosses itself; the block is named.
     """
     _refuse_crossed_faces(mesh, pins)
     blocks = []
@@ -223,7 +224,7 @@ def make_blocks(
             raise InputError(
                 "is turned inside out",
                 where=f"block '{name}'",
-                remedy="use a smaller thickness, wedge or register, or larger blocks",
+                remedy="use a smaller thickness, wedge or joggle, or larger blocks",
             )
         blocks.append(block)
     return blocks
@@ -243,7 +244,7 @@ def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
 
 
 def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
-    """Every face of every cell, seen along its own normal, is a simple polygon."""
+    """Raise for a face that, seen along its normal, is no simple polygon."""
     faces, owner = [], []
     for c, cell in enumerate(mesh.cells):
         low, high, sides = cell_faces(mesh, pins, cell)
@@ -262,5 +263,5 @@ def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
         raise InputError(
             "has a face that crosses itself",
             where=f"block '{mesh.names[owner[int(np.flatnonzero(bad)[0])]]}'",
-            remedy="use a smaller thickness, wedge or register, or larger blocks",
+            remedy="use a smaller thickness, wedge or joggle, or larger blocks",
         )
