@@ -307,9 +307,7 @@ def _around_openings(mesh: Tessellation) -> set[int]:
     cell_of = {
         edge: c for c, cell in enumerate(mesh.cells) if c not in closing for edge in directed(cell)
     }
-    after = {
-        b: a for a, b in cell_of if (b, a) not in cell_of
-    }  # the border, opening left
+    after = {b: a for a, b in cell_of if (b, a) not in cell_of}  # the border, opening left
     supported = set(mesh.supported)
     around: set[int] = set()
     while after:

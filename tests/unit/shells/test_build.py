@@ -357,9 +357,7 @@ def test_courses_that_end_at_seams_take_no_joggle(shape):
 def test_a_joggle_that_does_not_fit_is_to_be_left_out():
     form = find_form(three_legged_plan(), height=2.5)
     with pytest.raises(InputError, match="leave the joggle out"):
-        build_shell(
-            form.shape, Layout(courses=5, width=1.3), Body(thickness=0.2, joggle_deg=10.0)
-        )
+        build_shell(form.shape, Layout(courses=5, width=1.3), Body(thickness=0.2, joggle_deg=10.0))
 
 
 @pytest.mark.parametrize("side", [Side.LEFT, Side.RIGHT])

@@ -62,7 +62,7 @@ def shell(
             expert=True,
         ),
     ] = None,
-    register: Annotated[
+    joggle: Annotated[
         float,
         Option("Degrees by which bed joints are turned to hook blocks: -35 to 35.", expert=True),
     ] = 0.0,
@@ -110,7 +110,7 @@ def shell(
 
     body = Body(
         thickness=wanted.thickness,
-        register_deg=register,
+        joggle_deg=joggle,
         intrados=Intrados.STRAIGHT if straight else Intrados.OFFSET,
     )
     waiting.stage("read", "building the shell")

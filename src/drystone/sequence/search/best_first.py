@@ -77,7 +77,7 @@ class Search:
         # how many levels are asked at first, and once help was given
         self.first_levels = every if imposed else screened if self.few else 1
         self.later_levels = every if self.few else screened
-        self.heap: list[tuple[Cost, int, int, int, int, bool, Node]] = []
+        self.queue: list[tuple[Cost, int, int, int, int, bool, Node]] = []
         self.pushed = 0
         self.rounds = 0
 
@@ -89,8 +89,8 @@ class Search:
         best = root
         waited = 0.0
         self.push([root])
-        while self.heap:
-            *_, screened, node = heapq.heappop(self.heap)
+        while self.queue:
+            *_, screened, node = heapq.heappop(self.queue)
             before = self.evaluator.asked
             answer = self.answer(node, len(self.levels) if screened else self.first_levels)
             if not screened:
@@ -112,14 +112,14 @@ class Search:
                 self.push(self.removals(node))
             else:
                 self.push(self.cures(node, answer))
-            if waited > self.options.patience or not self.heap:
+            if waited > self.options.patience or not self.queue:
                 proved = False
                 best = self.force(best)
                 waited = 0.0
                 self.report(best)
                 if best.placed & ~self.bound.core == 0:
                     return Found(best.path(), proved)
-                self.heap.clear()
+                self.queue.clear()
                 self.push(self.removals(best))
         return Found(best.path(), False)
 
@@ -165,7 +165,7 @@ class Search:
         if loose:
             return Answer(Verdict.UNSTABLE, "cannot be balanced", loose)
         stage = self.stage(node, self.levels[number])
-        likely = heapq.nsmallest(self.evaluator.batch - 1, self.heap)
+        likely = heapq.nsmallest(self.evaluator.batch - 1, self.queue)
         ahead = [self.stage(entry[-1], self.levels[0]) for entry in likely]
         return self.evaluator.answers([stage], ahead=ahead)[0]
 
@@ -193,7 +193,7 @@ class Search:
             count = node.placed.bit_count()
             when = (count, screened) if self.few else (screened, count)
             entry = (self.estimate(node), *when, -self.rounds, self.pushed, screened, node)
-            heapq.heappush(self.heap, entry)
+            heapq.heappush(self.queue, entry)
 
     def estimate(self, node: Node) -> Cost:
         """A lower bound of the cost of any way through a node."""

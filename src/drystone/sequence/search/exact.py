@@ -46,11 +46,11 @@ def search_exactly(search: Search, root: Node) -> Found:
             f"an exact search over {count} blocks",
             remedy=f"it is for {LARGEST} or fewer; leave it out",
         )
-    heap: list[tuple[tuple[int, int, float], int, _State]] = [((0, 0, 0.0), 0, _State(root, -1))]
+    queue: list[tuple[tuple[int, int, float], int, _State]] = [((0, 0, 0.0), 0, _State(root, -1))]
     done: set[tuple[Key, frozenset[int]]] = set()
     pushed = 0
-    while heap:
-        (_, _, drop), _, state = heapq.heappop(heap)
+    while queue:
+        (_, _, drop), _, state = heapq.heappop(queue)
         node = state.node
         answer = search.answer(node)
         stands = answer.stands and search.can_hold(node)
@@ -69,7 +69,7 @@ def search_exactly(search: Search, root: Node) -> Found:
                 total += _rise(search, state.last, moved)
                 last = moved
             pushed += 1
-            heapq.heappush(heap, ((*one.cost, total), pushed, _State(one, last)))
+            heapq.heappush(queue, ((*one.cost, total), pushed, _State(one, last)))
     raise InputError("there is no order of assembly", remedy="allow props")
 
 

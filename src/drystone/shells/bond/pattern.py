@@ -99,9 +99,7 @@ def lay_pattern(
         borders=_borders(courses, u, v, line),
     )
     _refuse_inside_out(pattern)
-    if (
-        courses.patch.turn > 0.0
-    ):  # a loop along v and back has the normal dv x du
+    if courses.patch.turn > 0.0:  # a loop along v and back has the normal dv x du
         pattern = replace(pattern, cells=tuple(cell[::-1] for cell in pattern.cells))
     return pattern
 
