@@ -269,7 +269,7 @@ def _name_defects(shapes: tuple[Shape, ...], path: Path) -> list[InputError]:
         places[shape.name].append(shape.where or f"block {i}")
     return [
         FormatError(
-            f"{len(at)} blocks have one name, '{name}' ({' and '.join(at[:3])})",
+            f"{len(at)} blocks have the same name, '{name}' ({' and '.join(at[:3])})",
             where=str(path),
             remedy="rename all but one of them",
         )

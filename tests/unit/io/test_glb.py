@@ -160,7 +160,7 @@ def changed(path: str, value: Any) -> bytes:
         (changed("accessors/0/count", -1), ["accessors[0]", "beyond the data"]),
         (changed("accessors/0/byteOffset", -4), ["accessors[0]", "beyond the data"]),
         (changed("accessors/0/sparse", {}), ["accessors[0]", "sparse"]),
-        (changed("accessors/0/type", "VEC2"), ["accessors[0]", "not of the type"]),
+        (changed("accessors/0/type", "VEC2"), ["accessors[0]", "required type"]),
         (changed("accessors/1/count", 35), ["no multiple of three"]),
         (changed("accessors/0/count", 4), ["accessors[1]", "has vertex"]),
         (changed("bufferViews/0/byteStride", 2), ["accessors[0]", "beyond the data"]),

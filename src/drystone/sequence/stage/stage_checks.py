@@ -1,4 +1,4 @@
-"""Functions that tell whether a stage stands."""
+"""Functions that give the verdict on a stage."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from drystone.stability import (
 )
 
 Check: TypeAlias = Callable[[Model], Result]
-"""Tells whether a model stands. Other processes must be able to import it."""
+"""Gives the verdict on a model. Other processes must be able to import it."""
 
 
 def check_once(model: Model) -> Result:
     """The verdict with uniform contact stiffness; the default for stages.
 
-    A stage that stands only with other stiffnesses is not relied upon.
+    A stage that stands only with other stiffnesses does not count as STABLE.
     """
     return check(model, options=CheckOptions(samples=0, settle=False))
 
@@ -35,7 +35,7 @@ def check_thoroughly(model: Model) -> Result:
 
 
 def balance(model: Model) -> Result:
-    """The verdict of rigid-block equilibrium alone: necessary for standing, not sufficient."""
+    """The verdict of rigid-block equilibrium: necessary for standing, not sufficient."""
     return solve_rbe(model, options=RBEOptions.feasibility())
 
 
