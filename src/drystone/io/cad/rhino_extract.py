@@ -14,6 +14,8 @@ MEMORY = 2 * 2**30
 """[bytes], chosen: enough for large models. It also stops files that announce a wrong size."""
 DEPTH = 16
 """Nesting of block definitions, chosen."""
+PICTURE = "drystone-picture"
+"""User text of what drystone drew of a result: forces, joints, a motion. It is no block."""
 
 
 def limit(cpu_s: int) -> None:
@@ -62,7 +64,7 @@ class _Found:
         geometry, attributes = item.Geometry, item.Attributes
         kind = type(geometry).__name__
         layer = self.layers.get(attributes.LayerIndex)
-        if not self._wants(attributes, layer, depth):
+        if attributes.GetUserString(PICTURE) or not self._wants(attributes, layer, depth):
             return
         if kind == "InstanceReference":
             self._instance(geometry, placed, depth)
