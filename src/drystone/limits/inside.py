@@ -35,14 +35,14 @@ from drystone.stability.problem import Clock
 from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
-"""Default width on larger models, by the way to the limit of equilibrium. A finer bracket would
-depend on the iteration more than on the structure. It is a scan of six steps, each halved four
-times."""
+"""Default width for larger models, relative to the distance between the start and the limit of
+equilibrium. A finer bracket would depend more on the iteration than on the structure. It is the
+result of a scan of six steps, each halved four times."""
 
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """What a search works with. Without a check, drystone's own is made in two steps."""
+    """Settings of a search. Without a check, that of drystone is made in two steps."""
 
     check: Check | None
     options: LimitOptions
@@ -53,7 +53,7 @@ class Means:
 
     @cached_property
     def clock(self) -> Clock:
-        """The time since the start; remembers the wish to stop."""
+        """The time since the start; keeps a request to stop."""
         return Clock(self.time_limit_s, self.stop)
 
     def search(
@@ -62,7 +62,7 @@ class Means:
         check: Callable[..., Result],
         meaning: Mapping[Verdict, bool | None] = STANDS,
     ) -> Search:
-        """A search with one of our own checks, which can be stopped where it runs here."""
+        """A search with a check of drystone, which can be stopped in this process."""
         limited = self.stop is not None or np.isfinite(self.time_limit_s)
         if limited and self.executor is None:
             check = partial(check, stop=self.clock.late)
@@ -75,7 +75,7 @@ class Means:
 
 
 def bisected(family: Family, start: float, end: float, width: float, means: Means) -> Limit:
-    """A limit whose convex bound has to be bisected; the width of the options comes first."""
+    """A limit whose convex bound is found by bisection; uses the width of the options."""
     chosen = width if means.options.width is None else means.options.width
     cone = means.options.cone
     return searched(
@@ -97,12 +97,12 @@ def searched(
     bound: Callable[[Stop], tuple[Bracket, float]],
     means: Means,
 ) -> Limit:
-    """The convex bound and its width first, then the full verdict inside it.
+    """The convex bound and its width, then the limit of the full verdict inside it.
 
     Raises
     ------
     InputError
-        Nothing is free, or nothing is loaded.
+        No block is free, or no free block is loaded.
     """
     _refuse_nothing_to_do(family, start)
     began = time.perf_counter()
@@ -143,8 +143,8 @@ def _in_two_steps(
 ) -> tuple[Found, Found]:
     """Limits for uniform stiffness and for some stiffness.
 
-    The scan and the bisection use uniform stiffness, which is cheap. The cascade is computed at the
-    first value where uniform stiffness falls. Where that stands, the range beyond is searched too.
+    The scan and the bisection use uniform stiffness, which is fast. The cascade is computed at the
+    first value where uniform stiffness falls. If it stands there, the range beyond is searched too.
     """
     (start, last), scan = span, means.options.scan
     corners = family(start).contacts.corner_count
@@ -209,7 +209,7 @@ def _searched_once(family: Family, found: Found, outer: Bracket, means: Means) -
 
 
 def _farther(search: Search, first: float, last: float, width: float) -> Bracket | None:
-    """The limit from ``first`` on by growing steps; ``None`` where that does not stand.
+    """The limit from ``first`` on by growing steps; ``None`` if it does not stand there.
 
     A check of a large model that falls is slow, so no value far beyond the limit is tried.
     """

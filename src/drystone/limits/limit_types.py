@@ -1,4 +1,4 @@
-"""How a limit is searched, and what is found."""
+"""Options of the search for limits, and limits."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from drystone.limits.search import Bracket, Evaluation, plain
 
 @dataclass(frozen=True)
 class LimitOptions(Options):
-    """How a limit is searched.
+    """Options of the search for a limit.
 
     Attributes
     ----------
     width
-        Of the brackets, in the unit of the parameter; left out, a default of each limit.
+        Width of the brackets, in the unit of the parameter; when left out, a default of each limit.
     scan
-        Steps between the start and the limit of equilibrium that are tried before it is bisected:
-        an island narrower than a step can be missed.
+        Number of steps between the start and the limit of equilibrium before bisection. An island
+        narrower than a step can be missed.
     cone
-        Of the equilibrium limit.
+        Friction cone of the equilibrium limit.
     full
         Whether to search the full verdict too.
     """
@@ -46,27 +46,27 @@ class LimitOptions(Options):
 
 @dataclass(frozen=True, eq=False)
 class Limit(Card):
-    """A limit by both definitions.
+    """A limit of equilibrium and of rest.
 
     Attributes
     ----------
     parameter, unit
     start, end
-        Range that was searched, from where it should stand.
+        Searched range, from a value at which it should stand.
     equilibrium
         Some forces balance the loads (associative friction).
     rest
-        The full verdict: stands for some contact stiffness. ``None`` where it was not asked for.
+        The full verdict: it stands for some contact stiffness. ``None`` if not requested.
     uniform
-        Stands for uniform contact stiffness, as a discrete-element program would see it; never
-        beyond ``rest``. ``None`` with a check of one's own.
+        It stands for uniform contact stiffness, like in a discrete-element program; never beyond
+        ``rest``. ``None`` with another check.
     islands
-        Values beyond the first fall at which it stands again, as far as they were tried.
+        Ranges beyond the first fall in which it stands again, as far as they were tried.
     evaluations
-        Values that were tried, in ascending order.
+        Tried values, in ascending order.
     time_s
     stopped
-        Why the search ended before the brackets were as narrow as asked for; else empty.
+        Why the search stopped before the brackets had the required width; else empty.
     """
 
     parameter: str
@@ -102,18 +102,18 @@ class Limit(Card):
 
     @property
     def best(self) -> Bracket:
-        """The bracket of the full verdict, or that of equilibrium where there is no other."""
+        """The bracket of the full verdict, or that of equilibrium if there is no other."""
         return self.equilibrium if self.rest is None else self.rest
 
     @property
     def is_sensitive(self) -> bool:
-        """Whether it stands farther for some contact stiffnesses than for a uniform one."""
+        """Whether the limit for some contact stiffness is beyond that for a uniform one."""
         if self.rest is None or self.uniform is None:
             return False
         return self.rest.stands != self.uniform.stands
 
     def table(self) -> Table:
-        """The values that were tried, in ascending order, and what stands there."""
+        """The tried values, in ascending order, with their verdicts."""
         tried = self.evaluations
         columns = {
             "value": [one.value for one in tried],
@@ -124,7 +124,7 @@ class Limit(Card):
         return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values; blocks that fall by name."""
+        """Plain values; falling blocks by name."""
         falling = self.best.falling
         return {
             "parameter": self.parameter,

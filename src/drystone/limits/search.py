@@ -1,4 +1,4 @@
-"""Where a verdict changes: a scan, then bisection. The verdict need not be monotone."""
+"""Search for the change of a verdict: a scan, then bisection. The verdict need not be monotone."""
 
 from __future__ import annotations
 
@@ -18,39 +18,41 @@ from drystone.model import Model
 from drystone.results import Result, Samples, Verdict
 
 Check: TypeAlias = Callable[[Model], Result]
-"""Any function that answers whether a model stands."""
+"""A function that gives the verdict on a model."""
 
 Stop: TypeAlias = Callable[[], bool]
 """Whether to stop. Once True, it must stay True."""
 
 SEARCHED = 500
-"""Corners up to which every value is checked by the cascade. Chosen: for larger models that fall
-one check takes seconds. For those only rest with a few friction laws is tried, and the limit of
-equilibrium bounds the result."""
+"""Largest number of corners with which every value is checked by the cascade. Chosen: one check of
+a larger model that falls takes seconds. For larger models only rest with a few friction laws is
+tried, and the limit of equilibrium bounds the result."""
 
 ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
 SOME_STIFFNESS = stability.CheckOptions()
 SAMPLED = stability.CheckOptions(settle=False)
 
 CONVEX_SEARCH = 200
-"""Corners up to which blocks are also followed by steps at every value where the stiffness decides.
-Beyond, they are followed only where the samples fall first: a limit asks often."""
+"""Largest number of corners with which blocks are also followed by steps at every value where the
+stiffness decides. In larger models they are followed only at the first value where the samples
+fall, since a limit needs many checks."""
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 OTHER = stability.QUICK.with_slip_lengths(10.0, 0.1)
 """Screening of large models, for the limits of uniform and of some contact stiffness. Measured on
-the Armadillo vault: the quick level gives the limits of the patient one in half of the time."""
+the Armadillo vault: the quick level gives the same limits as the patient one in half of the
+time."""
 
 
 def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """Whether it stands with uniform contact stiffness, the cheapest proof that it stands."""
+    """Whether it stands with uniform contact stiffness: the fastest proof."""
     if model.contacts.corner_count > SEARCHED:
         return stability.try_rest(model, screening=UNIFORM, stop=stop)
     return stability.check(model, options=ONE_STIFFNESS, stop=stop)
 
 
 def some_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """The cascade of :func:`drystone.check`, less of it on larger models."""
+    """The cascade of :func:`drystone.check`, reduced for larger models."""
     corners = model.contacts.corner_count
     if corners > SEARCHED:
         return stability.try_rest(model, screening=OTHER, stop=stop)
@@ -60,15 +62,15 @@ def some_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
 
 
 def any_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """The cascade of :func:`drystone.check` with its search, whatever it takes."""
+    """The cascade of :func:`drystone.check` with its search, for any size."""
     return stability.check(model, options=SOME_STIFFNESS, stop=stop)
 
 
 def verdict(model: Model) -> Result:
     """Whether it stands for some contact stiffness.
 
-    Uniform contact stiffness is tried first, others only where that falls. The number of
-    stiffnesses for which it stands is not counted.
+    Uniform contact stiffness is tried first, others only if it falls. The number of stiffnesses
+    with which it stands is not counted.
     """
     first = one_stiffness(model)
     return first if first.verdict is Verdict.STABLE else some_stiffness(model)
@@ -85,12 +87,12 @@ STANDS: Mapping[Verdict, bool | None] = {
 STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
     kind: stands is True for kind, stands in STANDS.items()
 }
-"""The same, but an undecided value counts as falling."""
+"""As above, but an undecided value counts as falling."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One value that was tried."""
+    """One tried value."""
 
     value: float
     verdict: Verdict
@@ -104,13 +106,13 @@ class Bracket(OneLine):
     Attributes
     ----------
     stands
-        The last value that stands; ``None`` where none was found.
+        The last value at which it stands; ``None`` if none was found.
     falls
-        The first value beyond it that falls; ``None`` where all that were tried stand.
+        The first value beyond at which it falls; ``None`` if it stands at all tried values.
     standing, falling
         The states there; the falling one has the mechanism.
     computed
-        The limit between them that a convex program gives, where there is one.
+        The limit from a convex program, if there is one.
     """
 
     stands: float | None = None
@@ -134,7 +136,7 @@ class Bracket(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a search found.
+    """Result of a search.
 
     Attributes
     ----------
@@ -156,18 +158,16 @@ class Stopped(Exception):
 
 
 class Search:
-    """A search along one family; remembers what was tried.
+    """A search along one family; keeps all tried values.
 
     Parameters
     ----------
     family
     check
-    executor
-        Works on the values of a scan side by side.
-    meaning
+    executor Computes the values of a scan in parallel. meaning
         What each verdict counts as.
     stop
-        Asked before every value and after it.
+        Called before and after every value.
     """
 
     def __init__(
@@ -196,7 +196,7 @@ class Search:
         Raises
         ------
         Stopped
-            An undecided answer by then may have been broken off, and is not kept.
+            The request to stop. An undecided answer then may be incomplete and is not kept.
         """
         new = [value for value in dict.fromkeys(values) if value not in self.results]
         if new and self.stop():
@@ -216,16 +216,16 @@ class Search:
     def run(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
     ) -> Found:
-        """Bracket the first change of the verdict on the way from ``start`` to ``end``.
+        """Bracket the first change of the verdict between ``start`` and ``end``.
 
         Parameters
         ----------
         start
-            Where the structure is expected to stand.
+            Value at which the structure should stand.
         end
             Either above or below it.
         width
-            Of the bracket, where no value between is undecided.
+            Width of the bracket, if no value in it is undecided.
         scan
             Number of steps of the scan; 1 tries the two ends only.
         beyond
@@ -234,7 +234,7 @@ class Search:
         Returns
         -------
         Found
-            Where the search was stopped, what the values tried by then tell.
+            If the search was stopped: the result of the values tried so far.
         """
         try:
             return self._run(start, end, width, scan, beyond)
@@ -242,7 +242,7 @@ class Search:
             return self.so_far(start, beyond)
 
     def so_far(self, start: float, beyond: Bracket | None = None) -> Found:
-        """What the values that were tried tell, in order from the start."""
+        """The result of the values tried so far, in order from the start."""
         tried = sorted(self.results, key=lambda value: abs(value - start))
         held = [self.meaning[self.results[value].verdict] for value in tried]
         first = next((i for i, stands in enumerate(held) if stands is not True), len(tried))
@@ -292,7 +292,7 @@ class Search:
     ) -> tuple[float, float | None]:
         """Bisect between a value that stands and one that falls.
 
-        Undecided values between them, in order from the inside, are closed in from both sides.
+        Undecided values between them are enclosed from both sides.
         """
         doubtful = list(doubtful)
         while True:
@@ -323,7 +323,7 @@ class Search:
         return Found(bracket, islands, self.evaluations())
 
     def evaluations(self) -> tuple[Evaluation, ...]:
-        """What was tried, in ascending order."""
+        """Tried values, in ascending order."""
         return tuple(
             Evaluation(value, result.verdict, result.samples)
             for value, result in sorted(self.results.items(), key=itemgetter(0))
