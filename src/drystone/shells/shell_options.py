@@ -78,9 +78,9 @@ class Layout(Options):
                 refuse_unless_count(number, "blocks")
 
 
-LARGEST_JOGGLE = 35.0
-"""[degrees] Chosen: the friction angle of dry stone is 31 to 35 degrees. If the halves of a bed
-joint are steeper, they slide on each other under the thrust, and the step does not hook."""
+LEAST_JOGGLE, LARGEST_JOGGLE = 10.0, 25.0
+"""[degrees] A smaller joggle is too flat for the contact search; a larger one blocks every
+rotation."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,9 @@ class Body(Options):
         One value, one per course, or a function of points; that of the shape when left out.
     density : [kg/m3]
     joggle_deg : [degrees]
-        Angle of the joggle that hooks every block over the course below, -35 to 35; see
-        ``add_joggle``.
+        Joggle that hooks every block over the course below: the slope of its first face, 10 to 25
+        or -25 to -10; 0 for none. A block is then removed by a rotation, not by a straight lift;
+        see ``add_joggle``.
     intrados
     ground
     ground_depth : [m]
@@ -117,10 +118,12 @@ class Body(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not abs(self.joggle_deg) <= LARGEST_JOGGLE:
+        size = abs(self.joggle_deg)
+        if size != 0.0 and not LEAST_JOGGLE <= size <= LARGEST_JOGGLE:
             raise InputError(
                 f"the joggle is {self.joggle_deg} degrees",
-                remedy=f"give -{LARGEST_JOGGLE:g} to {LARGEST_JOGGLE:g}",
+                remedy=f"give {LEAST_JOGGLE:g} to {LARGEST_JOGGLE:g}, the same below zero, "
+                "or 0 for none",
             )
 
 

@@ -1,6 +1,6 @@
 """Conic programs built from named variables and named rows.
 
-minimise 1/2 x' diag(quadratic) x + linear' x subject to right - matrix x in cones
+minimise  1/2 x' diag(quadratic) x + linear' x   subject to   right - matrix x  in cones
 """
 
 from __future__ import annotations

@@ -27,6 +27,14 @@ PLANAR = 1e-9
 """Distance of a corner from the plane of its face that counts as zero, relative to the square root
 of the area. Chosen: far above rounding, far below the precision of text files."""
 
+HOOK = ((0.4, 1.4), (0.84, 0.185), (0.74, 0.1))
+"""Corners of a joggle, from the intrados: position through the thickness, divided by half the
+thickness h, and height, divided by h t with the slope t. The first face has the slope t, the
+undercut 0.85 t. No translation is free because 0.85 < 1. A rotation about a point (1, -z) is free
+where z <= 0.6 / t - 1.4 t and z >= 0.26 / (0.85 t) - 0.1 t. Such points exist up to t = 0.475. At a
+slope of 10 degrees the angle at the ridge is 36 degrees, so the contact search treats it as an edge
+and not as a curved surface."""
+
 Polygon: TypeAlias = tuple[int, ...]
 
 
@@ -37,7 +45,7 @@ class Pins(OneLine):
     Attributes
     ----------
     point : (p, 3) [m]
-        From the intrados to the extrados, vertex after vertex: two points, or four where the bed
+        From the intrados to the extrados, vertex after vertex: two points, or five where the bed
         joint has a joggle.
     start : (v + 1,) vertex i has the points start[i] to start[i + 1]
     """
@@ -117,11 +125,12 @@ def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
 def add_joggle(mesh: Tessellation, pins: Pins, joggle_deg: float) -> Pins:
     """Give straight pins on bed lines between two courses a joggle.
 
-    Both halves of every bed joint are rotated by ``joggle_deg`` [degrees] about the direction of
-    the course, each about its outer edge. This makes a step at mid thickness: the upper block hooks
-    over the lower block, and can only be rotated into place. A positive angle prevents sliding
-    inwards. The step lies in the plane of the head joint that ends at the pin, so the head joint
-    stays planar.
+    The section of a bed joint has four faces. From the intrados it rises at ``joggle_deg``
+    [degrees] to a ridge, falls, returns under the ridge, and then runs to the extrados. No
+    translation opens all four faces, so the upper block cannot be lifted straight. It can be
+    removed by a rotation about the direction of the course, with a centre below the extrados. A
+    negative joggle is the mirror image; the rotation is then inwards. The joggle lies in the plane
+    of the head joint that ends at the pin, so the head joint stays planar.
     """
     low, high = pins.point[0::2], pins.point[1::2]
     middle, along = 0.5 * (low + high), high - low
@@ -135,13 +144,16 @@ def add_joggle(mesh: Tessellation, pins: Pins, joggle_deg: float) -> Pins:
     axis = along / length
     up -= np.einsum("vi,vi->v", up, axis)[:, None] * axis
     up /= np.linalg.norm(up, axis=1, keepdims=True)
-    step = 0.5 * length * np.tan(np.deg2rad(joggle_deg)) * up
-    count = np.where(mesh.inner, 4, 2)
+    half, slope = 0.5 * length, np.tan(np.deg2rad(abs(joggle_deg)))
+    side = 1.0 if joggle_deg >= 0.0 else -1.0
+    count = np.where(mesh.inner, 2 + len(HOOK), 2)
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
     point = np.empty((start[-1], 3))
     point[start[:-1]], point[start[1:] - 1] = low, high
     first = start[:-1][mesh.inner]
-    point[first + 1], point[first + 2] = (middle + step)[mesh.inner], (middle - step)[mesh.inner]
+    for i, (across, rise_by) in enumerate(HOOK if side > 0.0 else HOOK[::-1], start=1):
+        corner = middle + half * (side * across * axis + slope * rise_by * up)
+        point[first + i] = corner[mesh.inner]
     return Pins(point, start)
 
 
@@ -162,7 +174,7 @@ def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
 
 
 def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tuple[int, ...]]:
-    """Side faces of the cell on the left of an edge, outwards: one, or three at a joggle."""
+    """Side faces of the cell on the left of an edge, outwards: one, or four at a joggle."""
     a, b = pins.of(edge[0]), pins.of(edge[1])
     head = (min(edge), max(edge)) in mesh.heads
     if len(a) == len(b) and not head:
