@@ -178,7 +178,8 @@ def cra_penalty_solve(
     ----------
     assembly
         Changed in place: ``interface.forces`` (``c_nn`` is tension) and ``displacement``.
-    mu, density, d_bnd, eps, verbose, timer As in :func:`cra_solve`.
+    mu, density, d_bnd, eps, verbose, timer
+        As in :func:`cra_solve`.
 
     Returns
     -------

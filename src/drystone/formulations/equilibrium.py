@@ -67,7 +67,8 @@ class EquilibriumSolution:
 
     Attributes
     ----------
-    force : (k, 3) minus tension, when solved tension : (k,) when it was allowed
+    force : (k, 3) minus tension, when solved
+    tension : (k,) when it was allowed
     multiplier : (n, 6) virtual velocity of the blocks: the mechanism when infeasible
     raw
     """

@@ -72,7 +72,8 @@ def rest_within_ratio(
         Initial motion; its size has no effect.
     ratio
         Largest stiffness by the smallest.
-    stop Called before every step.
+    stop
+        Called before every step.
     """
     return _TrustRegionMethod(statics, ratio, stop).run(motion)
 

@@ -26,7 +26,7 @@ from drystone.results import Result
 def _read_json(data: bytes, path: Path) -> Draft:
     """Any of the JSON formats, recognised by the content of the file."""
     top = jsontext.parse(data, path)
-    if "dtype" in top.value:
+    if compas_json.is_compas(top):
         return compas_json.read(top)
     return drystone_json.read(top)
 
@@ -105,8 +105,10 @@ def read_file(
     Parameters
     ----------
     path
-        Its suffix determines the format. units Unit of length of the file: mm, cm, m, in or ft.
-        When left out: the unit in the file, else metres.
+        Its suffix determines the format.
+    units
+        Unit of length of the file: mm, cm, m, in or ft. When left out: the unit in the file, else
+        metres.
     split
         Separate parts of a block become separate blocks.
     skip_defects

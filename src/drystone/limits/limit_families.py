@@ -133,7 +133,9 @@ class Parametric(OneLine):
     build
         Function from a value to an assembly.
     find
-        Function that finds the contacts. parameter Name of the parameter.
+        Function that finds the contacts.
+    parameter
+        Name of the parameter.
     unit
     """
 

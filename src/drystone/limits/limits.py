@@ -172,7 +172,10 @@ def limit_load(
 
     Parameters
     ----------
-    live upper Largest factor of the search. options
+    live
+    upper
+        Largest factor of the search.
+    options
         The default width is 1e-4 of the limit.
     """
     chosen = LimitOptions.of(options)

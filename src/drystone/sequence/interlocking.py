@@ -84,9 +84,11 @@ def interlocking(
     Parameters
     ----------
     given
-        A model; or an assembly or a file that ``how`` turns into one. key The block or blocks that
-        are held; the supports of the model when left out. For a puzzle with a sliding key, hold the
-        key and one other piece: with the key alone fixed, all other pieces may slide away together.
+        A model; or an assembly or a file that ``how`` turns into one.
+    key
+        The block or blocks that are held; the supports of the model when left out. For a puzzle
+        with a sliding key, hold the key and one other piece: with the key alone fixed, all other
+        pieces may slide away together.
 
     Raises
     ------
@@ -236,9 +238,11 @@ def gravity_region(
     Parameters
     ----------
     given
-        A model; or an assembly or a file that ``how`` turns into one. key The block or blocks that
-        are held; the supports of the model when left out. directions Number of directions, evenly
-        spread over the sphere, or the directions (g, 3).
+        A model; or an assembly or a file that ``how`` turns into one.
+    key
+        The block or blocks that are held; the supports of the model when left out.
+    directions
+        Number of directions, evenly spread over the sphere, or the directions (g, 3).
     stands
         Whether to compute the full verdict too. It takes longer.
     executor

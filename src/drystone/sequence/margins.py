@@ -145,7 +145,10 @@ def margins(
     ----------
     plan
     options
-    executor Computes stages in parallel. progress stop
+    executor
+        Computes stages in parallel.
+    progress
+    stop
         Called between two stages; True ends the work.
     time_limit_s
         Time after which the work ends. Margins of the remaining stages are NaN.
