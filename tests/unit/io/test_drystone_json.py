@@ -221,7 +221,7 @@ NAN, INFINITY = float("nan"), float("inf")
         ("blocks.1.name", "", ["blocks[1].name", "empty"]),
         ("blocks.1.name", KeyError, ["blocks[1]", "'name' is missing"]),
         ("blocks.1.faces", KeyError, ["blocks[1]", "'faces' is missing"]),
-        ("blocks.1.name", "a", ["one name, 'a'", "blocks[0] and blocks[1]"]),
+        ("blocks.1.name", "a", ["same name, 'a'", "blocks[0] and blocks[1]"]),
         ("blocks.1.fixed", 1, ["blocks[1].fixed", "true or false"]),
         ("blocks.1.density", -1, ["blocks[1].density", "-1"]),
         ("blocks.1.density", 1e300, ["blocks[1].density", "1e+300"]),

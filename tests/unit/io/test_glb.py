@@ -151,9 +151,9 @@ def changed(path: str, value: Any) -> bytes:
         (b"{}" * 20, ["not a GLB file"]),
         (glb(*scene())[:-40], ["ends before its data"]),
         (changed("extensionsRequired", ["KHR_draco_mesh_compression"]), ["KHR_draco", "without"]),
-        (changed("scenes/0/nodes", [7]), ["scenes[0].nodes[0]", "none of the nodes"]),
+        (changed("scenes/0/nodes", [7]), ["scenes[0].nodes[0]", "not among the nodes"]),
         (changed("nodes/0/children", [1]), ["used twice, or is its own parent"]),
-        (changed("nodes/0/mesh", 3), ["nodes[0].mesh", "none of the meshes"]),
+        (changed("nodes/0/mesh", 3), ["nodes[0].mesh", "not among the meshes"]),
         (changed("nodes/1/translation", [0, "x", 0]), ["nodes[1].translation[1]"]),
         (changed("meshes/0/primitives/0/mode", 1), ["meshes[0]", "no triangles"]),
         (changed("accessors/0/count", 10**9), ["accessors[0]", "beyond the data"]),
@@ -165,7 +165,7 @@ def changed(path: str, value: Any) -> bytes:
         (changed("accessors/0/count", 4), ["accessors[1]", "has vertex"]),
         (changed("bufferViews/0/byteStride", 2), ["accessors[0]", "beyond the data"]),
         (changed("buffers/0/uri", "http://example.org/x.bin"), ["buffers[0]", "outside the file"]),
-        (changed("buffers", {}), ["bufferViews[0].buffer", "none of the buffers"]),
+        (changed("buffers", {}), ["bufferViews[0].buffer", "not among the buffers"]),
     ],
 )
 def test_what_cannot_be_read_is_told_in_one_line(
