@@ -82,6 +82,8 @@ class Answer(OneLine):
         still admissible when all coefficients are multiplied by it.
     corner : (c,)
         Corners of the whole model with ``force`` (c, 3) [N]; empty if not kept.
+    settled
+        Result of following the blocks, where contact stiffness decides; else empty.
     motion : (b, 6) [m, rad]
         Displacements of the moving blocks of a part, ascending, as a start for similar stages; may
         be empty.
@@ -95,6 +97,7 @@ class Answer(OneLine):
     corner: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
+    settled: str = ""
 
     @property
     def stands(self) -> bool:
