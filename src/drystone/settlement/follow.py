@@ -186,7 +186,9 @@ class Follower:
                 if self.drag > MOST_DRAG * self.first:
                     return "lost"
                 continue
-            swerve = 1.0 if guess is None else float(np.abs(found.motion - guess).max()) / longest
+            swerve = 1.0
+            if guess is not None and longest > 0.0:
+                swerve = float(np.abs(found.motion - guess).max()) / longest
             if self.stretch > 1.0 and swerve > SWERVE:
                 # an event on the way: it is passed by short increments
                 self.drag *= self.stretch
