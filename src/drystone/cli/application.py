@@ -25,6 +25,7 @@ from drystone.cli.base.command import SETTINGS, Command, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
+from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
 from drystone.cli.files.convert_command import convert
 from drystone.cli.files.demo_command import demo
@@ -103,6 +104,7 @@ COMMANDS: tuple[click.Command, ...] = (
     plan,
     reproduce,
     settle,
+    sharpen,
     shell,
 )
 app = _group(
@@ -117,8 +119,9 @@ app = _group(
 def _version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
     if asked:
         from drystone import __version__
+        from drystone.base.version import commit
 
-        output.say(f"drystone {__version__}")
+        output.say(f"drystone {__version__}" + (f" ({commit()})" if commit() else ""))
         ctx.exit()
 
 
@@ -136,7 +139,7 @@ app.params += [
     click.Option(
         ["--version"],
         is_flag=True, is_eager=True, expose_value=False, callback=_version,
-        help="Show the version and exit.",
+        help="Show the version and the commit, and exit.",
     ),
     click.Option(
         ["--completion"],
