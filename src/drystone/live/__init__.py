@@ -1,0 +1,9 @@
+"""A server on this machine for one model: the live page, and a JSON interface for programs.
+
+``drystone live MODEL`` starts it. It needs nothing but the standard library.
+"""
+
+from drystone.live.serving import Live, serve
+from drystone.live.wish import more_gravity
+
+__all__ = ["Live", "more_gravity", "serve"]
