@@ -5,14 +5,17 @@ from __future__ import annotations
 import os
 import sys
 import webbrowser
+from importlib import resources
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import click
 
 from drystone.base.errors import InputError
+from drystone.base.files import write_bytes
 from drystone.cli.base import kinds, output
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import ANALYSIS, OUTPUT, Option, command
+from drystone.cli.base.command import ANALYSIS, OUTPUT, Argument, Option, command
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 
@@ -23,7 +26,9 @@ if TYPE_CHECKING:
 @command("drystone live arch.json", "drystone live vault.obj --supports lowest --no-browser")
 def live(
     *,
-    model: options.ModelArgument,
+    model: Annotated[
+        str | None, Argument("MODEL", "Model file; its suffix tells the format.", kinds.FILE)
+    ] = None,
     units: options.Units = None,
     up: options.Up = "z",
     supports: options.Supports = None,
@@ -31,6 +36,14 @@ def live(
     density: options.Density = None,
     port: Annotated[int, Option("First port that is tried; 0 for any.", OUTPUT)] = 8377,
     no_browser: Annotated[bool, Option("Print the link and open no browser.", OUTPUT)] = False,
+    client: Annotated[
+        Path | None,
+        Option(
+            "Write the client of the JSON interface, one file of Python, and end.",
+            OUTPUT,
+            kind=kinds.target(".py"),
+        ),
+    ] = None,
     time_limit: Annotated[
         float, Option("Seconds for one answer.", ANALYSIS, kind=kinds.POSITIVE, expert=True)
     ] = 60.0,
@@ -45,6 +58,13 @@ def live(
     can ask the same server by JSON (docs/json-interface.md). Only this machine is served. It ends
     with Ctrl-C, or a minute after the last window was closed.
     """
+    if client is not None:
+        text = resources.files("drystone.live").joinpath("client.py").read_bytes()
+        write_bytes(client, text)
+        output.say(f"wrote {client}")
+        return click.get_current_context().exit()
+    if model is None:
+        raise output.UsageFault("is missing", where="MODEL", remedy="name a model file")
     from drystone.live import serve  # the program starts fast: work is imported when there is some
 
     if not 0 <= port < 2**16:
@@ -64,7 +84,7 @@ def live(
 
     given = {key: value for key, value in how.items() if value is not None}
     serve(model, began=began, port=port, how=given, time_limit=time_limit, size_limit=size_limit)
-    ctx.exit()
+    return ctx.exit()
 
 
 def said(server: Live, as_json: bool) -> None:
