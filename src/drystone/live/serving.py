@@ -129,6 +129,7 @@ class Live:
         if self._watch is not None:
             self._watch.close()
             self.server.shutdown()
+            self._thread.join()
         self.server.server_close()
         self.calls.close()
         if self._watch is not None:

@@ -7,6 +7,7 @@ import json
 import os
 import queue
 import re
+import select
 import socket
 import threading
 import time
@@ -29,7 +30,9 @@ CONNECTIONS = 64
 PATIENCE = 10.0
 """[s] for a request to arrive as a whole, and for a part of an answer to leave."""
 HEARTBEAT = 5.0
-"""[s] without an event after which a stream sends an empty line, which tells closed windows."""
+"""[s] without an event after which a stream sends an empty line, which tells lost windows."""
+LOOK = 1.0
+"""[s] between two looks at whether a window was closed."""
 REST = 2**20
 """[bytes] of a refused body that are read and thrown away, so that the refusal is heard."""
 POLICY = (
@@ -70,6 +73,7 @@ class Server(ThreadingHTTPServer):
     def server_close(self) -> None:
         """Close every connection."""
         self._closed.set()
+        self._watch.join()
         super().server_close()
         with self._lock:
             for connection in self._open:
@@ -81,7 +85,7 @@ class Server(ThreadingHTTPServer):
             self._open[request] = time.monotonic() + PATIENCE
             if len(self._open) > CONNECTIONS:
                 idle = [one for one, end in self._open.items() if end < float("inf")]
-                _refuse(idle[0], 503, "too many connections are open", "try again")
+                _refuse(idle[0], 503, "too many connections are open", "try again")  # or itself
                 del self._open[idle[0]]
         super().process_request(request, client_address)
 
@@ -151,6 +155,11 @@ class Handler(BaseHTTPRequestHandler):
         except DrystoneError as error:
             told = {name: getattr(error, name, "") for name in ("what", "where", "remedy")}
             self._send_json(400, {"error": told if told["what"] else {"what": str(error)}})
+        except OSError:
+            return  # the client is gone
+        except Exception as error:  # the edge of the program: a fault of ours, told in one line
+            what = f"a fault in drystone, please report it: {type(error).__name__}: {error}"
+            self._send_json(500, {"error": {"what": what, "where": "", "remedy": ""}})
 
     # -- what is asked --------------------------------------------------------------------------
     def _get(self) -> None:
@@ -222,24 +231,33 @@ class Handler(BaseHTTPRequestHandler):
         window = self.server.desk.enter(name)
         try:
             self._head(200, "text/event-stream")
-            while True:
+            quiet = 0.0
+            while not self._gone():
                 try:
-                    event = window.events.get(timeout=HEARTBEAT)
+                    event = window.events.get(timeout=LOOK)
                 except queue.Empty:
-                    self.wfile.write(b":\n\n")
+                    quiet += LOOK
+                    if quiet >= HEARTBEAT:
+                        self.wfile.write(b":\n\n")
+                        quiet = 0.0
                     continue
                 if event is None:
                     return
+                quiet = 0.0
                 self.wfile.write(f"data: {json.dumps(event, allow_nan=False)}\n\n".encode())
         finally:
             self.server.desk.leave(window)
+
+    def _gone(self) -> bool:
+        """Whether the client has closed the connection: after its request it sends nothing."""
+        ready, _, _ = select.select([self.connection], [], [], 0.0)
+        return bool(ready)
 
     # -- bytes ----------------------------------------------------------------------------------
     def _body(self, most: int) -> bytes:
         length = self.server.guard.length(self.headers, most)  # type: ignore[arg-type]
         if self.headers.get("Expect", "").lower() == "100-continue":
-            self.send_response_only(100)
-            self.end_headers()
+            self.wfile.write(b"HTTP/1.1 100 Continue\r\n\r\n")
         data = self.rfile.read(length)
         self._left = 0
         if len(data) < length:

@@ -10,7 +10,9 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+from drystone.assembly import Assembly
 from drystone.live import Live
+from drystone.models import box
 
 PATIENCE = 300.0
 """[s] for an answer on a busy machine."""
@@ -48,6 +50,12 @@ def raw(live: Live, data: bytes) -> bytes:
         while part := connection.recv(2**16):
             found += part
     return found
+
+
+def overhang() -> Assembly:
+    """A slab that hangs over its support by more than half, and falls."""
+    base, out = box((1.0, 1.0, 1.0)), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    return Assembly((base, out)).with_fixed([0])
 
 
 class Window:

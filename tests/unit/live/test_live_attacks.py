@@ -16,8 +16,8 @@ from drystone import io
 from drystone.live import Live, client, web
 from drystone.live.tool_calls import ToolCalls
 from drystone.mcp.answers import TOOLS
-from drystone.models import arch, shelf, tower
-from tests.unit.live.live_client import Window, ask, raw
+from drystone.models import arch, tower
+from tests.unit.live.live_client import Window, ask, overhang, raw
 
 GIB = 2**30
 
@@ -26,8 +26,8 @@ GIB = 2**30
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     outside = tmp_path_factory.mktemp("outside")
     made = tmp_path_factory.mktemp("served")
-    io.write(drystone.Model.of(tower(3), friction=0.5), made / "tower.json")
-    io.write(drystone.Model.of(shelf(), friction=0.9), made / "shelf.json")
+    io.write(drystone.Model.of(tower(3), friction=0.4), made / "tower.json")
+    io.write(drystone.Model.of(overhang(), friction=0.9), made / "out.json")
     io.write(tower(2), outside / "secret.json")
     (made / "link.json").symlink_to(outside / "secret.json")
     return made
@@ -91,7 +91,7 @@ def test_our_own_page_is_no_other_site(live: Live) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["/../../etc/passwd", "/model/../1", "/model/99999", "/static/page.css", "/v2", "//"]
+    "path", ["/../../etc/passwd", "/model/../1", "/model/99999", "/static/page.css", "/v2"]
 )
 def test_there_is_nothing_at_other_addresses(live: Live, path: str) -> None:
     words(ask(live, path), 404)
@@ -200,10 +200,10 @@ def test_wishes_of_windows_models_and_tasks_that_are_not_there(live: Live) -> No
     window = Window(live, "strange")
     answer = ask(live, "/live/wish", {"window": "strange", "model": 77})
     assert "model 77" in words(answer, 400)
-    window.wish(removed=["nobody"])
-    assert "nobody" in window.until("error")["what"]
-    window.wish(removed=["block-0", "block-1", "block-2"])
-    assert "every block" in window.until("error", count=2)["what"]
+    number = window.wish(removed=["nobody"])
+    assert "nobody" in window.until("error", number)["what"]
+    number = window.wish(removed=["block-0", "block-1", "block-2"])
+    assert "every block" in window.until("error", number)["what"]
     assert window.answer()["verdict"] == "stable"
     window.close()
 
@@ -232,16 +232,26 @@ def test_a_request_that_comes_byte_by_byte_is_ended(
 
 
 def test_windows_are_bounded(live: Live) -> None:
+    until_closed(live)
     windows = [Window(live, f"w{i}") for i in range(16)]
     assert "16 windows" in words(ask(live, "/events?window=more"), 400)
     for window in windows:
         window.close()
+    until_closed(live)
     honest(live)
+
+
+def until_closed(live: Live) -> None:
+    """Wait until the server has seen that every window was closed."""
+    end = time.monotonic() + 300.0
+    while live.desk.windows:
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(live: Live) -> None:
     calls = ToolCalls(live.desk.folder, 1e-9)
-    body = json.dumps({"model": {"file": "shelf.json"}}).encode()
+    body = json.dumps({"model": {"file": "out.json"}}).encode()
     try:
         status, text = calls.call("mend", body)
         assert (status, "no answer within" in text) == (504, True)
@@ -256,21 +266,8 @@ def test_a_calculation_that_crashes_is_replaced(live: Live) -> None:
     window = Window(live, "crash")
     assert window.answer()["verdict"] == "stable"
     live.desk.helper._process.kill()
-    window.wish(tilt=1)
-    window.until("error", window.number) if not _answered(window) else None
     assert window.answer(tilt=2)["verdict"] == "stable"
     window.close()
-
-
-def _answered(window: Window) -> bool:
-    """Whether the process was replaced before the wish came, or the wish ended with it."""
-    end = time.monotonic() + 300.0
-    while time.monotonic() < end:
-        events = [one["event"] for one in window.events if one.get("wish") == window.number]
-        if "whole" in events or "error" in events:
-            return "whole" in events
-        time.sleep(0.05)
-    raise AssertionError("no answer")
 
 
 # -- the JSON interface and its client ----------------------------------------------------------
@@ -285,12 +282,11 @@ def test_check_limit_plan_and_mend_by_the_client(live: Live) -> None:
     tower_ = {"file": "tower.json"}
     assert server.check(tower_)["verdict"] == "stable"
     limit = server.limit(tower_, "tilt", axis="y")
-    assert limit["stands_at"] <= 26.565 <= limit["falls_at"]  # atan 0.5
+    assert limit["stands_at"] <= 21.801 <= limit["falls_at"]  # atan 0.4
     assert server.plan(tower_)["order"]["first"] == ["block-1", "block-2"]
     assert server.call("files")["count"] == 2
-    mends = server.mend({"file": "shelf.json"}, kinds=["glue", "prop"])["mends"]
-    assert {one["kind"] for one in mends} <= {"glue", "prop"}
-    assert mends
+    mends = server.mend({"file": "out.json"}, kinds=["prop"])["mends"]
+    assert {one["kind"] for one in mends} == {"prop"}
     with pytest.raises(client.Refused, match="relative path"):
         server.check({"file": "../secret.json"})
     with pytest.raises(client.Refused, match="token"):
