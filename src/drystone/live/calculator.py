@@ -225,6 +225,7 @@ DO: Mapping[str, Callable[[Calculator, Mapping[str, Any]], None]] = {
     "quick": _quick,
     "whole": _whole,
     "task": _task,
+    "cases": _task,
     "tool": _tool,
 }
 

@@ -19,7 +19,9 @@ from drystone.base.errors import InputError
 from drystone.live.helper import Helper
 from drystone.mcp.folder import Folder
 
-URGENCY = {"read": 0, "quick": 0, "task": 1, "whole": 2}
+URGENCY = {"read": 0, "quick": 0, "task": 1, "whole": 2, "cases": 3}
+OF_A_WISH = ("quick", "whole", "task")
+"""What a newer wish of the same window ends."""
 WINDOWS = 16
 """Windows that may be open at one time, chosen."""
 EVENTS = 256
@@ -141,7 +143,7 @@ class Desk:
         with self._changed:
             if self.windows.get(window.name) is window:
                 del self.windows[window.name]
-                self._drop(window.name)
+                self._drop(window.name, tuple(URGENCY))
         _put(window, None)
 
     def _state(self) -> dict[str, Any]:
@@ -165,7 +167,7 @@ class Desk:
         self._require(window, model)
         message = {"model": model, "wish": wish, "seconds": self.seconds, "name": self.file.name}
         with self._changed:
-            self._drop(window)
+            self._drop(window, OF_A_WISH)
         for do in ("quick", "whole"):
             self._add(Job(window, do, number, message, 1.5 * self.seconds))
 
@@ -178,18 +180,19 @@ class Desk:
             As :meth:`wish`.
         """
         self._require(window, model)
+        do = "cases" if task == "cases" else "task"
         with self._changed:
-            self._drop(window, "task")
+            self._drop(window, (do,))
         message = {
             "model": model, "wish": wish, "seconds": self.seconds, "task": task, "extra": extra,
             "name": self.file.name, "number": next(self._numbers),
         }  # fmt: skip
-        self._add(Job(window, "task", number, message, 1.5 * self.seconds))
+        self._add(Job(window, do, number, message, 1.5 * self.seconds))
 
     def end(self, window: str) -> None:
         """Nothing more is wanted for a window for now."""
         with self._changed:
-            self._drop(window)
+            self._drop(window, tuple(URGENCY))
 
     def _require(self, window: str, model: int) -> None:
         if window not in self.windows:
@@ -200,13 +203,13 @@ class Desk:
             remedy = "load the page again"
             raise InputError(f"there is no model {model} any more", where="model", remedy=remedy)
 
-    def _drop(self, window: str, only: str = "") -> None:
-        """Forget the jobs of a window; the caller holds the lock."""
+    def _drop(self, window: str, kinds: tuple[str, ...]) -> None:
+        """Forget the jobs of some kinds of a window; the caller holds the lock."""
         self._pending = [
-            job for job in self._pending if job.window != window or only not in ("", job.do)
+            job for job in self._pending if job.window != window or job.do not in kinds
         ]
         running = self._running
-        if running is not None and running.window == window and only in ("", running.do):
+        if running is not None and running.window == window and running.do in kinds:
             self._running = None
             self.helper.cancel()
 

@@ -27,6 +27,7 @@ def page_of(desk: Desk) -> str:
     begins = json.dumps({"model": number, "name": desk.file.name, "facts": kept.facts})
     for sign in "<>&":
         begins = begins.replace(sign, f"\\u{ord(sign):04x}")
+    begins = begins.replace("{{", "{\\u007b")  # a name, and no mark of the page
     controls = read("strip.html").replace("{{BEGINS}}", begins)
     script = "\n".join(read(name) for name in SCRIPTS)
     added = Addition(controls, read("live.css"), script, connects=True)

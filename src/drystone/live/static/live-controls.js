@@ -71,7 +71,7 @@ async function newFile({ model, broken: why }) {
   };
   const fixed = kept.supports ?? factsNow().supports;
   kept.pushes = kept.pushes.filter((one) => !fixed.includes(one.block));
-  cases = cases.map((one) => ({ ...one, state: { ...one.state, ...kept, ...wishOf(one.state), model } }));
+  cases = cases.map((one) => ({ ...one, state: { ...one.state, model } }));
   change(kept);
   checkCases();
 }
@@ -85,8 +85,8 @@ const HEAR = {
     byId("live-state").textContent = `uniform stiffness: ${answer.computed_ms} ms`;
   },
   whole: ({ wish, answer, picture }) => {
-    if (wish < live.number && dirty) return;
-    wholeAnswer = { state: now, headline: answer.headline, verdict: answer.verdict.toUpperCase() };
+    if (wish !== live.wish) return;
+    wholeAnswer = { state: live.asked, headline: answer.headline, verdict: answer.verdict.toUpperCase() };
     if (planShown()) return;
     showAnswer(picture, false);
     const early = answer.stopped ? `; ${answer.stopped}` : "";
@@ -141,8 +141,7 @@ function connectStrip() {
   });
   onClick("edge", () => {
     leavePlan();
-    change({ direction: lookingTowards() }, false);
-    task("limit");
+    task("limit", {}, { ...now, direction: lookingTowards() });
   });
   onClick("mends-find", () => task("mends"));
   onClick("plan-find", () => task("plan"));

@@ -21,6 +21,7 @@ const supportsNow = () => now.supports ?? factsNow().supports;
 
 // Changes the state; `keep` makes it a step of undo.
 function change(parts, keep = true) {
+  if (planShown()) leavePlan();
   now = { ...now, ...parts };
   if (keep) {
     past.states = [...past.states.slice(0, past.at + 1), now].slice(-LONGEST_HISTORY);
@@ -62,11 +63,13 @@ async function send() {
   }
   dirty = false;
   live.number += 1;
-  live.waiting = live.number;
-  sentAt = performance.now();
   const number = live.number;
+  Object.assign(live, { waiting: number, wish: number, asked: now });
+  sentAt = performance.now();
+  if (!byId("task-stop").hidden) busy(false, "stopped by the new load case");
+  live.sending = ask("/live/wish", { window: live.window, number, model: now.model, wish: wishOf(now) });
   try {
-    await ask("/live/wish", { window: live.window, number, model: now.model, wish: wishOf(now) });
+    await live.sending;
     complain("");
   } catch (error) {
     answered(number);
@@ -80,14 +83,18 @@ function answered(number) {
   if (dirty) send();
 }
 
-function task(name, extra = {}) {
-  live.number += 1;
-  busy(true);
-  const body = { window: live.window, number: live.number, model: now.model, task: name, extra };
-  ask("/live/task", { ...body, wish: wishOf(now) }).catch((error) => {
+// A wish that is on its way arrives first: it would end the task.
+async function task(name, extra = {}, state = now) {
+  if (name !== "cases") busy(true);
+  try {
+    await live.sending.catch(() => {});
+    live.number += 1;
+    const body = { window: live.window, number: live.number, model: state.model, task: name, extra };
+    await ask("/live/task", { ...body, wish: wishOf(state) });
+  } catch (error) {
     busy(false);
     complain(error.message);
-  });
+  }
 }
 
 function complain(text) {

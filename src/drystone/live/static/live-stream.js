@@ -6,7 +6,10 @@ const RETRY = 1000; // [ms] between two of them
 const live = {
   token: new URLSearchParams(location.search).get("token") ?? "",
   window: Array.from(crypto.getRandomValues(new Uint8Array(8)), (x) => x.toString(16)).join("-"),
-  number: 0, // of the newest wish
+  number: 0, // of the newest wish or task
+  wish: 0, // of the newest wish
+  asked: null, // the state of the newest wish
+  sending: Promise.resolve(),
   waiting: 0, // number of the wish whose quick answer is awaited, 0 for none
   ended: false,
 };
