@@ -21,7 +21,7 @@ import numpy as np
 import drystone
 from benchmarks.machine import commit, processor
 from drystone import io
-from drystone.live import Live
+from drystone.live.serving import Live
 from drystone.models import arch, vault
 
 WISHES = 200

@@ -10,7 +10,7 @@ import pytest
 
 import drystone
 from drystone import io
-from drystone.live import Live
+from drystone.live.serving import Live
 from drystone.models import arch, box, tower
 from tests.page.browser import Browser, Tab, executable, running
 

@@ -3,7 +3,7 @@
 ``drystone live MODEL`` starts it. It needs nothing but the standard library.
 """
 
-from drystone.live.serving import Live, serve
-from drystone.live.wish import more_gravity
+from drystone.live.computing.wish import more_gravity
+from drystone.live.serving import serve
 
-__all__ = ["Live", "more_gravity", "serve"]
+__all__ = ["more_gravity", "serve"]

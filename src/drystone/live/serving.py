@@ -12,11 +12,11 @@ from typing import Any
 
 from drystone.base.errors import InputError
 from drystone.live.desk import Desk
-from drystone.live.guard import MIB
 from drystone.live.live_page import page_of
+from drystone.live.requests.guard import MIB
+from drystone.live.requests.web import Server
 from drystone.live.tool_calls import ToolCalls
 from drystone.live.watching import Watch
-from drystone.live.web import Server
 
 PORT = 8377
 """Where the search for a free port begins; chosen, none of the registered ones."""

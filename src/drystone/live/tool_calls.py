@@ -6,7 +6,7 @@ import json
 import threading
 from typing import Any
 
-from drystone.live.helper import Helper
+from drystone.live.computing.helper import Helper
 from drystone.mcp.folder import Folder
 
 WAITING = 8

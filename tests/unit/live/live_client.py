@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from drystone.assembly import Assembly
-from drystone.live import Live
+from drystone.live.serving import Live
 from drystone.models import box
 
 PATIENCE = 300.0
@@ -66,11 +66,12 @@ class Window:
         self.events: list[dict[str, Any]] = []
         self._heard = threading.Condition()
         self._connection = http.client.HTTPConnection("127.0.0.1", live.port, timeout=PATIENCE)
+        self._connection.connect()
+        self._socket = self._connection.sock  # the connection forgets it with the answer
         self._connection.request("GET", f"/events?window={name}", headers={
             "Authorization": f"Bearer {live.server.guard.token}"})  # fmt: skip
         self._answer = self._connection.getresponse()
         assert self._answer.status == 200
-        self._socket = self._connection.sock
         self._thread = threading.Thread(target=self._listen, daemon=True)
         self._thread.start()
         self.until("file")
@@ -87,8 +88,7 @@ class Window:
 
     def close(self) -> None:
         """Go away as a browser does."""
-        if self._socket is not None:
-            self._socket.shutdown(socket.SHUT_RDWR)
+        self._socket.shutdown(socket.SHUT_RDWR)
         self._thread.join()
         self._connection.close()
 

@@ -13,7 +13,9 @@ import pytest
 
 import drystone
 from drystone import io
-from drystone.live import Live, client, web
+from drystone.live import client
+from drystone.live.requests import web
+from drystone.live.serving import Live
 from drystone.live.tool_calls import ToolCalls
 from drystone.mcp.answers import TOOLS
 from drystone.models import arch, tower

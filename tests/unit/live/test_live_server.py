@@ -14,10 +14,11 @@ from drystone import io
 from drystone.base.errors import InputError
 from drystone.cli import main
 from drystone.io.jsontext import Field
-from drystone.live import Live, serving
-from drystone.live.python_lines import python_lines
+from drystone.live import serving
+from drystone.live.computing.python_lines import python_lines
+from drystone.live.computing.wish import Wish, asked
+from drystone.live.serving import Live
 from drystone.live.watching import Watch
-from drystone.live.wish import Wish, asked
 from drystone.models import arch
 from tests.unit.live.live_client import Window, ask, overhang
 

@@ -20,7 +20,7 @@ from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 
 if TYPE_CHECKING:
-    from drystone.live import Live
+    from drystone.live.serving import Live
 
 
 @command("drystone live arch.json", "drystone live vault.obj --supports lowest --no-browser")

@@ -18,11 +18,11 @@ from urllib.parse import parse_qs, urlsplit
 
 import drystone
 from drystone.base.errors import DrystoneError
+from drystone.live.computing.python_lines import python_lines
 from drystone.live.desk import Desk
-from drystone.live.guard import LOOPBACK, WISH, Guard, Refusal
-from drystone.live.interface import ARGUMENTS, VERSION
-from drystone.live.parsing import Sent, sent
-from drystone.live.python_lines import python_lines
+from drystone.live.requests.guard import LOOPBACK, WISH, Guard, Refusal
+from drystone.live.requests.interface import ARGUMENTS, VERSION
+from drystone.live.requests.parsing import Sent, sent
 from drystone.live.tool_calls import ToolCalls
 
 CONNECTIONS = 64

@@ -18,7 +18,7 @@ from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
-from drystone.live.wish import Asked, Wish, asked
+from drystone.live.computing.wish import Asked, Wish, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
 from drystone.sequence import Order, PlanOptions, Rules, plan

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.io.jsontext import Field, parse
-from drystone.live.wish import Wish
+from drystone.live.computing.wish import Wish
 
 TASKS = ("limit", "mends", "apply", "plan", "cases", "save")
 

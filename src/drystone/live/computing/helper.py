@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from drystone.live.calculator import calculate
+from drystone.live.computing.calculator import calculate
 
 GRACE = 3.0
 """[s] from cancelling a job to ending the process that does not stop. Chosen: the longest step of

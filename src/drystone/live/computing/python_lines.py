@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.geometry.frames import rotation_about
 from drystone.io.jsontext import Field
-from drystone.live.wish import Wish
+from drystone.live.computing.wish import Wish
 from drystone.loads import DOWN, STANDARD_GRAVITY
 
 

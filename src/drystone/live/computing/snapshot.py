@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.frames import rotation_about
-from drystone.live.wish import Asked, Wish
+from drystone.live.computing.wish import Asked, Wish
 from drystone.loads import DOWN
 from drystone.results import Result, Verdict
 from drystone.view import Layer, LayerKind, Scene, Stage, State, stage_of

@@ -1,6 +1,7 @@
 """The process that computes: it reads models and answers wishes, one after the other.
 
-It is asked through a pipe by :mod:`drystone.live.helper`, and tells what it finds as it goes.
+It is asked through a pipe by :mod:`drystone.live.computing.helper`, and tells what it finds as it
+goes.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from drystone.base.errors import DrystoneError, InputError
 from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
-from drystone.live import tasks
-from drystone.live.interface import given_of
-from drystone.live.snapshot import snapshot
-from drystone.live.wish import Asked, Wish, asked
+from drystone.live.computing import tasks
+from drystone.live.computing.snapshot import snapshot
+from drystone.live.computing.wish import Asked, Wish, asked
+from drystone.live.requests.interface import given_of
 from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.model import Model
