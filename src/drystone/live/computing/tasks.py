@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -149,13 +150,14 @@ def _untilted(base: Model, made: Model) -> LoadCase:
 def _plan(work: Work) -> Iterator[Event]:
     """An order of assembly, or what becomes of a given one, as the data of a page."""
     given = work.extra["order"] if work.extra.has("order") else None
-    order = Order.TOP if given is None else [one.text() for one in given.elements()]
-    options = PlanOptions(rules=Rules(order=order), anyway=True)
+    order = [] if given is None else [one.text() for one in given.elements()]
+    rules = Rules(order=order or Order.TOP, before=list(itertools.pairwise(order)))
+    options = PlanOptions(rules=rules, anyway=True)
     part = work.asked.part
     found = plan(part, options=options, stop=work.stop, progress=work.progress)
     told = {
         "order": list(found.order),
-        "asked": [] if given is None else order,
+        "asked": order,
         "counts": found.counts,
         "message": found.message,
         "stopped": found.stopped,
