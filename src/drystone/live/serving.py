@@ -131,6 +131,7 @@ class Live:
             self.server.shutdown()
             self._thread.join()
         self.server.server_close()
+        self.server.watch.join()
         self.calls.close()
         if self._watch is not None:
             self.desk.close()

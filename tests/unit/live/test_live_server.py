@@ -145,7 +145,7 @@ def test_a_mend_is_shown_made_and_stands(tmp_path: Path) -> None:
         made = window.until("model", number)
         assert made["model"] != live.desk.current
         assert ask(live, f"/model/{made['model']}")[0] == 200
-        window.wish(model=made["model"], **made["wish"])
+        window.wish(model=made["model"], **made["state"])
         assert window.until("whole", window.number)["answer"]["verdict"] == "stable"
         window.task("apply", {"mend": 99})
         assert "no such mend" in window.until("error", window.number)["what"]

@@ -128,7 +128,7 @@ def _apply(work: Work) -> Iterator[Event]:
     made = replace(made, load=_untilted(base, made), notes=(), report=None, cases=())
     wish = replace(work.wish, friction=None, supports=None, removed=())
     wish = replace(wish, pushes=tuple(p for p in wish.pushes if p[0] in made.assembly))
-    yield "model", {"made": made, "what": chosen.description, "wish": as_json(wish)}
+    yield "model", {"made": made, "what": chosen.description, "state": as_json(wish)}
 
 
 def _untilted(base: Model, made: Model) -> LoadCase:

@@ -60,20 +60,19 @@ class Server(ThreadingHTTPServer):
     def __init__(
         self, port: int, desk: Desk, calls: ToolCalls, largest: int, page: Callable[[Desk], str]
     ) -> None:
+        self._open: dict[socket.socket, float] = {}
+        self._lock = threading.Lock()
+        self._closed = threading.Event()
         super().__init__((LOOPBACK, port), Handler)
         self.desk, self.calls, self.page = desk, calls, page
         self.guard = Guard(self.server_address[1], largest)
         self.called = time.monotonic()
-        self._open: dict[socket.socket, float] = {}
-        self._lock = threading.Lock()
-        self._watch = threading.Thread(target=self._end_idle, daemon=True, name="drystone-idle")
-        self._closed = threading.Event()
-        self._watch.start()
+        self.watch = threading.Thread(target=self._end_idle, daemon=True, name="drystone-idle")
+        self.watch.start()
 
     def server_close(self) -> None:
         """Close every connection."""
         self._closed.set()
-        self._watch.join()
         super().server_close()
         with self._lock:
             for connection in self._open:

@@ -66,7 +66,7 @@ async function newFile({ model, broken: why }) {
   const here = new Set(data.blocks.names);
   const kept = {
     model, removed: now.removed.filter((one) => here.has(one)),
-    pushes: now.pushes.filter((one) => here.has(one.block)), saved: undefined,
+    pushes: now.pushes.filter((one) => here.has(one.block)),
     supports: now.supports?.filter((one) => here.has(one)) ?? null,
   };
   const fixed = kept.supports ?? factsNow().supports;

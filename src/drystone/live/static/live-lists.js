@@ -98,11 +98,11 @@ function showMends({ mends, tried, message, stopped }) {
 }
 
 // A mend was made: its model is the one to ask about from now on.
-async function mended({ model, facts, what, wish }) {
+async function mended({ model, facts, what, state }) {
   models.set(model, facts);
   byId("mends").replaceChildren(element("p", `made: ${what}`));
   await showModel(model);
-  change({ ...plainState(model), ...wish, saved: false });
+  change({ ...plainState(model), ...state });
 }
 
 let order = [];

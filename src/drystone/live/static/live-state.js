@@ -16,7 +16,7 @@ let dirty = false;
 let sentAt = 0;
 
 const factsNow = () => models.get(now.model);
-const wishOf = ({ model, saved, ...wish }) => wish;
+const wishOf = ({ model, ...wish }) => wish;
 const supportsNow = () => now.supports ?? factsNow().supports;
 
 // Changes the state; `keep` makes it a step of undo.
