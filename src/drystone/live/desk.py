@@ -106,7 +106,8 @@ class Desk:
         with self._changed:
             self._changed.wait_for(lambda: self.current or self.broken or self._closed)
         if self.broken is not None:
-            raise InputError(**self.broken)
+            why = self.broken
+            raise InputError(why["what"], where=why["where"], remedy=why["remedy"])
 
     def close(self) -> None:
         """End the process, and the streams of all windows."""
@@ -249,8 +250,8 @@ class Desk:
     def _message(self, job: Job) -> dict[str, Any]:
         """What the process is told, with the model where it does not know it yet."""
         message = {**job.message, "do": job.do, "window": job.window}
-        number = message.get("model")
-        kept = None if number is None else self.models.get(number)
+        number = int(message.get("model", 0))
+        kept = self.models.get(number)
         self.helper.start()
         if kept is not None and number not in self.helper.knows:
             message["blob"] = kept.blob

@@ -232,7 +232,7 @@ def _plan(given: Given, folder: Folder, end: float) -> dict[str, Any]:
 
 def _mend(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
-    asked = {key: tuple(given[key]) for key in ("kinds", "keep") if given.get(key)}
+    asked: dict[str, Any] = {key: tuple(given[key]) for key in ("kinds", "keep") if given.get(key)}
 
     def late() -> bool:
         return time.monotonic() > end
