@@ -1,8 +1,13 @@
 """The live server: verdicts of wishes, two windows, a file that is watched, nothing left behind."""
 
 import json
+import os
+import signal
+import subprocess
+import sys
 import threading
 import time
+import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -247,6 +252,32 @@ def test_it_ends_after_its_last_window_was_closed_and_leaves_nothing(folder: Pat
         process.is_alive()
     with pytest.raises(OSError, match="refused"):
         ask(live, "/v1")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for child processes in /proc")
+def test_ctrl_c_ends_the_command_and_its_processes(folder: Path) -> None:
+    given = [sys.executable, "-m", "drystone", "live", str(folder / "arch.json"), "--port", "0"]
+    running = subprocess.Popen(
+        [*given, "--no-browser", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(Path(drystone.__file__).parents[1])},
+    )
+    assert running.stdout is not None
+    told = json.loads(running.stdout.readline())
+    assert told["link"] == f"http://127.0.0.1:{told['port']}/?token={told['token']}"
+    with urllib.request.urlopen(told["link"]) as page:
+        assert page.read(15) == b"<!doctype html>"
+    children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+    assert children
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does
+    rest = running.communicate(timeout=300)
+    assert (running.returncode, *rest) == (0, b"", b"")
+    end = time.monotonic() + 60.0
+    while any(Path(f"/proc/{child}").exists() for child in children):
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 def test_a_file_counts_as_saved_once_it_rests(tmp_path: Path) -> None:
