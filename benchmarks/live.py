@@ -77,8 +77,8 @@ def holdings(live: Live) -> dict[str, int]:
         told[f"{name} memory [kB]"] = int(fields["VmRSS"].split()[0])
         told[f"{name} threads"] = int(fields["Threads"])
         told[f"{name} files"] = len(list(Path(f"/proc/{pid}/fd").iterdir()))
-    children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children")
-    told["processes"] = len(children.read_text().split())
+    threads = Path(f"/proc/{os.getpid()}/task").iterdir()
+    told["processes"] = sum(len((one / "children").read_text().split()) for one in threads)
     return told
 
 

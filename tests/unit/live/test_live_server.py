@@ -269,7 +269,8 @@ def test_ctrl_c_ends_the_command_and_its_processes(folder: Path) -> None:
     assert told["link"] == f"http://127.0.0.1:{told['port']}/?token={told['token']}"
     with urllib.request.urlopen(told["link"]) as page:
         assert page.read(15) == b"<!doctype html>"
-    children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+    threads = Path(f"/proc/{running.pid}/task").iterdir()  # each knows the children it started
+    children = [one for thread in threads for one in (thread / "children").read_text().split()]
     assert children
     os.killpg(running.pid, signal.SIGINT)  # as a terminal does
     rest = running.communicate(timeout=300)
