@@ -14,6 +14,7 @@ import pytest
 import drystone
 from drystone import io
 from drystone.live import client
+from drystone.live.computing import helper
 from drystone.live.requests import web
 from drystone.live.serving import Live
 from drystone.live.tool_calls import ToolCalls
@@ -251,7 +252,10 @@ def until_closed(live: Live) -> None:
         time.sleep(0.05)
 
 
-def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(live: Live) -> None:
+def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(
+    live: Live, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(helper, "GLANCE", 1e-6)
     calls = ToolCalls(live.desk.folder, 1e-9)
     body = json.dumps({"model": {"file": "out.json"}}).encode()
     try:

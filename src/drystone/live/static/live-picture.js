@@ -57,7 +57,8 @@ function showData(fresh) {
   Object.assign(data, fresh);
   page.hidden.clear();
   [page.selected, page.joint, page.hovered, page.stage] = [-1, -1, -1, 0];
-  Object.assign(camera, { points: thinned(allPlaces()), half: data.half });
+  if (camera.points) camera.points = thinned(allPlaces());
+  camera.half = data.half;
   camera.radius = Math.max(vec.length(data.half), 1e-9);
   if (renderer) {
     forgetLayers();
