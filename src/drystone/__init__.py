@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from drystone.view import save_cad as save_cad
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
+    from drystone.view import show as show
 
 __version__ = "0.2.0"
 
@@ -88,6 +89,7 @@ _HOME = {
     "save_figure": "view",
     "save_page": "view",
     "settle": "settlement",
+    "show": "view",
     "solve_cra": "stability",
     "solve_cra_penalty": "stability",
     "solve_rbe": "stability",

@@ -72,7 +72,7 @@ def picture_of(value: object) -> str:
 
     Pictures are made in a room above all values, which is opened by name when one is asked for.
     """
-    made: str = import_module("drystone.view.web.notebook").thumbnail(value)
+    made: str = import_module("drystone.view.web.notebook").beside(value)
     return made
 
 
