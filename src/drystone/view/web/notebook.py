@@ -7,6 +7,7 @@ import gzip
 import html
 import tempfile
 import webbrowser
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -102,9 +103,7 @@ def show(value: Subject, height: int = 480) -> None:
         There is no picture of such a value, or no browser; the error names the file then.
     """
     if in_notebook():
-        from IPython.display import display  # type: ignore[import-not-found]  # it is running
-
-        display(Frame(value, height))
+        import_module("IPython.display").display(Frame(value, height))
         return
     with tempfile.NamedTemporaryFile(prefix="drystone-", suffix=".html", delete=False) as file:
         path = Path(file.name)
@@ -117,9 +116,7 @@ def in_notebook() -> bool:
     """Whether a notebook shows what a cell ends with."""
     if find_spec("IPython") is None:
         return False
-    from IPython import get_ipython
-
-    shell = get_ipython()
+    shell = import_module("IPython").get_ipython()
     return shell is not None and hasattr(shell, "kernel")
 
 
