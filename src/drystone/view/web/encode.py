@@ -13,7 +13,8 @@ The format (``format`` "drystone-page", ``version`` 2):
 ``facts``, ``made``
     What was asked, as pairs of a name and a text; the date and the version of drystone.
 ``blocks``
-    names, ``number`` (0 for none), mass, volume, centroid, and the flat surface: ``point`` with
+    names, ``number`` (0 for none), mass, volume, centroid, ``away`` [m] where the block goes when the
+    model is taken apart, and the flat surface: ``point`` with
     ``points`` per block; ``faces`` per block, ``corners`` per face, ``loop`` (counted within its
     block), ``triangle`` (counted within its face), ``edge`` (counted within its block) with
     ``edges`` per block.
@@ -45,6 +46,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
+from drystone.view.scenes.exploded import exploded
 from drystone.view.scenes.drawn_mesh import face_normals, sharp_edges
 from drystone.view.scenes.palette import (
     FORCE_RAMP,
@@ -179,6 +181,7 @@ def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
         "mass": blobs.floats(assembly.mass),
         "volume": blobs.floats(assembly.volume),
         "centroid": blobs.floats(assembly.centroid - origin),
+        "away": blobs.floats(_away(scene)),
         "point": blobs.floats(faces.point - origin),
         "points": blobs.counts(points),
         "faces": blobs.counts(np.bincount(faces.owner, minlength=n)),
@@ -188,6 +191,13 @@ def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
         "edge": blobs.counts(edge - first_point[edge_owner][:, None]),
         "edges": blobs.counts(np.bincount(edge_owner, minlength=n)),
     }
+
+
+def _away(scene: Scene) -> Floats:
+    """Translations (n, 3) [m] when the model is taken apart; see :func:`exploded`."""
+    foot = scene.centre.copy()
+    foot[2] = scene.bounds[0, 2]
+    return exploded(scene.assembly, scene.contacts, foot)
 
 
 def _local_triangles(faces: Faces) -> Ints:

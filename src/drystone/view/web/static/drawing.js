@@ -29,7 +29,6 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     markerSize: Math.min(MARKER, Math.max(2, 0.09 * pixels)),
     time: Math.abs(time) < 1e-9 ? 0 : time,
     spread: camera.spread,
-    anchor: [0, 0, -data.half[2]],
     sectioned: page.section.axis >= 0,
     section: sectionPlane(),
     opacity: page.opacity, selected: page.selected, hovered: page.hovered, joint: page.joint,

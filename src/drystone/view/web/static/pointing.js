@@ -21,12 +21,11 @@ function under(event) {
 function jointNear(x, y, view) {
   if (page.opacity >= 1) return -1;
   const { a, b, centroid } = data.contacts;
-  const [middle, size] = [data.blocks.centroid, sizeOf()];
+  const size = sizeOf();
   let [best, joint] = [NEAR_JOINT ** 2, -1];
   for (let i = 0; i < a.length; i++) {
     if (page.hidden.has(a[i]) || page.hidden.has(b[i])) continue;
-    const p = [0, 1, 2].map((k) => centroid[3 * i + k] + view.spread
-      * (0.5 * (middle[3 * a[i] + k] + middle[3 * b[i] + k]) - view.anchor[k]));
+    const p = vec.add(centroid.subarray(3 * i, 3 * i + 3), awayOf(data, view, a[i], b[i]));
     const at = projected(view.projection, p, size.width, size.height);
     if (!at) continue;
     const distance = (at.x - x) ** 2 + (at.y - y) ** 2;

@@ -68,16 +68,24 @@ class Renderer extends Graphics {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, TEXTURE_WIDTH, stateRows, 0, gl.RED_INTEGER,
       gl.UNSIGNED_BYTE, state);
-    const motion = new Float32Array(12 * count);
+    this.motion = new Float32Array(16 * count);
     for (let i = 0; i < count; i++) {
-      motion.set(blocks.centroid.subarray(3 * i, 3 * i + 3), 12 * i);
-      if (stage.motion) {
-        motion.set(stage.motion.subarray(6 * i, 6 * i + 3), 12 * i + 4);
-        motion.set(stage.motion.subarray(6 * i + 3, 6 * i + 6), 12 * i + 8);
+      this.motion.set(blocks.centroid.subarray(3 * i, 3 * i + 3), 16 * i);
+      this.motion.set(blocks.away.subarray(3 * i, 3 * i + 3), 16 * i + 12);
+    }
+    this.setMotion(stage.motion);
+    this.sortedFor = "";
+  }
+
+  // How far blocks move: six numbers a block, or nothing.
+  setMotion(motion) {
+    for (let i = 0; i < this.data.count; i++) {
+      for (let k = 0; k < 3; k++) {
+        this.motion[16 * i + 4 + k] = motion ? motion[6 * i + k] : 0;
+        this.motion[16 * i + 8 + k] = motion ? motion[6 * i + 3 + k] : 0;
       }
     }
-    this.fillTexture(this.motionTexture, motion);
-    this.sortedFor = "";
+    this.fillTexture(this.motionTexture, this.motion);
   }
 
   layerBuffer(layer) {
@@ -107,7 +115,6 @@ class Renderer extends Graphics {
     gl.uniformMatrix4fv(at.uProjection, false, view.projection);
     gl.uniform1f(at.uTime ?? null, view.time);
     gl.uniform1f(at.uSpread ?? null, view.spread);
-    gl.uniform3fv(at.uAnchor ?? null, view.anchor);
     gl.uniform4fv(at.uSection ?? null, view.section);
     gl.uniform1f(at.uRatio ?? null, view.ratio);
     gl.activeTexture(gl.TEXTURE0);
@@ -194,7 +201,7 @@ class Renderer extends Graphics {
     const { program, at } = this.programs.ground;
     gl.useProgram(program);
     gl.uniformMatrix4fv(at.uProjection, false, view.projection);
-    gl.uniform4f(at.uSquare, 0, 0, view.anchor[2], this.shadow.side);
+    gl.uniform4f(at.uSquare, 0, 0, -this.data.half[2], this.shadow.side);
     const strength = view.shadow;
     gl.uniform4f(at.uColour, 0, 0, 0, strength);
     gl.activeTexture(gl.TEXTURE0);

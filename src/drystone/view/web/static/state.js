@@ -47,12 +47,21 @@ function settle() {
   draw();
 }
 
-const camera = new Camera(allPlaces(), data.half, data.toward, redraw);
+const camera = new Camera(placesAt, data.half, data.toward, redraw);
 
-// Corners of all blocks, and where blocks come from that are moved into their places.
-function allPlaces() {
-  const { point, centroid } = data.blocks;
-  const places = Array.from(thinned(point));
+// Corners of the blocks, every so-many-th where there are many, taken apart by `spread`; and where
+// blocks come from that are moved into their places.
+function placesAt(spread) {
+  const { point, points, centroid, away } = data.blocks;
+  const step = Math.max(1, Math.ceil(point.length / 3 / MOST_POINTS));
+  const places = [];
+  let p = 0;
+  for (let block = 0; block < data.count; block++) {
+    for (let k = 0; k < points[block]; k++, p++) {
+      if (p % step) continue;
+      for (let i = 0; i < 3; i++) places.push(point[3 * p + i] + spread * away[3 * block + i]);
+    }
+  }
   for (const one of data.stages) {
     if (!one.arrives || !one.motion) continue;
     for (let i = 0; i < data.count; i++) {
