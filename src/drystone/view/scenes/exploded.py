@@ -13,7 +13,7 @@ from drystone.sequence.motion.twists import TOLERANCE
 MOST_CONES = 400
 """Blocks of which all free directions are looked for, chosen: it takes a third of a second."""
 LOOKED_AT = 20
-"""Blocks of which the freest is taken out, where none can leave the middle straight away; chosen."""
+"""Blocks of which the freest is taken out, where none can leave straight away; chosen."""
 
 
 def exploded(assembly: Assembly, contacts: Contacts, foot: Floats) -> Floats:

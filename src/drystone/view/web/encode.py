@@ -13,9 +13,8 @@ The format (``format`` "drystone-page", ``version`` 2):
 ``facts``, ``made``
     What was asked, as pairs of a name and a text; the date and the version of drystone.
 ``blocks``
-    names, ``number`` (0 for none), mass, volume, centroid, ``away`` [m] where the block goes when the
-    model is taken apart, and the flat surface: ``point`` with
-    ``points`` per block; ``faces`` per block, ``corners`` per face, ``loop`` (counted within its
+    names, ``number`` (0 for none), mass, volume, centroid, ``away`` [m] where the block goes when
+    the model is taken apart, and the flat surface: ``point`` with ``points`` per block; ``faces`` per block, ``corners`` per face, ``loop`` (counted within its
     block), ``triangle`` (counted within its face), ``edge`` (counted within its block) with
     ``edges`` per block.
 ``contacts``
@@ -46,8 +45,8 @@ from drystone.contacts import Contacts
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.view.scenes.exploded import exploded
 from drystone.view.scenes.drawn_mesh import face_normals, sharp_edges
+from drystone.view.scenes.exploded import exploded
 from drystone.view.scenes.palette import (
     FORCE_RAMP,
     ROLE_COLOUR,
