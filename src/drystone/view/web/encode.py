@@ -14,9 +14,9 @@ The format (``format`` "drystone-page", ``version`` 2):
     What was asked, as pairs of a name and a text; the date and the version of drystone.
 ``blocks``
     names, ``number`` (0 for none), mass, volume, centroid, ``away`` [m] where the block goes when
-    the model is taken apart, and the flat surface: ``point`` with ``points`` per block; ``faces`` per block, ``corners`` per face, ``loop`` (counted within its
-    block), ``triangle`` (counted within its face), ``edge`` (counted within its block) with
-    ``edges`` per block.
+    the model is taken apart, and the flat surface: ``point`` with ``points`` per block; ``faces``
+    per block, ``corners`` per face, ``loop`` (counted within its block), ``triangle`` (counted
+    within its face), ``edge`` (counted within its block) with ``edges`` per block.
 ``contacts``
     Blocks a and b, area, friction, ``centroid`` and ``frame`` (nine numbers) of each interface, its
     ``corners`` and their ``point``; ``kern`` with ``kerns`` corners per interface.
