@@ -35,6 +35,7 @@ from __future__ import annotations
 
 import base64
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -91,8 +92,37 @@ class Blobs:
         return {"blob": self._known[raw], "type": kind, "shape": list(array.shape)}
 
 
+MANY_BLOCKS = 20_000
+"""Of more blocks a page leaves out what is looked at joint by joint, chosen: with all of it a page
+of 100,000 blocks is 170 MB."""
+
+LEFT_OUT = frozenset({"joint-pressure", "joint-use", "pressure", "resultants"})
+"""Layers that such a page does not have."""
+
+
+def lightened(scene: Scene) -> Scene:
+    """The scene of a page; of very many blocks without details, which its details tell."""
+    count = len(scene.assembly)
+    if count <= MANY_BLOCKS:
+        return scene
+    stages = tuple(
+        replace(
+            one,
+            force=None,
+            layers=tuple(layer for layer in one.layers if layer.key not in LEFT_OUT),
+        )
+        for one in scene.stages
+    )
+    told = (
+        f"with more than {MANY_BLOCKS:,} blocks: corner forces, resultants, pressure, friction at"
+        " corners, kerns"
+    )
+    return replace(scene, stages=stages, facts={**scene.facts, "Left out": told})
+
+
 def encode(scene: Scene) -> dict[str, Any]:
     """The data of a page that shows ``scene``."""
+    scene = lightened(scene)
     blobs = Blobs()
     origin = scene.centre
     contacts = scene.contacts
@@ -221,7 +251,7 @@ def _stage(stage: Stage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
         "state": blobs.counts(stage.state),
         "layers": [_layer(layer, scene, blobs) for layer in stage.layers],
     }
-    for name in ("motion", "prop", "force", "normal", "tangential", "utilisation"):
+    for name in ("motion", "path", "prop", "force", "normal", "tangential", "utilisation"):
         value = getattr(stage, name)
         data[name] = blobs.floats(value) if value is not None else None
     centre = stage.pressure_centre

@@ -21,7 +21,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
   const solid = shownLayers.get("blocks") && page.opacity >= 0.5;
   // Small blocks get thin lines, or a large model drowns in them.
   const pixels = camera.share(data.blockSize) * height;
-  const time = stage().arrives ? 1 - page.time : page.time;
+  const time = stage().path ? Number(page.time > 0) : stage().arrives ? 1 - page.time : page.time;
   const layers = stage().layers.filter(shown);
   return {
     ...camera.view(width / height), ratio, colours, stateColours,

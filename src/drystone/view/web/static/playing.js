@@ -10,7 +10,8 @@ function advance(now) {
   const seconds = (now - animation.start) / 1000;
   if (animation.kind === "motion") {
     const share = Math.min(1, seconds / FALL_SECONDS);
-    setTime(stage().arrives ? share * (2 - share) : share * share);
+    const { arrives, path } = stage();
+    setTime(path ? share : arrives ? share * (2 - share) : share * share);
     if (share === 1) stop();
   } else {
     const next = animation.first + Math.floor(seconds / STAGE_SECONDS);
@@ -41,8 +42,20 @@ function play(kind) {
   redraw();
 }
 
+// The positions of the blocks at a share of a path of positions: six numbers a block.
+function poseAlong(path, share) {
+  const each = 6 * data.count;
+  const last = path.length / each - 1;
+  const at = Math.min(last, Math.max(0, share * last));
+  const i = Math.min(Math.floor(at), Math.max(0, last - 1));
+  const [from, to] = [path.subarray(each * i, each * (i + 1)), path.subarray(each * Math.min(i + 1, last))];
+  return from.map((x, k) => x + (to[k] - x) * (at - i));
+}
+
 function setTime(value) {
   page.time = value;
+  const { path, motion } = stage();
+  if (path) renderer?.setMotion(value > 0 ? poseAlong(path, value) : motion);
   byId("motion").value = value;
   redraw();
 }
