@@ -86,8 +86,8 @@ def followed_scene(settlement: Settlement, source: str = "") -> Scene:
     >>> import drystone
     >>> from drystone.models import arch
     >>> settled = drystone.settle(drystone.Model.of(arch(0.2, 6), friction=0.7))
-    >>> [stage.headline for stage in followed_scene(settled).stages]
-    ['Comes to rest']
+    >>> {stage.headline for stage in followed_scene(settled).stages}
+    {'Comes to rest'}
     """
     model = settlement.model
     several = len(settlement.paths) > 1
