@@ -104,7 +104,10 @@ def free_vertices(
     if mirror is not None:
         image, sign = _images(_flattened(vertex, along), group, _axis(mirror), TOGETHER * size)
         stays |= stays[image]
-    rows, columns, values, count = [], [], [], 0
+    rows: list[int] = []
+    columns: list[int] = []
+    values: list[float] = []
+    count = 0
     for one in np.flatnonzero(~stays & (np.arange(len(stays)) <= image)).tolist():
         for axis in axes:
             if image[one] == one and sign[one, axis] == 0.0:

@@ -403,7 +403,7 @@ class _Search:
             vertex = self.moves.moved(self.bodies.vertex, x)
             both = [form.help_at(vertex) for form in self.forms]
             size = float(np.sqrt(sum(value for value, _ in both)))
-            gradient = sum(one for _, one in both) / (2.0 * max(size, 1e-30))
+            gradient = np.sum([one for _, one in both], axis=0) / (2.0 * max(size, 1e-30))
             self.known[key] = size, self.moves.pulled_back(gradient)
         return self.known[key]
 

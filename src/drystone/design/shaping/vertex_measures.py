@@ -37,11 +37,13 @@ class Bodies:
         """The vertices and triangles of an assembly."""
         counts = [len(block.vertices) for block in assembly.blocks]
         start = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
-        fan, owner = [], []
+        fan: list[tuple[int, int, int]] = []
+        owner: list[int] = []
         for i, block in enumerate(assembly.blocks):
+            first = int(start[i])
             for loop in block.faces:
                 fan += [
-                    (start[i] + loop[0], start[i] + loop[j], start[i] + loop[j + 1])
+                    (first + loop[0], first + loop[j], first + loop[j + 1])
                     for j in range(1, len(loop) - 1)
                 ]
                 owner += [i] * (len(loop) - 2)
