@@ -192,7 +192,7 @@ def shape(
     """
     chosen = ShapeOptions.of(options)
     model = as_model(given, **how)
-    variables = moves(model) if callable(moves) else moves
+    variables = moves if isinstance(moves, Moves) else moves(model)
     count = sum(len(block.vertices) for block in model.assembly.blocks)
     if variables.matrix.shape[0] != 3 * count:
         raise InputError(
@@ -281,7 +281,7 @@ class _Search:
             return found / scale, most * gradient / scale
 
         allowed = max(HELPED, 4.0 * self.help_at(x)[0])
-        rows: list[dict[str, Any]] = []
+        rows: list[Any] = []
         if self.options.aim is not ShapeAim.STAND:
             rows += [
                 {
