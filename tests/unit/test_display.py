@@ -72,6 +72,8 @@ def values(folder: Path) -> Iterator[object]:
     rare = Model.of(tower(2), friction=0.0).with_load((1.0, 0.0, -9.81))
     yield from (design.find_mends(rare, options=few), few)
     yield from (design.mend(tower(2)), design.sharpen(tower(2)), design.SharpenOptions(step=5.0))
+    still = design.block_moves(rare, ["block-1"], (1.0, 0.0, 0.0), 0.1)
+    yield from (design.shape(tower(2), still), still, design.ShapeOptions(rounds=3))
     apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))
