@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
+    from drystone.settlement import push as push
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
@@ -82,6 +83,7 @@ _HOME = {
     "limit_thickness": "limits",
     "limit_tilt": "limits",
     "plan": "sequence",
+    "push": "settlement",
     "read": "io",
     "save_figure": "view",
     "save_page": "view",

@@ -89,7 +89,7 @@ def settle(
     chosen = SettlementOptions.of(options)
     model = as_model(given, **how)
     clock = Clock(time_limit_s, stop)
-    moving = _support_motion(model, motion)
+    moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
         return _nothing_free(model, chosen, clock)
@@ -134,7 +134,7 @@ def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
     return (Carrier.MOVING,) if alike else (Carrier.MOVING, Carrier.RESTING)
 
 
-def _support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
+def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
     """(n, 6) [m, rad] of the supports; None where none moves."""
     assembly, case = model.assembly, model.load
     if motion is not None:
@@ -182,7 +182,7 @@ def _path(
             stop=clock.late,
             tell=tell,
         )
-        track = follower.run(None if motion is None else _scaled(bodies, motion))
+        track = follower.run(None if motion is None else scaled_motion(bodies, motion))
         pressed = -float(track.placed.gap.min(initial=0.0))
         if track.ended != "falls" or pressed < SQUEEZED * overlap or overlap <= STIFFEST:
             break
@@ -201,7 +201,8 @@ def _path(
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
-def _scaled(bodies: Bodies, motion: Floats) -> Floats:
+def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
+    """Motions (n, 6) [m, rad] as the steps take them."""
     out = motion.copy()
     out[:, :3] /= bodies.length_unit
     out[:, 3:] *= bodies.radius[:, None]
@@ -212,7 +213,7 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     """A track in m, rad and N, for all corners of the model."""
     contacts = model.contacts
     corners = model.active[contacts.interface]
-    positions = np.stack([_motion(bodies, pose) for pose in track.frames])
+    positions = np.stack([block_motions(bodies, pose) for pose in track.frames])
     force = np.zeros((contacts.corner_count, 3))
     force[corners] = track.response.force * bodies.force_unit
     point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
@@ -241,7 +242,7 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     )
 
 
-def _motion(bodies: Bodies, pose: Pose) -> Floats:
+def block_motions(bodies: Bodies, pose: Pose) -> Floats:
     """(n, 6) [m, rad] from the beginning."""
     gone = (pose.place - bodies.centroid) * bodies.length_unit
     return np.concatenate([gone, rotation_vectors(pose.turn)], axis=1)
@@ -276,4 +277,4 @@ def _said(path: SettlementPath) -> str:
     return f"it comes to rest after settling by {moved:.2g} m, {way:.2g} of a block's size{far}"
 
 
-__all__ = ["settle"]
+__all__ = ["block_motions", "scaled_motion", "settle", "support_motion"]
