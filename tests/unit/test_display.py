@@ -80,6 +80,8 @@ def values(folder: Path) -> Iterator[object]:
     yield settlement.support_response(arch(), moves, friction=0.9)
     settled = drystone.settle(tower(2))
     yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
+    pushed = drystone.push(tower(2), friction=0.3, to=0.01)
+    yield from (pushed, pushed[-1])
     stack = Model.of(tower(3), friction=0.6)
     yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)

@@ -109,11 +109,8 @@ class Driver(Follower):
 
         def advance(step: float) -> tuple[_Increment | None, None]:
             self.distance = step
-            guess = None if self.guess is None else self.guess[0] * (step / self.guess[1])
-            found = self._increment(guess)
+            found = self._next(step, None)
             self.distance = 0.0
-            if found is not None:
-                self.guess = found.motion, step
             return found, None
 
         first = FIRST * self.bodies.overlap
@@ -127,7 +124,7 @@ class Driver(Follower):
 
         def advance(step: float) -> tuple[_Increment | None, Floats]:
             part = step * motion
-            return self._increment(None, part), part
+            return self._next(step, part), part
 
         return self._drive(advance, first, 1.0, tell, lambda: False)
 
@@ -141,6 +138,14 @@ class Driver(Follower):
             return self._increment(None), None
 
         return self._drive(advance, 1e-2, 1.0, tell, lambda: False)
+
+    def _next(self, step: float, moving: Floats | None) -> _Increment | None:
+        """An increment that begins where the last one would lead."""
+        guess = None if self.guess is None else self.guess[0] * (step / self.guess[1])
+        found = self._increment(guess, moving)
+        if found is not None:
+            self.guess = found.motion, step
+        return found
 
     def _drive(
         self,
@@ -188,7 +193,7 @@ class Driver(Follower):
     def _let_go(self) -> str:
         """Hold what drives, and let the blocks come to rest again or fall."""
         self.base, self.drag, self.guess = self.pose, self.first, None
-        ended = self._to_rest(roughly=True)
+        ended = self._to_rest()
         self.guess = None
         if ended == "rests":
             self.note()

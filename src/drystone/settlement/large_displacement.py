@@ -212,9 +212,7 @@ def _driven(
         raise InputError("every block is fixed", remedy="leave a block free")
     part = model.with_contacts(model.contacts.select(model.active))
     carrier = Carrier.MOVING if chosen.carrier is None else chosen.carrier
-    bodies = build_bodies(
-        part, carrier, overlap=chosen.overlap, tangential=chosen.tangential
-    )
+    bodies = build_bodies(part, carrier, overlap=chosen.overlap, tangential=chosen.tangential)
     driver = Driver(
         bodies, fall=chosen.fall, pace=chosen.pace, step_limit=chosen.step_limit, stop=clock.late
     )
@@ -244,9 +242,7 @@ def _driven(
     return replace(found, message=_said(found, driver))
 
 
-def _state(
-    model: Model, bodies: Bodies, moment: Moment, length: float, load: float
-) -> LargeState:
+def _state(model: Model, bodies: Bodies, moment: Moment, length: float, load: float) -> LargeState:
     """A moment in m and N, for all interfaces of the model."""
     contacts = model.contacts
     mine = model.active[contacts.interface]

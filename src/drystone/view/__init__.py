@@ -1,6 +1,7 @@
 """Results to pictures: one self-contained page, static figures."""
 
 from drystone.view.cad.save_cad import save_cad
+from drystone.view.paper.curve_figure import save_curve
 from drystone.view.paper.figure import save_figure
 from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
@@ -26,6 +27,7 @@ __all__ = [
     "inspection_scene",
     "page_text",
     "save_cad",
+    "save_curve",
     "save_figure",
     "save_inspection",
     "save_page",
