@@ -1,4 +1,4 @@
-"""A dome with an eye, its blocks hooked over the ring below, on springers that are fixed.
+"""A dome with an eye, on springers that are fixed.
 
 python examples/dome.py
 """
@@ -15,7 +15,7 @@ def main(folder: Path = Path()) -> Result:
     """Build, check, and write the page and the schedule."""
     shape = dome(radius=4.0, oculus=0.8)
     layout = Layout(courses=5, width=1.6)
-    body = Body(thickness=0.35, register_deg=10.0, ground=Ground.SPRINGERS)
+    body = Body(thickness=0.35, ground=Ground.SPRINGERS)
     shell = build_shell(shape, layout, body)
     result = check(shell.model(friction=0.6))
     save_page(result, folder / "dome.html")

@@ -26,6 +26,7 @@ from drystone.shells.blocks.materialise import Pins, cell_faces, make_blocks
 from drystone.shells.blocks.planar_joints import (
     PlanarPins,
     drift_notes,
+    hook_notes,
     planar_pins,
     refuse_register_at_sides,
     refuse_warped,
@@ -229,7 +230,8 @@ def _finish(
     thickness: Floats,
     body: Body,
 ) -> Shell:
-    width, notes, pins = mean_width(mesh), drift_notes(mesh, planar), planar.pins
+    width, pins = mean_width(mesh), planar.pins
+    notes = (*drift_notes(mesh, planar), *hook_notes(mesh, body))
     springer = springers(mesh)
     ground = np.zeros(len(mesh.cells), dtype=bool)
     roles = _roles(shape, mesh, springer)

@@ -78,9 +78,8 @@ class Layout(Options):
                 refuse_unless_count(number, "blocks")
 
 
-LARGEST_REGISTER = 35.0
-"""[degrees] Chosen: steeper than the friction angle of dry stone, 31 to 35 degrees, both halves of
-a bed slide on each other under the thrust, and the step is no hook but a wedge."""
+LEAST_REGISTER, LARGEST_REGISTER = 10.0, 25.0
+"""[degrees] Below, a hook is too flat for the contact search; above, it cannot be turned out."""
 
 
 @dataclass(frozen=True)
@@ -93,8 +92,8 @@ class Body(Options):
         One, one per course, or a function of points; left out, that of the shape.
     density : [kg/m3]
     register_deg : [degrees]
-        Hooks every block over the course below, -35 to 35; see
-        ``add_register``.
+        Hooks every block over the course below, 10 to 25, or -25 to -10: no straight lift, but a
+        turn, takes it out. The slope of the first face of the hook; see ``add_register``. 0: none.
     intrados
     ground
     ground_depth : [m]
@@ -117,10 +116,12 @@ class Body(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not abs(self.register_deg) <= LARGEST_REGISTER:
+        size = abs(self.register_deg)
+        if size != 0.0 and not LEAST_REGISTER <= size <= LARGEST_REGISTER:
             raise InputError(
                 f"the register is {self.register_deg} degrees",
-                remedy=f"give -{LARGEST_REGISTER:g} to {LARGEST_REGISTER:g}",
+                remedy=f"give {LEAST_REGISTER:g} to {LARGEST_REGISTER:g}, the same below zero, "
+                "or 0 for none",
             )
 
 

@@ -116,7 +116,7 @@ def test_a_straight_intrados_is_planar():
 
 def test_a_register_makes_concave_blocks():
     shell = SHELLS["register"]()
-    assert max(len(face) for block in shell.assembly.blocks for face in block.faces) == 8
+    assert max(len(face) for block in shell.assembly.blocks for face in block.faces) == 10
 
 
 def test_a_register_steps_the_bed_joint():
@@ -252,15 +252,15 @@ def test_an_impossible_thickness_is_refused(thickness, message):
 
 
 def test_a_register_too_deep_for_a_course_names_the_block():
-    with pytest.raises(InputError, match="block 'c00-b00': has a face that crosses itself"):
+    with pytest.raises(InputError, match=r"block 'c\d\d-b00': has a face that crosses itself"):
         build_shell(
-            barrel_vault(), Layout(courses=30, blocks=8), Body(thickness=1.2, register_deg=35.0)
+            barrel_vault(), Layout(courses=30, blocks=8), Body(thickness=1.2, register_deg=25.0)
         )
 
 
-@pytest.mark.parametrize("register", [35.1, -45.0, float("nan")])
+@pytest.mark.parametrize("register", [25.1, -45.0, 9.0, float("nan")])
 def test_a_register_out_of_range_is_refused(register):
-    with pytest.raises(InputError, match=f"the register is {register} degrees; give -35 to 35"):
+    with pytest.raises(InputError, match=f"the register is {register} degrees; give 10 to 25"):
         Body(register_deg=register)
 
 
@@ -351,7 +351,7 @@ def test_joints_that_stay_warped_are_refused():
 @pytest.mark.parametrize("shape", [cross_vault(), pavilion_vault()], ids=lambda shape: shape.name)
 def test_courses_that_end_at_seams_take_no_register(shape):
     with pytest.raises(InputError, match=r"takes no register: its courses end at seams"):
-        build_shell(shape, Layout(courses=11, width=0.8), Body(thickness=0.2, register_deg=2.0))
+        build_shell(shape, Layout(courses=11, width=0.8), Body(thickness=0.2, register_deg=10.0))
 
 
 def test_a_register_that_does_not_fit_is_to_be_left_out():

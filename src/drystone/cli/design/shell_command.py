@@ -64,7 +64,9 @@ def shell(
     ] = None,
     register: Annotated[
         float,
-        Option("Degrees by which bed joints are turned to hook blocks: -35 to 35.", expert=True),
+        Option(
+            "Slope of hooks in bed joints, degrees: 10 to 25, or -25 to -10 (0: none).", expert=True
+        ),
     ] = 0.0,
     straight: Annotated[
         bool, Option("Make the inner face of every block planar.", expert=True)
@@ -76,7 +78,8 @@ def shell(
         Option("Write the blocks: .json or .obj.", OUTPUT, kind=kinds.target(".json", ".obj")),
     ] = None,
     schedule: Annotated[
-        Path | None, Option("Write the schedule: .csv.", OUTPUT, kind=kinds.target(".csv"))
+        Path | None,
+        Option("Write the schedule: .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
     ] = None,
     unrolled: Annotated[
         Path | None,

@@ -18,7 +18,7 @@ from drystone.shells.blocks.materialise import (
     raise_pins,
 )
 from drystone.shells.blocks.planarise import PlanarReport, planarise
-from drystone.shells.bond.tessellation import Tessellation
+from drystone.shells.bond.tessellation import Tessellation, directed
 from drystone.shells.shell_options import Body, Intrados
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
@@ -144,6 +144,29 @@ def refuse_warped(shape: Shape, made: PlanarPins, body: Body) -> None:
             where=f"shape '{shape.name}'",
             remedy=special_remedy(shape, body) or "use another wedge or register, or larger blocks",
         )
+
+
+def hook_notes(mesh: Tessellation, body: Body) -> tuple[str, ...]:
+    """A line where a block hooks over beds that meet at an angle: it cannot be turned in there."""
+    if not body.register_deg:
+        return ()
+    largest, worst = 1.0, -1
+    for number, cell in enumerate(mesh.cells):
+        edges = directed(cell)
+        for (a, b), (_, c) in zip(edges, (*edges[1:], *edges[:1]), strict=True):
+            beds = mesh.inner[[a, b, c]].all() and not mesh.heads & {
+                (min(pair), max(pair)) for pair in ((a, b), (b, c))
+            }
+            one, other = mesh.point[b] - mesh.point[a], mesh.point[c] - mesh.point[b]
+            turn = np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)
+            if beds and np.rad2deg(turn) > largest:
+                largest, worst = float(np.rad2deg(turn)), number
+    if worst < 0:
+        return ()
+    return (
+        f"block '{mesh.names[worst]}' hooks over beds that meet at {largest:.0f} degrees, so it "
+        "cannot be turned in: give no register where courses are bent",
+    )
 
 
 def drift_notes(mesh: Tessellation, made: PlanarPins) -> tuple[str, ...]:
