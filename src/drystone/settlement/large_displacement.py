@@ -299,8 +299,9 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
     if found.drive is Drive.FRICTION:
         if found.end is End.FALLS:
             return f"it falls at {last:.3g} of its friction, '{_mover(driver, found)}' first"
-        what = "without any friction" if found.end is End.REACHED else f"{last:.3g} of its friction"
-        return f"it is still at rest at {what}, moved by {far:.3g} m"
+        reached = found.end is End.REACHED
+        what = "without any friction" if reached else f"at {last:.3g} of its friction"
+        return f"it is still at rest {what}, moved by {far:.3g} m"
     peak = f"at most {found.peak:.4g}{unit}"
     if found.end is End.SPENT:
         return f"{peak}; no load is needed any more at {found.capacity:.4g} m"

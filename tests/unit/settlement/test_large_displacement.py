@@ -219,7 +219,7 @@ def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, caps
     assert main(["push", file, "block-0:10000,0,0", "--to", "0.01"]) == 1
     assert "sliding" in capsys.readouterr().out
     assert main(["push", file, "--lose-friction"]) == 1
-    assert "still at rest without any friction" in capsys.readouterr().out
+    assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
     assert main(["push", file, "--lose-friction", "--to", "1"]) == 2
     assert "contradict" in capsys.readouterr().err
 
