@@ -97,7 +97,7 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
-_ROOMS = ("design", "limits", "models", "sequence", "settlement", "shells", "view")
+_ROOMS = ("design", "fall", "limits", "models", "sequence", "settlement", "shells", "view")
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)

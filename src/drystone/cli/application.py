@@ -17,6 +17,7 @@ import click
 
 from drystone.base.errors import DrystoneError
 from drystone.cli.analysis.check_command import check
+from drystone.cli.analysis.fall_command import fall
 from drystone.cli.analysis.limit_commands import friction, load, shrink, tilt
 from drystone.cli.analysis.limit_models import imperfections, thickness
 from drystone.cli.analysis.push_command import push
@@ -96,6 +97,7 @@ COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
     demo,
+    fall,
     inspect,
     limit,
     mcp,

@@ -8,11 +8,13 @@ from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
+from drystone.fall import Film
 from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan
 from drystone.settlement import LargeDisplacement, SupportResponse
+from drystone.view.scenes.film_scenes import film_scene
 from drystone.view.scenes.large_scenes import large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
 from drystone.view.scenes.plan_scenes import plan_scene
@@ -29,6 +31,7 @@ Subject: TypeAlias = (
     | Plan
     | SupportResponse
     | LargeDisplacement
+    | Film
     | Scene
 )
 
@@ -74,6 +77,8 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
             return settlement_scene(subject, source)
         case LargeDisplacement():
             return large_scene(subject, source)
+        case Film():
+            return film_scene(subject, source)
         case _:
             raise InputError(
                 f"there is no picture of {shortened(repr(subject), 60)}",
