@@ -9,6 +9,7 @@ from drystone.settlement.first_order import (
 )
 from drystone.settlement.large_displacement import move_supports, push, reduce_friction
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
     Outcome,
     Settlement,
@@ -23,6 +24,7 @@ __all__ = [
     "End",
     "LargeDisplacement",
     "LargeState",
+    "Loading",
     "Outcome",
     "Settlement",
     "SettlementOptions",

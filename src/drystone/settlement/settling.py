@@ -19,6 +19,7 @@ from drystone.results import Residuals
 from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.corners import Carrier, shares
 from drystone.settlement.follow import Follower, Track
+from drystone.settlement.loading_order import earlier_loads
 from drystone.settlement.proof import PROVEN, rest_residuals
 from drystone.settlement.settlement_types import (
     Outcome,
@@ -182,7 +183,10 @@ def _path(
             stop=clock.late,
             tell=tell,
         )
-        track = follower.run(None if motion is None else scaled_motion(bodies, motion))
+        track = follower.run(
+            None if motion is None else scaled_motion(bodies, motion),
+            earlier_loads(bodies, chosen.loading),
+        )
         pressed = -float(track.placed.gap.min(initial=0.0))
         if track.ended != "falls" or pressed < SQUEEZED * overlap or overlap <= STIFFEST:
             break

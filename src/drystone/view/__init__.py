@@ -5,6 +5,7 @@ from drystone.view.paper.curve_figure import save_curve
 from drystone.view.paper.figure import save_figure
 from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
+from drystone.view.paper.share_figure import save_share
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.palette import State
 from drystone.view.scenes.presets import PRESETS, Preset
@@ -33,6 +34,7 @@ __all__ = [
     "save_page",
     "save_polar",
     "save_report",
+    "save_share",
     "scene_of",
     "stage_of",
 ]
