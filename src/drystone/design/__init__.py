@@ -1,6 +1,7 @@
 """Stability-aware design: why a structure falls, and what to change until it stands."""
 
-from drystone.design.causes.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
+from drystone.design.causes.diagnosed import Diagnosis, Region
+from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose
 from drystone.design.causes.joint_motion import JointMotion, JointState
 from drystone.design.causes.missing import Ballast, Needs, Pull
 from drystone.design.causes.prop_forces import PropForce
@@ -8,6 +9,7 @@ from drystone.design.mends.bench import Tried
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mending import Mending, mend
 from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends
+from drystone.design.wedges.sharpening import Sharpened, SharpenOptions, sharpen
 
 __all__ = [
     "Ballast",
@@ -24,8 +26,11 @@ __all__ = [
     "PropForce",
     "Pull",
     "Region",
+    "SharpenOptions",
+    "Sharpened",
     "Tried",
     "diagnose",
     "find_mends",
     "mend",
+    "sharpen",
 ]

@@ -140,8 +140,8 @@ class StandingShare(OneLine):
         """Per order of loading the share that stands and its interval."""
         names = self._names()
         rows = []
-        for number, name in enumerate(names):
-            mine = self.verdicts[number :: len(names)]
+        for i, name in enumerate(names):
+            mine = self.verdicts[i :: len(names)]
             standing = sum(STANDS[one] is True for one in mine)
             undecided = sum(one is Verdict.UNDECIDED for one in mine)
             low, high = share_interval(standing, len(mine), self.confidence)

@@ -11,8 +11,8 @@ from drystone.geometry.frames import rotation_about
 from drystone.settlement.bodies import Bodies
 
 PARTS = 20
-"""Of a load that is put on part by part. Chosen: the limits of ten models that were measured are the
-same with the load at once."""
+"""Of a load that is put on part by part. Chosen: ten models that were measured have the same limit
+with the load at once."""
 
 
 class Loading(enum.Enum):

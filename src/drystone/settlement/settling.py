@@ -200,7 +200,7 @@ def _path(
         # out of steps: where a block is beyond what stands and still moves, it does not stand
         moved_on = motion is None and not clock.reason and way > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
-    residuals = rest_residuals(path)
+    residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks that follow their supports go as far as those

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @command(
-    "drystone fall shelf.json --html fall.html",
+    "drystone fall arch.json --seismic 0.4 --html fall.html",
     "drystone fall arch.json --seismic 0.4 --glb fall.glb",
 )
 def fall(

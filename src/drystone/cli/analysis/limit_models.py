@@ -131,10 +131,15 @@ def imperfections(
     ] = 0.0,
     offset: Annotated[
         float,
-        Option("Shift of joints in their plane by the root of their area.", kind=ZERO_OR_MORE),
+        Option(
+            "Shift of joints in their plane by the root of their area.",
+            kind=ZERO_OR_MORE,
+            expert=True,
+        ),
     ] = 0.0,
     turn: Annotated[
-        float, Option("Turn of joints out of their plane, degrees.", kind=ZERO_OR_MORE)
+        float,
+        Option("Turn of joints out of their plane, degrees.", kind=ZERO_OR_MORE, expert=True),
     ] = 0.0,
     tolerance: Annotated[
         float,

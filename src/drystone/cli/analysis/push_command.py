@@ -20,7 +20,7 @@ SIDEWAYS = "seismic:1,0"
 
 @command(
     "drystone push arch.json --png push.png --html push.html",
-    "drystone push wall.json seismic:0,1 --to 0.2 --curve push.csv",
+    "drystone push arch.json seismic:0,1 --to 0.01 --curve push.csv",
 )
 def push(
     *,

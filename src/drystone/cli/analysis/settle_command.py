@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @command(
     "drystone settle arch.json --move springer-right:0.01,0,0",
-    "drystone settle arch.json --move springer-right:1,0,0 --to 0.2 --html spread.html",
+    "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
 )
 def settle(
     *,
@@ -56,7 +56,7 @@ def settle(
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:
-    """Which joints open, and how forces change, when supports move: a little, or --to a length.
+    """Which joints open, and how forces change, when supports move, by a little or by a lot.
 
     Exit code 0: the blocks come to rest, or follow as far as --to. 1: they do not. 2: bad input.
     """

@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.design.causes.diagnosis import Region
+from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import names_of, newtons, place
 from drystone.design.causes.missing import HEAVIEST, ROUGHEST, ballasted
 from drystone.design.causes.prop_forces import least_prop, propped

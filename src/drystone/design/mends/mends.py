@@ -12,7 +12,8 @@ from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
-from drystone.design.causes.diagnosis import Diagnosis, diagnose
+from drystone.design.causes.diagnosed import Diagnosis
+from drystone.design.causes.diagnosis import diagnose
 from drystone.design.mends.bench import KINDS, Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.io.opening import Given, How, as_model
@@ -238,6 +239,7 @@ def find_mends(
 
 
 def stands_already(margin: DesignMargin) -> str:
+    """What is said of a structure that needs no change."""
     if margin == DesignMargin():
         return "it stands already: ask for a margin to make it stand more firmly"
     return "it stands already, at the margin that is asked for"
@@ -311,4 +313,4 @@ def _verified(
     )
 
 
-__all__ = ["Mend", "MendOptions", "Mends", "find_mends"]
+__all__ = ["Mend", "MendOptions", "Mends", "find_mends", "stands_already"]
