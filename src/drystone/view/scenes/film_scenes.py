@@ -22,8 +22,7 @@ def film_scene(film: Film, source: str = "") -> Scene:
     message = "; ".join([NO_VERDICT, film.engine, *model.notes])
     stage = Stage(
         "film", headline, message, state, motion=film.positions[-1], motion_name="Film",
-        frames=film.positions, seconds=max(float(film.time[-1]), 1.0), plays=True, up=up,
-        gravity=gravity,
+        plays=True, up=up, gravity=gravity,
     )  # fmt: skip
     facts = facts_of(assembly, film.contacts, model.load, source)
     title = f"drystone: {film.message}"

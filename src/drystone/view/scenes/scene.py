@@ -170,10 +170,6 @@ class Stage(OneLine):
     motion : (n, 6) [m, rad], translation of the centroid and rotation vector about it
     motion_name
         What the motion is, for its slider.
-    frames : (s, n, 6) [m, rad]
-        Motions that the page plays one after the other, the last of them ``motion``.
-    seconds
-        In which the page plays the frames.
     plays
         Whether the page plays the motion once by itself.
     arrives
@@ -196,8 +192,6 @@ class Stage(OneLine):
     verdict: Verdict | None = None
     motion: Floats | None = None
     motion_name: str = "First motion"
-    frames: Floats | None = None
-    seconds: float = 2.4
     plays: bool = False
     arrives: bool = False
     prop: Floats | None = None
@@ -266,8 +260,6 @@ class Scene(OneLine):
                 value = getattr(stage, name)
                 if value is not None and len(value) != length:
                     raise InputError(f"stage '{stage.label}': {name} has not {length} rows")
-            if stage.frames is not None and stage.frames.shape[1:] != (n, 6):
-                raise InputError(f"stage '{stage.label}': its frames are not (s, {n}, 6)")
 
     def _summary(self) -> str:
         return f"'{self.title}', {counted(len(self.stages), 'stage')}, {self.assembly!r}"

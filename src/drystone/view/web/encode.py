@@ -206,14 +206,13 @@ def _stage(stage: Stage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
         "facts": list(stage.facts.items()),
         "motionName": stage.motion_name,
         "plays": stage.plays,
-        "seconds": stage.seconds,
         "arrives": stage.arrives,
         "up": stage.up.tolist(),
         "gravity": stage.gravity.tolist(),
         "state": blobs.counts(stage.state),
         "layers": [_layer(layer, scene, blobs) for layer in stage.layers],
     }
-    for name in ("motion", "frames", "prop", "force", "normal", "tangential", "utilisation"):
+    for name in ("motion", "prop", "force", "normal", "tangential", "utilisation"):
         value = getattr(stage, name)
         data[name] = blobs.floats(value) if value is not None else None
     centre = stage.pressure_centre
