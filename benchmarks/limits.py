@@ -256,14 +256,14 @@ directions that are known and names no weakest one.
 
 ## Imperfections
 
-    drystone limit imperfections wall.json --tolerance 0.002 --friction-range 0.5,0.7 --png share.png
-    drystone limit imperfections wall.json --tolerance 0.002 --order at-once --order ramp --order turned
+    drystone limit imperfections a.json --tolerance 0.002 --friction-range 0.5,0.7 --png a.png
+    drystone limit imperfections a.json --tolerance 0.002 --order at-once --order turned
 
 Joints are drawn at random, the same ones for the same seed: their place and angle from a tolerance
 [m] of how exactly blocks are made, their friction from a range, corners that have broken off. Each
 draw is checked. With an order of loading it is followed by [finite steps](settlement.md) instead:
 friction remembers how a load came about, whether at once, as a ramp in 20 parts, or turned from
-upright. The share that stands is told with its interval (Clopper and Pearson 1934), for every order.
+upright. The share that stands is told for every order, with its interval (Clopper and Pearson 1934).
 `--table` writes every draw, `--png` plots the share against the number of draws.
 
 ```python
