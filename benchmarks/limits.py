@@ -263,7 +263,7 @@ Joints are drawn at random, the same ones for the same seed: their place and ang
 [m] of how exactly blocks are made, their friction from a range, corners that have broken off. Each
 draw is checked. With an order of loading it is followed by [finite steps](settlement.md) instead:
 friction remembers how a load came about, whether at once, as a ramp in 20 parts, or turned from
-upright. The share that stands is told for every order, with its interval (Clopper and Pearson 1934).
+upright. The share that stands is told for every order, with its interval (Clopper, Pearson 1934).
 `--table` writes every draw, `--png` plots the share against the number of draws.
 
 ```python
