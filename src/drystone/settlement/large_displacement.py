@@ -98,7 +98,10 @@ def push(
     (0.5, 0.5)
     """
     model = as_model(given, **how)
-    case = live if isinstance(live, LoadCase) else _of_masses(model, live)
+    if isinstance(live, LoadCase):
+        case = LoadCase.of(model.assembly, live)
+    else:
+        case = _of_masses(model, live)
     free = model.assembly.free
     if not np.any(case.wrench[free, :3]):
         raise InputError(
