@@ -13,13 +13,13 @@ from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan
-from drystone.settlement import LargeDisplacement, SupportResponse
+from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
 from drystone.view.scenes.film_scenes import film_scene
 from drystone.view.scenes.large_scenes import large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scene import Scene
-from drystone.view.scenes.settlement_scenes import settlement_scene
+from drystone.view.scenes.settlement_scenes import followed_scene, settlement_scene
 from drystone.view.scenes.staging import bare_scene, result_scene
 
 Subject: TypeAlias = (
@@ -30,6 +30,7 @@ Subject: TypeAlias = (
     | TiltSweep
     | Plan
     | SupportResponse
+    | Settlement
     | LargeDisplacement
     | Film
     | Scene
@@ -79,6 +80,8 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
             return large_scene(subject, source)
         case Film():
             return film_scene(subject, source)
+        case Settlement():
+            return followed_scene(subject, source)
         case _:
             raise InputError(
                 f"there is no picture of {shortened(repr(subject), 60)}",
