@@ -262,7 +262,7 @@ def _state(model: Model, bodies: Bodies, moment: Moment, length: float, load: fl
     return LargeState(
         length * moment.displacement,
         load * moment.load,
-        frozen(block_motions(bodies, moment.pose)),
+        frozen(block_motions(bodies, (moment.pose,))[0]),
         moved,
         frozen(force),
     )

@@ -78,7 +78,7 @@ class Cascade:
             if self.clock.late():
                 break
             self._report("stiffness samples", 2 + number)
-            attempts.attempt(sample)
+            attempts.attempt_from(uniform, sample)
         decided = not self.options.settle or len(attempts.standing) == attempts.tried
         if attempts.standing and (decided or self.clock.late()):
             return self._stable(uniform)
