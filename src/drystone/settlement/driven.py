@@ -193,6 +193,7 @@ class Driver(Follower):
     def _let_go(self) -> str:
         """Hold what drives, and let the blocks come to rest again or fall."""
         self.base, self.drag, self.guess = self.pose, self.first, None
+        self.farthest, self.stretch = 0.0, 1.0
         ended = self._to_rest()
         self.guess = None
         if ended == "rests":
@@ -211,10 +212,6 @@ class Driver(Follower):
         angle = np.arccos(np.clip(0.5 * (np.trace(turned, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
         way: Floats = (gone + angle * bodies.radius[free]) / bodies.size[free]
         return way
-
-    def way(self) -> Floats:
-        """(f,) of each free block since what drives was last held, by its size."""
-        return self._way()
 
     def _gone(self) -> float:
         """Largest displacement of a centroid from the beginning."""

@@ -317,8 +317,7 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
 
 def _mover(driver: Driver, found: LargeDisplacement) -> str:
     """The block that moves farthest while what drives is held."""
-    way = driver.way()
-    return found.assembly.names[int(driver.bodies.free[int(np.argmax(way))])]
+    return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.way))])]
 
 
 __all__ = ["move_supports", "push", "reduce_friction"]
