@@ -34,6 +34,7 @@ from drystone.cli.files.demo_command import demo
 from drystone.cli.files.inspect_command import inspect
 from drystone.cli.files.models_command import models
 from drystone.cli.files.reproduce_command import reproduce
+from drystone.cli.servers.live_command import live
 from drystone.cli.servers.mcp_command import mcp
 
 SHELLS = ("bash", "zsh", "fish")
@@ -101,6 +102,7 @@ COMMANDS: tuple[click.Command, ...] = (
     fall,
     inspect,
     limit,
+    live,
     mcp,
     mend,
     models,

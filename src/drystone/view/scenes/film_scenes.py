@@ -22,7 +22,8 @@ def film_scene(film: Film, source: str = "") -> Scene:
     message = "; ".join([NO_VERDICT, film.engine, *model.notes])
     stage = Stage(
         "film", headline, message, state, motion=film.positions[-1], motion_name="Film",
-        plays=True, up=up, gravity=gravity,
+        path=film.positions if len(film) > 1 else None, seconds=float(film.time[-1]), plays=True,
+        up=up, gravity=gravity,
     )  # fmt: skip
     facts = facts_of(assembly, film.contacts, model.load, source)
     title = f"drystone: {film.message}"

@@ -16,6 +16,8 @@ from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 WIDTH, HEIGHT = 280.0, 170.0
 LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
 """[px] of the drawing, and its margins for ticks."""
+SECONDS = 6.0
+"""In which the page plays the states, chosen."""
 NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
 
 
@@ -37,10 +39,11 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     headline = end[0].upper() + end[1:]
     name = NAMES[found.drive.value]
     last = found.states[-1]
+    path = np.stack([one.positions for one in found.states])
     message = "; ".join([found.message, *model.notes])
     whole = Stage(
         "all states", headline, message, state, motion=last.positions, motion_name=name,
-        plays=True, up=up, gravity=gravity,
+        path=path if len(path) > 1 else None, seconds=SECONDS, plays=True, up=up, gravity=gravity,
         layers=_marks(last),
     )  # fmt: skip
     facts = facts_of(assembly, contacts, model.load, source)

@@ -165,6 +165,15 @@ def encode(scene: Scene) -> dict[str, Any]:
     return data | {"blobs": blobs.texts}
 
 
+def encode_stage(scene: Scene) -> dict[str, Any]:
+    """The data of the first stage of a scene alone, for a page that shows its model already.
+
+    It has ``stage`` and ``blobs`` as in the data of a page.
+    """
+    blobs = Blobs()
+    return {"stage": _stage(scene.stages[0], scene, blobs), "blobs": blobs.texts}
+
+
 def to_text(data: dict[str, Any]) -> str:
     """JSON that is harmless inside a ``<script>`` element, whatever the names are."""
     text = json.dumps(data, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
@@ -245,6 +254,7 @@ def _stage(stage: Stage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
         "facts": list(stage.facts.items()),
         "motionName": stage.motion_name,
         "plays": stage.plays,
+        "seconds": max(stage.seconds, 1.0),
         "arrives": stage.arrives,
         "up": stage.up.tolist(),
         "gravity": stage.gravity.tolist(),
