@@ -172,7 +172,7 @@ def _add_ground(mujoco: Any, spec: Any, scaled: Model, force: Floats) -> None:
     up = np.array([0.0, 0.0, 1.0]) if size == 0.0 else -force / size
     points = np.concatenate([block.vertices for block in scaled.assembly.blocks])
     lowest = points[int(np.argmin(points @ up))]
-    turn, _ = Rotation.align_vectors([up], [[0.0, 0.0, 1.0]])
+    turn, _ = Rotation.align_vectors(up[None], np.array([[0.0, 0.0, 1.0]]))
     x, y, z, w = turn.as_quat()
     spec.worldbody.add_geom(
         type=mujoco.mjtGeom.mjGEOM_PLANE,

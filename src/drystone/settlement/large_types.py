@@ -172,9 +172,6 @@ class LargeDisplacement(OneLine):
         """Number of states."""
         return len(self.states)
 
-    def __bool__(self) -> bool:
-        return True
-
     def __getitem__(self, number: int) -> LargeState:
         return self.states[number]
 

@@ -16,6 +16,7 @@ from drystone.cli.inputs import loading, options
 from drystone.cli.inputs.model_input import Subject
 
 if TYPE_CHECKING:
+    from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.fall import Film
 
@@ -80,7 +81,7 @@ def fall(
 
 
 def _files(film: Film, html: Path | None, glb: Path | None, source: str) -> Files:
-    jobs = []
+    jobs: list[Job] = []
     if html is not None:
         from drystone.view import save_page  # work is imported when there is some
 

@@ -17,6 +17,7 @@ from drystone.cli.base.output import Screen
 from drystone.cli.base.written import Pictures, apart
 
 if TYPE_CHECKING:
+    from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.settlement import LargeDisplacement
 
@@ -52,7 +53,7 @@ def answer(
 
 
 def _files(found: LargeDisplacement, wanted: Curves, source: str) -> Files:
-    jobs, _ = ([], [])
+    jobs: list[Job] = []
     if wanted.html is not None or wanted.png is not None:
         from drystone import view  # work is imported when there is some
 
