@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
+    from drystone.settlement import push as push
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
@@ -88,6 +89,7 @@ _HOME = {
     "limit_thickness": "limits",
     "limit_tilt": "limits",
     "plan": "sequence",
+    "push": "settlement",
     "read": "io",
     "save_cad": "view",
     "save_figure": "view",
@@ -101,7 +103,7 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
-_ROOMS = ("design", "limits", "models", "sequence", "settlement", "shells", "view")
+_ROOMS = ("design", "fall", "limits", "models", "sequence", "settlement", "shells", "view")
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)

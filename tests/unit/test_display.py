@@ -32,6 +32,7 @@ from drystone import (
 )
 from drystone.base.display import Card, shortened
 from drystone.detection import ContactReport, Detection, DetectionOptions, Shortfall, gap_sweep
+from drystone.fall import FallOptions, Film
 from drystone.io import FORMATS, read_file
 from drystone.joints import force_network
 from drystone.models import arch, box, burr, shelf, tower, vault
@@ -84,6 +85,9 @@ def values(folder: Path) -> Iterator[object]:
     yield settlement.support_response(arch(), moves, friction=0.9)
     settled = drystone.settle(tower(2))
     yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
+    pushed = drystone.push(tower(2), friction=0.3, to=0.01)
+    yield from (pushed, pushed[-1])
+    yield from (Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True), FallOptions())
     stack = Model.of(tower(3), friction=0.6)
     yield drystone.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)

@@ -17,8 +17,10 @@ import click
 
 from drystone.base.errors import DrystoneError
 from drystone.cli.analysis.check_command import check
+from drystone.cli.analysis.fall_command import fall
 from drystone.cli.analysis.limit_commands import friction, load, shrink, tilt
 from drystone.cli.analysis.limit_models import imperfections, thickness
+from drystone.cli.analysis.push_command import push
 from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, Command, write_examples
@@ -98,6 +100,7 @@ COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
     demo,
+    fall,
     inspect,
     limit,
     live,
@@ -105,6 +108,7 @@ COMMANDS: tuple[click.Command, ...] = (
     mend,
     models,
     plan,
+    push,
     reproduce,
     settle,
     shape,

@@ -15,8 +15,8 @@ it ends at the same tilt with the load at once, in twenty parts and turned from 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -164,15 +164,32 @@ class Follower:
         self.response = respond(bodies, self.placed.gap, self.friction, nothing)
         self.share = 1.0
 
-    def run(self, supports: Floats | None = None) -> Track:
-        """Until they rest or fall; then, where they rest, with supports that move by (n, 6)."""
+    def run(self, supports: Floats | None = None, earlier: Sequence[Floats] = ()) -> Track:
+        """Until they rest or fall; then, where they rest, with supports that move by (n, 6).
+
+        ``earlier`` are loads (f, 6) under which they rest, more or less, before.
+        """
         # blocks that follow their supports go far without falling
         self.left_steps = LEFT_STEPS if supports is None else self.step_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            ended = self._to_rest()
+            ended = self._loaded(earlier)
+            if ended == "rests":
+                ended = self._to_rest()
             if supports is not None and ended == "rests":
                 ended = self._supports(supports)
             return self._track(ended)
+
+    def _loaded(self, earlier: Sequence[Floats]) -> str:
+        """Rest under one load after another, and go on with the last one."""
+        whole = self.bodies
+        for load in earlier:
+            self.bodies = replace(whole, load=load)
+            ended = self._to_rest(roughly=True)
+            self.drag, self.guess = self.first, None
+            if ended != "rests":
+                return ended
+        self.bodies = whole
+        return "rests"
 
     def _to_rest(self, *, roughly: bool = False) -> str:
         bodies = self.bodies

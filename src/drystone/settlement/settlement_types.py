@@ -17,6 +17,7 @@ from drystone.contacts import Contacts
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.corners import Carrier
+from drystone.settlement.loading_order import Loading
 from drystone.settlement.proof import moved_model
 
 
@@ -53,6 +54,8 @@ class SettlementOptions(Options):
         no limit of ten models that were measured changes by more than half a degree.
     tangential
         Tangential by normal stiffness. Discrete-element programs use 0.1 to 1.
+    loading
+        In which order the load is put on: at once, as a ramp, or turned from upright.
     pace
         Length of the steps by the default.
     step_limit
@@ -64,6 +67,7 @@ class SettlementOptions(Options):
     carrier: Carrier | None = None
     overlap: float = 1e-6
     tangential: float = 0.2
+    loading: Loading = Loading.AT_ONCE
     pace: float = 1.0
     step_limit: int = 5000
 

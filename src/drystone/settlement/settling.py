@@ -19,6 +19,7 @@ from drystone.results import Residuals
 from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.corners import Carrier, shares
 from drystone.settlement.follow import Follower, Track
+from drystone.settlement.loading_order import earlier_loads
 from drystone.settlement.proof import PROVEN, rest_residuals
 from drystone.settlement.settlement_types import (
     Outcome,
@@ -87,7 +88,7 @@ def settle(
     chosen = SettlementOptions.of(options)
     model = as_model(given, **how)
     clock = Clock(time_limit_s, stop)
-    moving = _support_motion(model, motion)
+    moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
         return _nothing_free(model, chosen, clock)
@@ -132,7 +133,7 @@ def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
     return (Carrier.MOVING,) if alike else (Carrier.MOVING, Carrier.RESTING)
 
 
-def _support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
+def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
     """(n, 6) [m, rad] of the supports; None where none moves."""
     assembly, case = model.assembly, model.load
     if motion is not None:
@@ -180,7 +181,10 @@ def _path(
             stop=clock.late,
             tell=tell,
         )
-        track = follower.run(None if motion is None else _scaled(bodies, motion))
+        track = follower.run(
+            None if motion is None else scaled_motion(bodies, motion),
+            earlier_loads(bodies, chosen.loading),
+        )
         if track.ended != "falls" or not track.squeezed or overlap <= STIFFEST:
             break
         overlap *= STIFFER
@@ -200,7 +204,8 @@ def _path(
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
-def _scaled(bodies: Bodies, motion: Floats) -> Floats:
+def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
+    """Motions (n, 6) [m, rad] as the steps take them."""
     out = motion.copy()
     out[:, :3] /= bodies.length_unit
     out[:, 3:] *= bodies.radius[:, None]
@@ -211,7 +216,7 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     """A track in m, rad and N, for all corners of the model."""
     contacts = model.contacts
     corners = model.active[contacts.interface]
-    positions = _motions(bodies, track.frames)
+    positions = block_motions(bodies, track.frames)
     force = np.zeros((contacts.corner_count, 3))
     force[corners] = track.response.force * bodies.force_unit
     point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
@@ -240,7 +245,7 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     )
 
 
-def _motions(bodies: Bodies, poses: tuple[Pose, ...]) -> Floats:
+def block_motions(bodies: Bodies, poses: tuple[Pose, ...]) -> Floats:
     """(s, n, 6) [m, rad] from the beginning."""
     gone = (np.stack([pose.place for pose in poses]) - bodies.centroid) * bodies.length_unit
     turn = np.concatenate([pose.turn for pose in poses])
@@ -274,4 +279,4 @@ def _said(path: SettlementPath) -> str:
     return f"it comes to rest after settling by {moved:.2g} m, {way:.2g} of a block's size{far}"
 
 
-__all__ = ["settle"]
+__all__ = ["block_motions", "scaled_motion", "settle", "support_motion"]

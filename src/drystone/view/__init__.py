@@ -1,9 +1,11 @@
 """Results to pictures: one self-contained page, static figures."""
 
 from drystone.view.cad.save_cad import save_cad
+from drystone.view.paper.curve_figure import save_curve
 from drystone.view.paper.figure import save_figure
 from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
+from drystone.view.paper.share_figure import save_share
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.palette import State
 from drystone.view.scenes.presets import PRESETS, Preset
@@ -28,11 +30,13 @@ __all__ = [
     "interact",
     "page_text",
     "save_cad",
+    "save_curve",
     "save_figure",
     "save_inspection",
     "save_page",
     "save_polar",
     "save_report",
+    "save_share",
     "scene_of",
     "show",
     "stage_of",

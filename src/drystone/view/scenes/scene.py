@@ -171,6 +171,8 @@ class Stage(OneLine):
     path : (s, n, 6) [m, rad]
         Positions along the motion, which are played one after the other; the last one is
         ``motion``. Left out, the motion is played in proportion.
+    seconds
+        In which the motion is played, at least one.
     motion_name
         What the motion is, for its slider.
     plays
@@ -195,6 +197,7 @@ class Stage(OneLine):
     verdict: Verdict | None = None
     motion: Floats | None = None
     path: Floats | None = None
+    seconds: float = 2.4
     motion_name: str = "First motion"
     plays: bool = False
     arrives: bool = False

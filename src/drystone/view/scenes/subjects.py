@@ -8,11 +8,14 @@ from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
+from drystone.fall import Film
 from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan
-from drystone.settlement import Settlement, SupportResponse
+from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
+from drystone.view.scenes.film_scenes import film_scene
+from drystone.view.scenes.large_scenes import large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scene import Scene
@@ -20,7 +23,17 @@ from drystone.view.scenes.settlement_scenes import followed_scene, settlement_sc
 from drystone.view.scenes.staging import bare_scene, result_scene
 
 Subject: TypeAlias = (
-    Result | Model | Assembly | Limit | TiltSweep | Plan | SupportResponse | Settlement | Scene
+    Result
+    | Model
+    | Assembly
+    | Limit
+    | TiltSweep
+    | Plan
+    | SupportResponse
+    | Settlement
+    | LargeDisplacement
+    | Film
+    | Scene
 )
 
 
@@ -63,6 +76,10 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
             return plan_scene(subject, source)
         case SupportResponse():
             return settlement_scene(subject, source)
+        case LargeDisplacement():
+            return large_scene(subject, source)
+        case Film():
+            return film_scene(subject, source)
         case Settlement():
             return followed_scene(subject, source)
         case _:

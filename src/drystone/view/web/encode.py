@@ -254,6 +254,7 @@ def _stage(stage: Stage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
         "facts": list(stage.facts.items()),
         "motionName": stage.motion_name,
         "plays": stage.plays,
+        "seconds": max(stage.seconds, 1.0),
         "arrives": stage.arrives,
         "up": stage.up.tolist(),
         "gravity": stage.gravity.tolist(),

@@ -1,6 +1,5 @@
 // What moves by itself: motions and stages.
 
-const FALL_SECONDS = 2.4;
 const STAGE_SECONDS = 1.6;
 
 // Moves what is being played; free fall starts slowly.
@@ -9,7 +8,7 @@ function advance(now) {
   animation.start ??= now;
   const seconds = (now - animation.start) / 1000;
   if (animation.kind === "motion") {
-    const share = Math.min(1, seconds / FALL_SECONDS);
+    const share = Math.min(1, seconds / stage().seconds);
     const { arrives, path } = stage();
     setTime(path ? share : arrives ? share * (2 - share) : share * share);
     if (share === 1) stop();
