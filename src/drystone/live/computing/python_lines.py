@@ -46,7 +46,7 @@ def _lines(source: str, how: Mapping[str, Any], wish: Wish) -> list[str]:
     for load in loads:
         lines.append(f"model = model.with_load(model.load + {load})")
     if wish.tilt:
-        axis = ", ".join(f"{x:.12g}" for x in wish.axis)
+        axis = ", ".join(f"{x + 0.0:.12g}" for x in wish.axis)
         lines.append(f"model = Tilt(model, ({axis}))({wish.tilt!r})  # degrees")
     if wish.removed:
         lines.append(f"model = model.without({list(wish.removed)!r})")

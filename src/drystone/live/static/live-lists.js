@@ -6,20 +6,20 @@ let cases = []; // { name, state, headline, verdict }
 function showChanges() {
   const box = byId("live-changes");
   box.replaceChildren();
-  const row = (text, ...more) => {
+  const row = (text, title, ...more) => {
     const line = element("div", undefined, { class: "row" });
-    line.append(element("span", text, { class: "name", title: text }), ...more);
+    line.append(element("span", text, { class: "name", title }), ...more);
     box.append(line);
   };
   const own = factsNow().supports;
   const fixed = supportsNow();
   for (const name of fixed.filter((one) => !own.includes(one))) {
-    row(`${name} is a support`, button("Free", () => toggleSupport(name)));
+    row(`${name} is a support`, name, button("Free", () => toggleSupport(name)));
   }
   for (const name of own.filter((one) => !fixed.includes(one))) {
-    row(`${name} is free`, button("Fix", () => toggleSupport(name)));
+    row(`${name} is free`, name, button("Fix", () => toggleSupport(name)));
   }
-  for (const name of now.removed) row(`${name} is out`, button("Put back", () => putBack(name)));
+  for (const name of now.removed) row(`${name} is out`, name, button("Put back", () => putBack(name)));
   for (const { block, force } of now.pushes) {
     const size = vec.length(force);
     const input = element("input", undefined, {
@@ -31,7 +31,7 @@ function showChanges() {
       if (!(wanted >= 0)) return complain(`a force of ${input.value} kN cannot be: give zero or more`);
       return change({ pushes: pushed(block, vec.scale(force, wanted / size)) });
     });
-    row(`${block} pushed to ${directionText(force)}`, input, element("span", "kN"),
+    row(`${block} pushed`, `towards ${directionText(force)}`, input, element("span", "kN"),
       button("\u00d7", () => change({ pushes: pushed(block, [0, 0, 0]) }), { "aria-label": "No force" }));
   }
 }
