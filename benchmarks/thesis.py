@@ -18,7 +18,7 @@ from pathlib import Path
 import drystone
 from benchmarks.explanations import EXPLANATIONS
 from benchmarks.scan import Limit, tilt_limit
-from benchmarks.settlement import QUICK
+from benchmarks.settlement import MECHANISMS, QUICK
 from benchmarks.studies import Study, studies
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Verdict, models
 from drystone.detection import find_contacts
@@ -313,9 +313,25 @@ in the notes.
         "",
         *(notes or ["None."]),
         "",
+        *settled_misses(rows),
+        "",
         extras(),
     ]
     return text + "\n".join(body)
+
+
+def settled_misses(rows: Sequence[Row]) -> list[str]:
+    """How far the settled limits are from 3DEC, and why where that is more than a degree."""
+    miss = {row.study.key: row.limits["settled"].angle - row.study.dem for row in rows}
+    mean = math.sqrt(sum(one**2 for one in miss.values()) / len(miss))
+    largest = max(miss, key=lambda key: abs(miss[key]))
+    lines = [
+        f"Settled less 3DEC: root mean square {mean:.2f} degrees over {len(rows)} rows, largest "
+        f"{miss[largest]:+.2f} ({largest}). Where it is more than a degree:",
+        "",
+    ]
+    why = {key: MECHANISMS.get(key, "Not explained yet.") for key in miss}
+    return lines + [f"- {key}, {one:+.2f}: {why[key]}" for key, one in miss.items() if abs(one) > 1]
 
 
 def run(pool: Executor | None, chosen: Sequence[Study]) -> list[Row]:
