@@ -25,7 +25,7 @@ import shapely
 
 import drystone
 from drystone import Assembly, io
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.detection import find_contacts
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model

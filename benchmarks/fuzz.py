@@ -34,8 +34,8 @@ import numpy as np
 
 from drystone import io
 from drystone.assembly import Assembly
+from drystone.base.errors import InputError
 from drystone.detection import find_contacts
-from drystone.errors import InputError
 from drystone.io import Contents
 from drystone.loads import LoadCase
 from drystone.models import arch, concave, tower

@@ -20,7 +20,7 @@ from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone import Model
 from drystone.io.simulators import mjcf_text
 from drystone.models import bridge
-from drystone.reproduce.assembly import niche, ring_dome
+from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Plan, PlanOptions, plan
 
 PAGE = Path(__file__).parents[1] / "docs" / "robots.md"

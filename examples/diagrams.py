@@ -11,7 +11,7 @@ import tomllib
 from html import escape
 from pathlib import Path
 
-import drystone.files
+import drystone.base.files
 
 ROOT = Path(__file__).parents[1]
 
@@ -22,17 +22,7 @@ FLOORS = {
     "Describe": ("io", "results", "joints", "virtual", "model", "detection", "contacts", "loads"),
     "Blocks": ("repair", "supports", "assembly"),
     "Numbers": ("solvers", "geometry"),
-    "Ground": (
-        "settings",
-        "table",
-        "ragged",
-        "arrays",
-        "files",
-        "units",
-        "display",
-        "errors",
-        "progress",
-    ),
+    "Ground": ("base",),
 }
 """Layers of the contract, gathered by purpose; from the top."""
 
@@ -133,7 +123,7 @@ def main(folder: Path = Path()) -> None:
     """Write both drawings."""
     drawings = {"house": house(), "signs": signs()}
     for name, drawing in drawings.items():
-        drystone.files.write_bytes(folder / f"{name}.svg", drawing.encode())
+        drystone.base.files.write_bytes(folder / f"{name}.svg", drawing.encode())
 
 
 if __name__ == "__main__":

@@ -19,9 +19,9 @@ import numpy as np
 from benchmarks.field.ferris import WALLS, wall_of_rows
 from benchmarks.studies import studies
 from drystone import Assembly, LoadCase, models
-from drystone.arrays import Floats
-from drystone.files import write_bytes
-from drystone.models.arches import voussoirs_between
+from drystone.base.arrays import Floats
+from drystone.base.files import write_bytes
+from drystone.models.masonry.arches import voussoirs_between
 
 Vector: TypeAlias = tuple[float, float, float]
 

@@ -30,9 +30,9 @@ import numpy as np
 from benchmarks.field.cases import FOLDER
 from benchmarks.machine import description
 from drystone import Assembly, Model, io
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.io import Contents
-from drystone.io.simulators.bodies import gravity_of
+from drystone.io.simulators.simulator_bodies import gravity_of
 
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "benchmark.md"

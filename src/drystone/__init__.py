@@ -18,15 +18,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from drystone.assembly import Assembly as Assembly
     from drystone.assembly import Block as Block
+    from drystone.base.errors import DrystoneError as DrystoneError
+    from drystone.base.errors import FormatError as FormatError
+    from drystone.base.errors import InputError as InputError
+    from drystone.base.errors import MissingDependency as MissingDependency
+    from drystone.base.errors import SolverError as SolverError
     from drystone.contacts import Contacts as Contacts
     from drystone.design import diagnose as diagnose
     from drystone.detection import DetectionOptions as DetectionOptions
     from drystone.detection import find_contacts as find_contacts
-    from drystone.errors import DrystoneError as DrystoneError
-    from drystone.errors import FormatError as FormatError
-    from drystone.errors import InputError as InputError
-    from drystone.errors import MissingDependency as MissingDependency
-    from drystone.errors import SolverError as SolverError
     from drystone.io import read as read
     from drystone.io import write as write
     from drystone.limits import limit_friction as limit_friction
@@ -60,16 +60,16 @@ _HOME = {
     "CheckOptions": "stability",
     "Contacts": "contacts",
     "DetectionOptions": "detection",
-    "DrystoneError": "errors",
-    "FormatError": "errors",
-    "InputError": "errors",
+    "DrystoneError": "base.errors",
+    "FormatError": "base.errors",
+    "InputError": "base.errors",
     "LoadCase": "loads",
-    "MissingDependency": "errors",
+    "MissingDependency": "base.errors",
     "Model": "model",
     "RBEOptions": "stability",
     "Residuals": "results",
     "Result": "results",
-    "SolverError": "errors",
+    "SolverError": "base.errors",
     "Verdict": "results",
     "build_rbe": "stability",
     "build_rbe_penalty": "stability",

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, cross
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.contacts import Contacts
 from drystone.model import Model
 from drystone.results import Residuals

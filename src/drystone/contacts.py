@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.arrays import (
+from drystone.base.arrays import (
     Bools,
     Floats,
     Ints,
@@ -19,10 +19,10 @@ from drystone.arrays import (
     frozen_points,
     whole,
 )
-from drystone.display import OneLine
-from drystone.errors import InputError, MissingDependency, counted
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, MissingDependency, counted
+from drystone.base.ragged import Ragged
 from drystone.geometry.plane import polygon
-from drystone.ragged import Ragged
 
 if TYPE_CHECKING:
     import networkx

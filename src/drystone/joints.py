@@ -8,14 +8,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, frozen
 from drystone.assembly import Assembly, Blocks
+from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.display import OneLine
-from drystone.errors import InputError, counted
 from drystone.geometry.plane.kern import edge_ratio, kern_ratio
 from drystone.geometry.plane.pressure import peak_pressure
-from drystone.table import Table
 from drystone.virtual import joint_sections
 
 LOADED = 1e-9

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import FARTHEST, Bools, Floats, of_type
 from drystone.assembly import Assembly, Block, Blocks
+from drystone.base.arrays import FARTHEST, Bools, Floats, of_type
+from drystone.base.display import Card, shortened
+from drystone.base.errors import InputError, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.report.block_overlaps import overlap_lines
-from drystone.display import Card, shortened
-from drystone.errors import InputError, counted
 from drystone.loads import LoadCase
 from drystone.supports import UP, Joints, remarks, select, up_of
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Floats, frozen_points
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block, replace_block
-from drystone.errors import InputError, counted
+from drystone.base.arrays import Floats, frozen_points
+from drystone.base.errors import InputError, counted
 from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend import coincidence

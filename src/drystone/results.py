@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats, number
 from drystone.assembly import Assembly, Blocks
+from drystone.base.arrays import Floats, number
+from drystone.base.display import Card, OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.display import Card, OneLine
-from drystone.errors import InputError, counted
 from drystone.joints import (
     Resultants,
     ThrustLine,
@@ -26,7 +27,6 @@ from drystone.joints import (
 )
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.table import Table
 
 
 class Verdict(enum.StrEnum):

@@ -18,8 +18,8 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from drystone.arrays import Bools, Floats, Ints
-from drystone.errors import InputError
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.solvers.program import Entries
 

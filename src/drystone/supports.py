@@ -9,11 +9,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
-from drystone.errors import InputError, counted
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.errors import InputError, counted
+from drystone.base.units import length
 from drystone.geometry.plane.polygon import area_vectors
-from drystone.units import length
 
 LOWEST = 0.1
 """Blocks whose lowest corner is within this share of the median block height of the lowest corner

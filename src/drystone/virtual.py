@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, frozen_floats
+from drystone.base.arrays import Bools, Floats, Ints, frozen_floats
+from drystone.base.errors import InputError
 from drystone.contacts import Contacts
-from drystone.errors import InputError
 from drystone.geometry.frames import unit
 from drystone.geometry.plane.kern import Sections, kern, sections
 from drystone.geometry.plane.polygon import loop_means

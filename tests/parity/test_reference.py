@@ -6,7 +6,7 @@ from drystone import InputError, LoadCase, MissingDependency, Verdict, find_cont
 from drystone.model import Model
 from drystone.models import arch, shelf, stool, wedge
 from drystone.stability import solve_cra
-from drystone.stability.reference import solve_cra_reference
+from drystone.stability.programs.reference import solve_cra_reference
 
 X = (1.0, 0.0, 0.0)
 CASES = {

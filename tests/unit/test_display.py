@@ -28,12 +28,12 @@ from drystone import (
     stability,
     view,
 )
+from drystone.base.display import Card, shortened
 from drystone.detection import ContactReport, Detection, DetectionOptions, Shortfall, gap_sweep
-from drystone.display import Card, shortened
 from drystone.io import FORMATS, read_file
 from drystone.joints import force_network
 from drystone.models import arch, box, burr, shelf, tower, vault
-from drystone.view import notebook
+from drystone.view.web import notebook
 
 INSIDE = {"cli", "geometry", "solvers", "formulations", "statics", "checks", "display", "settings"}
 """Rooms whose types no user meets."""

@@ -2,7 +2,7 @@
 
 import pickle
 
-from drystone.errors import FormatError, InputError, Kind
+from drystone.base.errors import FormatError, InputError, Kind
 
 
 def test_errors_come_back_from_another_process_whole() -> None:

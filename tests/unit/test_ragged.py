@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drystone import InputError
-from drystone.arrays import unit
-from drystone.ragged import Ragged
+from drystone.base.arrays import unit
+from drystone.base.ragged import Ragged
 
 COUNTS = st.lists(st.integers(0, 4), max_size=8)
 

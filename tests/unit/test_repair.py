@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly, Block
+from drystone.base.errors import InputError
 from drystone.detection import find_contacts
-from drystone.errors import InputError
 from drystone.models import box, tower
 from drystone.repair import mended_block, split_components
 

@@ -11,9 +11,9 @@ import pytest
 
 import drystone
 from drystone import InputError, limits, solve_rbe
+from drystone.base.table import SHOWN, Table
 from drystone.model import Model
 from drystone.models import tower
-from drystone.table import SHOWN, Table
 from drystone.virtual import to_point
 from tests.oracle import touching_faces
 
@@ -101,7 +101,7 @@ def test_without_pandas_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_the_package_imports_no_pandas() -> None:
-    code = "import sys, drystone.table; print('pandas' in sys.modules)"
+    code = "import sys, drystone.base.table; print('pandas' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
 

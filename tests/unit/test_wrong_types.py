@@ -26,8 +26,8 @@ from drystone import (
     solve_rbe,
     stability,
 )
+from drystone.base.settings import Options
 from drystone.models import tower
-from drystone.settings import Options
 from drystone.shells import Body, FormOptions, Layout
 
 TOWER = tower(2)

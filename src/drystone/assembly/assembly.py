@@ -10,10 +10,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, frozen, frozen_floats, of_type, whole
 from drystone.assembly.block import Block, replace_block
-from drystone.display import Card, shortened
-from drystone.errors import InputError, counted
+from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, of_type, whole
+from drystone.base.display import Card, shortened
+from drystone.base.errors import InputError, counted
 from drystone.geometry.body import polyhedron
 
 Blocks: TypeAlias = int | str | Iterable[int | str] | Bools

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats, frozen, frozen_floats, frozen_points, number, of_type
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, frozen, frozen_floats, frozen_points, number, of_type
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import body_mass_properties
 from drystone.geometry.body.surface import closed_surface
 
@@ -25,7 +25,7 @@ FLAT = 1e-12
 rounding of its coordinates decides the sign."""
 
 SMALLEST = 1e-30
-"""[m], chosen: as far below any block as :data:`drystone.arrays.FARTHEST` is above."""
+"""[m], chosen: as far below any block as :data:`drystone.base.arrays.FARTHEST` is above."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,23 +15,23 @@ from typing import Any
 
 import click
 
-from drystone.cli import kinds, output
-from drystone.cli.check import check
-from drystone.cli.command import SETTINGS, Command, write_examples
-from drystone.cli.convert import convert
-from drystone.cli.demo import demo
-from drystone.cli.inspect import inspect
-from drystone.cli.limit import friction, load, shrink, tilt
-from drystone.cli.limit_models import imperfections, thickness
-from drystone.cli.mcp import mcp
-from drystone.cli.mend import mend
-from drystone.cli.models import models
-from drystone.cli.plan import plan
-from drystone.cli.reproduce import reproduce
-from drystone.cli.settle import settle
-from drystone.cli.shell import shell
-from drystone.cli.waiting import INTERRUPTED, NOTHING, UNDER_WAY
-from drystone.errors import DrystoneError
+from drystone.base.errors import DrystoneError
+from drystone.cli.analysis.check_command import check
+from drystone.cli.analysis.limit_commands import friction, load, shrink, tilt
+from drystone.cli.analysis.limit_models import imperfections, thickness
+from drystone.cli.analysis.settle_command import settle
+from drystone.cli.base import kinds, output
+from drystone.cli.base.command import SETTINGS, Command, write_examples
+from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
+from drystone.cli.design.mend_command import mend
+from drystone.cli.design.plan_command import plan
+from drystone.cli.design.shell_command import shell
+from drystone.cli.files.convert_command import convert
+from drystone.cli.files.demo_command import demo
+from drystone.cli.files.inspect_command import inspect
+from drystone.cli.files.models_command import models
+from drystone.cli.files.reproduce_command import reproduce
+from drystone.cli.servers.mcp_command import mcp
 
 SHELLS = ("bash", "zsh", "fish")
 """For which click writes completion."""

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError, Kind, MissingDependency
 from drystone.contacts import DEFAULT_FRICTION, Contacts
-from drystone.errors import InputError, Kind, MissingDependency
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.io.compas.compas_contacts import frame_of, joined

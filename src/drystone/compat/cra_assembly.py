@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Bools
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools
 from drystone.checks import corner_motion
 from drystone.compat.compas import block_of, interface_frame
 from drystone.contacts import Contacts

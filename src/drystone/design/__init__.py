@@ -1,13 +1,13 @@
 """Stability-aware design: why a structure falls, and what to change until it stands."""
 
-from drystone.design.bench import Tried
-from drystone.design.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
-from drystone.design.joint_motion import JointMotion, JointState
-from drystone.design.margin import DesignMargin
-from drystone.design.mending import Mending, mend
-from drystone.design.mends import Mend, MendOptions, Mends, find_mends
-from drystone.design.needs import Ballast, Needs, Pull
-from drystone.design.props import PropForce
+from drystone.design.causes.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
+from drystone.design.causes.joint_motion import JointMotion, JointState
+from drystone.design.causes.missing import Ballast, Needs, Pull
+from drystone.design.causes.prop_forces import PropForce
+from drystone.design.mends.bench import Tried
+from drystone.design.mends.margin import DesignMargin
+from drystone.design.mends.mending import Mending, mend
+from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends
 
 __all__ = [
     "Ballast",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from drystone.errors import InputError
-from drystone.settings import Options
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
 
 LARGEST = {"gap": 0.5, "angle": 45.0, "warp": 0.5, "sliver": 0.5, "merge": 1.0, "search": 0.5}
 """The largest value of each tolerance, chosen: beyond, blocks join across each other."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Ints, of_type
 from drystone.assembly import Assembly
+from drystone.base.arrays import Ints, of_type
+from drystone.base.display import Card
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.freeform.regroup import merge_slivers
@@ -31,7 +32,6 @@ from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.search.nearest import uncovered
 from drystone.detection.search.patches import Patches, patches_of
 from drystone.detection.search.planes import planes_between, widths
-from drystone.display import Card
 from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.mend.coincidence import duplicates
 

@@ -15,7 +15,7 @@ import numpy as np
 from scipy import optimize, sparse
 from scipy.sparse.linalg import lsmr
 
-from drystone.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder
 from drystone.statics import Statics

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
-from drystone.settings import Options
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
 from drystone.solvers.program import ProgramBuilder, Term, Variable
 from drystone.statics import UNLIMITED, Statics
 

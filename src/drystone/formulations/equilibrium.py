@@ -16,14 +16,14 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import lsmr
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
+from drystone.base.settings import Options
 from drystone.formulations.corner_forces import (
     FrictionCone,
     FrictionRule,
     add_contact_rows,
     add_corner_forces,
 )
-from drystone.settings import Options
 from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
 from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics

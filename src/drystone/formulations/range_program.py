@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.formulations.compatible import NORMAL, slide_directions
 from drystone.formulations.improvement import add_trust_region, turned_friction
 from drystone.formulations.rest.compliance import corner_load, wrench_size

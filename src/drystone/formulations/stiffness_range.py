@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.formulations.compatible import compatible_forces, slide_directions
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.range_program import TrustRegion, elastic_forces

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 
 BATCH = 20_000
 """Boxes asked about at a time, chosen: bounds the memory."""

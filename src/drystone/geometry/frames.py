@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Floats, frozen_floats, number
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, frozen_floats, number
+from drystone.base.errors import InputError
 
 
 def unit(vector: Floats, what: str = "direction") -> Floats:

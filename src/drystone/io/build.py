@@ -10,15 +10,15 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.arrays import Floats, frozen_floats
 from drystone.assembly import Assembly, Block, replace_block
-from drystone.errors import FormatError, InputError, Kind, counted
+from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.errors import FormatError, InputError, Kind, counted
+from drystone.base.units import UNITS, mass, scale_of
 from drystone.geometry.body import polyhedron, selfcontact
 from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.mend import coincidence
 from drystone.io.draft import Contents, Draft, Shape
 from drystone.io.wording import printable
-from drystone.units import UNITS, mass, scale_of
 
 LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly
+from drystone.base.display import OneLine
 from drystone.contacts import Contacts
-from drystone.display import OneLine
 from drystone.loads import LoadCase
 from drystone.results import Result
 

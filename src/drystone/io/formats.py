@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from drystone.display import OneLine
+from drystone.base.display import OneLine
 from drystone.io.draft import Contents, Draft
 
 

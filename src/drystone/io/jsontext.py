@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import FormatError
-from drystone.files import decode
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import FormatError
+from drystone.base.files import decode
 
 LARGEST_WHOLE = 2**53
 """Up to here floats hold every whole number."""

@@ -10,17 +10,17 @@ from typing import Any, TypeAlias, TypedDict, Unpack
 
 import numpy as np
 
-from drystone.arrays import of_type
 from drystone.assembly import Assembly
+from drystone.base.arrays import of_type
+from drystone.base.display import shortened
+from drystone.base.errors import InputError, counted
+from drystone.base.files import PathLike
+from drystone.base.progress import Progress
+from drystone.base.settings import checked_call
 from drystone.detection import DetectionOptions, find_overlaps
 from drystone.detection.report.block_overlaps import overlap_lines, require_apart
-from drystone.display import shortened
-from drystone.errors import InputError, counted
-from drystone.files import PathLike
 from drystone.io.registry import read_file
 from drystone.model import Model, up_of_load
-from drystone.progress import Progress
-from drystone.settings import checked_call
 
 UP = {
     "z": np.eye(3),

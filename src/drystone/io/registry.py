@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from drystone.arrays import number, of_type
 from drystone.assembly import Assembly
-from drystone.errors import FormatError, InputError
-from drystone.files import PathLike, as_path, read_bytes
+from drystone.base.arrays import number, of_type
+from drystone.base.errors import FormatError, InputError
+from drystone.base.files import PathLike, as_path, read_bytes
+from drystone.base.units import scale_of
 from drystone.io import jsontext
 from drystone.io.build import Built, build, try_blocks
 from drystone.io.cad import rhino
@@ -20,7 +21,6 @@ from drystone.io.own import drystone_json, drystone_json_write
 from drystone.io.wording import one_line_errors
 from drystone.model import Model
 from drystone.results import Result
-from drystone.units import scale_of
 
 
 def _read_json(data: bytes, path: Path) -> Draft:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 
 LONGEST = 300
 """Characters of one part of an error, chosen: a path and a name, not a whole file."""

@@ -1,12 +1,13 @@
 """Limits: how far tilt, load, friction, thickness and imperfection can go."""
 
-from drystone.limits.families import Family, Friction, LoadFactor, Parametric, Shrunk, Tilt
 from drystone.limits.imperfections import (
     Imperfections,
     StandingShare,
     imperfect,
     imperfections,
 )
+from drystone.limits.limit_families import Family, Friction, LoadFactor, Parametric, Shrunk, Tilt
+from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import (
     limit_friction,
     limit_load,
@@ -17,7 +18,6 @@ from drystone.limits.limits import (
 from drystone.limits.polar import TiltSweep, tilt_sweep
 from drystone.limits.search import Bracket, Check, Evaluation
 from drystone.limits.thrust import ThrustBounds, thrust_bounds
-from drystone.limits.types import Limit, LimitOptions
 
 __all__ = [
     "Bracket",

@@ -10,12 +10,12 @@ from functools import partial
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.formulations.equilibrium import (
     FrictionCone,
     solve_load_factor,
 )
-from drystone.limits.families import Family, LoadFactor, Tilt
+from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.search import Bracket, Search, Stop, Stopped
 from drystone.loads import LoadCase
 from drystone.model import Model

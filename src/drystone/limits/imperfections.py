@@ -11,18 +11,18 @@ from typing import Any, Unpack
 import numpy as np
 from scipy import stats
 
-from drystone.arrays import Floats, frozen_floats, number, of_type, whole
+from drystone.base.arrays import Floats, frozen_floats, number, of_type, whole
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Progress
+from drystone.base.settings import Options, checked_call
 from drystone.contacts import Contacts
-from drystone.display import OneLine
-from drystone.errors import InputError, counted
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.polygon import following
 from drystone.io.opening import Given, How, as_model
 from drystone.limits.search import STANDS, Check, verdict
 from drystone.model import Model
-from drystone.progress import Progress
 from drystone.results import Verdict
-from drystone.settings import Options, checked_call
 from drystone.stability.problem import Clock
 
 

@@ -10,9 +10,11 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
 from drystone.limits.bounds import bisected_bound
-from drystone.limits.families import Family
+from drystone.limits.limit_families import Family
+from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import (
     CONVEX_SEARCH,
     SEARCHED,
@@ -28,8 +30,6 @@ from drystone.limits.search import (
     one_stiffness,
     some_stiffness,
 )
-from drystone.limits.types import Limit, LimitOptions
-from drystone.progress import Progress
 from drystone.results import Result, Verdict
 from drystone.stability.problem import Clock
 from drystone.statics import build_statics

@@ -14,14 +14,17 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.arrays import number, of_type
 from drystone.assembly import Assembly
+from drystone.base.arrays import number, of_type
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
+from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
-from drystone.errors import InputError
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, as_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
-from drystone.limits.families import (
+from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.limit_families import (
     Friction,
     LoadFactor,
     Parametric,
@@ -29,12 +32,9 @@ from drystone.limits.families import (
     Tilt,
     found,
 )
-from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import Check
-from drystone.limits.types import Limit, LimitOptions
 from drystone.loads import LoadCase
-from drystone.progress import Progress
-from drystone.settings import checked_call
 
 AXES = {
     "x": (1.0, 0.0, 0.0),

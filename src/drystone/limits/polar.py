@@ -10,18 +10,18 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.arrays import Floats, whole
-from drystone.display import OneLine
-from drystone.errors import InputError, counted
+from drystone.base.arrays import Floats, whole
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Progress
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
 from drystone.io.opening import Given, How, as_model
+from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import limit_tilt
 from drystone.limits.search import Bracket, Check
-from drystone.limits.types import Limit, LimitOptions
 from drystone.model import Model
-from drystone.progress import Progress
-from drystone.settings import checked_call
 from drystone.stability.problem import Clock
-from drystone.table import Table
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from drystone import stability
-from drystone.display import OneLine
-from drystone.limits.families import Family
+from drystone.base.display import OneLine
+from drystone.limits.limit_families import Family
 from drystone.model import Model
 from drystone.results import Result, Samples, Verdict
 

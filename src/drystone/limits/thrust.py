@@ -7,10 +7,11 @@ from typing import Any, Unpack
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.base.settings import checked_call
 from drystone.checks import check_forces
-from drystone.display import OneLine
-from drystone.errors import InputError
 from drystone.formulations.equilibrium import (
     EquilibriumSolution,
     FrictionCone,
@@ -20,7 +21,6 @@ from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.settings import checked_call
 from drystone.solvers.conic import ConicStatus
 from drystone.statics import build_statics
 

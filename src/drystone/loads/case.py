@@ -8,10 +8,10 @@ from typing import Any, SupportsFloat
 
 import numpy as np
 
-from drystone.arrays import Floats, frozen_floats, number, of_type
 from drystone.assembly import Assembly
-from drystone.display import OneLine
-from drystone.errors import InputError, counted
+from drystone.base.arrays import Floats, frozen_floats, number, of_type
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
 from drystone.geometry.frames import rotation_about, unit
 from drystone.loads.placing import (
     free_block,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, frozen_floats, number, of_type, whole
 from drystone.assembly import Assembly, Block
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints, frozen_floats, number, of_type, whole
+from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Faces, fan_triangles, stack_faces
 from drystone.geometry.body.solid import outside_distance
 from drystone.geometry.frames import unit

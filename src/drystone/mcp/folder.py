@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.io import FORMATS, jsontext
 
 SUFFIXES = frozenset(suffix for known in FORMATS for suffix in known.suffixes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 
-from drystone.errors import InputError, MissingDependency
+from drystone.base.errors import InputError, MissingDependency
 from drystone.mcp.folder import Folder
 
 TIME_LIMIT = 50.0

@@ -4,13 +4,14 @@ Every family is a function that returns an :class:`~drystone.assembly.Assembly` 
 with planar faces that touch exactly; lengths are in metres, gravity is along -z.
 """
 
-from drystone.models.arches import arch, buttressed_arch
 from drystone.models.curved import cube_curve, curve_three_blocks
-from drystone.models.domes import dome
 from drystone.models.joinery import bayonet, burr, dovetail, hooked_bar
-from drystone.models.lunes import lune
+from drystone.models.masonry.arches import arch, buttressed_arch
+from drystone.models.masonry.domes import dome
+from drystone.models.masonry.lunes import lune
+from drystone.models.masonry.vaults import barrel_vault, vault
+from drystone.models.masonry.walls import corbelled_wall, ferris_wall, wall
 from drystone.models.packs import random_pack
-from drystone.models.published import a_model, concave, h_model, wedge
 from drystone.models.simple import (
     box,
     harmonic_offsets,
@@ -21,12 +22,11 @@ from drystone.models.simple import (
     two_blocks_on_incline,
 )
 from drystone.models.solids import prism, welded
-from drystone.models.source_bridge import bridge
-from drystone.models.source_shelf import shelf
-from drystone.models.source_snake import snake
+from drystone.models.source.published import a_model, concave, h_model, wedge
+from drystone.models.source.source_bridge import bridge
+from drystone.models.source.source_shelf import shelf
+from drystone.models.source.source_snake import snake
 from drystone.models.unpropped import corbelled_bridge, leaning_column, winding_column
-from drystone.models.vaults import barrel_vault, vault
-from drystone.models.walls import corbelled_wall, ferris_wall, wall
 
 __all__ = [
     "a_model",

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Floats
 from drystone.models.solids import prism, rectangle, require, welded
 
 # fmt: off

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly
+from drystone.base.arrays import Floats
 from drystone.models.simple import box
 from drystone.models.solids import prism, require, welded
 

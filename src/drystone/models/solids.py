@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from drystone.arrays import Floats, frozen_floats
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import body_mass_properties
 from drystone.geometry.body.surface import closed_surface
 

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Floats
 from drystone.models.solids import prism, require
 
 

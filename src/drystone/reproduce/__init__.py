@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from drystone.errors import InputError
-from drystone.files import PathLike, write_bytes
-from drystone.reproduce import analysis, assembly
-from drystone.reproduce.case import Case, Line
+from drystone.base.errors import InputError
+from drystone.base.files import PathLike, write_bytes
+from drystone.reproduce import analysis_cases as analysis
+from drystone.reproduce import assembly_cases as assembly
+from drystone.reproduce.published_case import Case, Line
 
 SECTIONS: dict[str, Callable[[], Case]] = {
     "6.1": analysis.arches,
@@ -66,8 +67,8 @@ def save_case(case: Case, folder: PathLike) -> list[str]:
     """
     from drystone.results import Result
     from drystone.view import save_figure, save_page
-    from drystone.view.page import page_text
-    from drystone.view.sequence import plan_scene
+    from drystone.view.scenes.plan_scenes import plan_scene
+    from drystone.view.web.page import page_text
 
     target = Path(folder)
     if not target.is_dir():

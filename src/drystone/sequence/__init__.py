@@ -19,15 +19,15 @@ from drystone.sequence.margins import (
     sweep_friction,
 )
 from drystone.sequence.motion.directions import Freedom, freedom
-from drystone.sequence.motion.joints import Obstacle
+from drystone.sequence.motion.joint_cones import Obstacle
 from drystone.sequence.motion.sweeps import Pose
 from drystone.sequence.motion.ways import NoWay, Way, WayOptions, find_way
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
-from drystone.sequence.stage.checks import check_once, check_thoroughly
 from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.stage_checks import check_once, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import DaskWorkers, ExecutorFactory, LocalWorkers

@@ -13,15 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats, frozen_floats
 from drystone.assembly import Assembly, Block
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.geometry.body.split import Piece, split
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.stage.checks import Check, check_once
+from drystone.sequence.stage.stage_checks import Check, check_once
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import Block
-from drystone.display import OneLine
-from drystone.files import PathLike, write_bytes
-from drystone.progress import Progress
-from drystone.sequence.motion.joints import Joints, face_at
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.files import PathLike, write_bytes
+from drystone.base.progress import Progress
+from drystone.sequence.motion.joint_cones import Joints, face_at
 from drystone.sequence.motion.ways import NoWay, Way, WayFinder, WayOptions
 from drystone.sequence.plans import Plan, placed_before
 from drystone.sequence.robots import Robot, check_robots, why_not

@@ -10,10 +10,10 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats
-from drystone.display import OneLine
+from drystone.base.arrays import Bools, Floats
+from drystone.base.display import OneLine
 from drystone.sequence.motion.directions import Freedom, freedom
-from drystone.sequence.motion.joints import Joints, in_words, obstacles
+from drystone.sequence.motion.joint_cones import Joints, in_words, obstacles
 from drystone.sequence.motion.twists import TOLERANCE, free_twists, twist_rows
 from drystone.sequence.motion.ways import NoWay, Way, WayFinder, WayOptions
 from drystone.sequence.stage.stages import members

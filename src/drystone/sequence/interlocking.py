@@ -22,15 +22,15 @@ from typing import Unpack
 import numpy as np
 from scipy import sparse
 
-from drystone.arrays import Bools, Floats
-from drystone.display import OneLine
-from drystone.errors import InputError, SolverError
+from drystone.base.arrays import Bools, Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, SolverError
+from drystone.base.progress import Progress
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.progress import Progress
 from drystone.results import Verdict
-from drystone.sequence.motion.joints import Joints
+from drystone.sequence.motion.joint_cones import Joints
 from drystone.sequence.motion.twists import free_twists, twist_rows
 from drystone.solvers.conic import ConicStatus
 from drystone.solvers.program import ProgramBuilder

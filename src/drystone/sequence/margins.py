@@ -11,18 +11,18 @@ from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
-from drystone.arrays import of_type
-from drystone.display import OneLine
-from drystone.errors import InputError, counted
+from drystone.base.arrays import of_type
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Clock, Progress
+from drystone.base.settings import Options, checked_call
+from drystone.base.table import Table
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.model import Model
-from drystone.progress import Clock, Progress
 from drystone.results import Verdict
 from drystone.sequence.plans import Plan
 from drystone.sequence.stage.stages import Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
-from drystone.settings import Options, checked_call
-from drystone.table import Table
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")

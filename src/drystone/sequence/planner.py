@@ -10,9 +10,10 @@ from typing import Unpack
 
 import numpy as np
 
-from drystone.files import PathLike
+from drystone.base.files import PathLike
+from drystone.base.progress import Clock, Progress
+from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
-from drystone.progress import Clock, Progress
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
@@ -21,12 +22,11 @@ from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, apart, props_in_time
 from drystone.sequence.search.states import Found, Node, SearchOptions
-from drystone.sequence.stage.checks import Check, check_once
 from drystone.sequence.stage.evaluation import Evaluator, Stopped
+from drystone.sequence.stage.stage_checks import Check, check_once
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
-from drystone.settings import Options, checked_call
 from drystone.stability.screening import Screening, stage_screening
 
 EFFORT, LARGE = 800.0, 100.0

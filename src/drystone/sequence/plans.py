@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.display import Card, OneLine
-from drystone.errors import counted
+from drystone.base.arrays import Floats
+from drystone.base.display import Card, OneLine
+from drystone.base.errors import counted
+from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.stage.stages import Answer, members
 from drystone.sequence.stage.structure import Structure
-from drystone.table import Table
 
 
 class Status(enum.Enum):

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Bools, Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 
 
 @dataclass(frozen=True)

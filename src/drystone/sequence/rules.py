@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stage.stages import mask_of, members
 from drystone.sequence.stage.structure import Structure
-from drystone.settings import Options
 
 COURSE = re.compile(r"^[A-Za-z]+[-_]?(\d+)[-_.]")
 """Names such as ``c06-b03`` tell their course."""

@@ -13,14 +13,14 @@ from typing import Unpack
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
 from drystone.io.opening import Given, How, as_model
-from drystone.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.robots import Robot, check_robots
-from drystone.sequence.stage.checks import Check, check_once
+from drystone.sequence.stage.stage_checks import Check, check_once
 from drystone.sequence.stage.stages import Stage, mask_of
 from drystone.sequence.stage.structure import Structure
 

@@ -1,6 +1,5 @@
 """Blocks followed by finite steps to rest or into a fall, and what moving supports cause."""
 
-from drystone.settlement.analysis import settle
 from drystone.settlement.corners import Carrier
 from drystone.settlement.first_order import (
     SupportResponse,
@@ -8,7 +7,13 @@ from drystone.settlement.first_order import (
     support_forces,
     support_response,
 )
-from drystone.settlement.types import Outcome, Settlement, SettlementOptions, SettlementPath
+from drystone.settlement.settlement_types import (
+    Outcome,
+    Settlement,
+    SettlementOptions,
+    SettlementPath,
+)
+from drystone.settlement.settling import settle
 
 __all__ = [
     "Carrier",

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, cross
 from drystone.assembly import Assembly
+from drystone.base.arrays import Floats, Ints, cross
 from drystone.geometry.body.polyhedron import fan_triangles
 from drystone.model import Model
 from drystone.settlement.corners import Carrier, shares

@@ -14,8 +14,8 @@ import enum
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, cross
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.contacts import Contacts
 
 FLUSH = 1e-6

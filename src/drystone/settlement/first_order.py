@@ -9,16 +9,16 @@ from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, of_type
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints, of_type
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.settings import Options, checked_call
 from drystone.checks import block_speed, check_forces, corner_motion
-from drystone.display import OneLine
-from drystone.errors import InputError, counted
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals, Result, Verdict
-from drystone.settings import Options, checked_call
 from drystone.settlement.response import solve_response
 from drystone.solvers.conic import ConicStatus
 from drystone.statics import build_statics

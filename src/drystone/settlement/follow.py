@@ -21,8 +21,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import SolverError
+from drystone.base.arrays import Floats
+from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.springs import (
     Placed,

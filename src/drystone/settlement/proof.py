@@ -14,7 +14,7 @@ from drystone.results import Residuals
 from drystone.settlement.springs import rotations
 
 if TYPE_CHECKING:
-    from drystone.settlement.types import SettlementPath
+    from drystone.settlement.settlement_types import SettlementPath
 
 PROVEN = 1e-8
 """Largest residual of a rest, dimensionless: that of every claim of equilibrium."""

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
 from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics

@@ -9,8 +9,8 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial.transform import Rotation
 
-from drystone.arrays import Bools, Floats, Ints, cross
-from drystone.errors import SolverError
+from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.solvers.multifrontal import BlockOrdering
 

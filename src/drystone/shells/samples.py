@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from drystone.errors import InputError
-from drystone.progress import Progress
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
 from drystone.shells.shell_of_blocks import Shell, build_shell
 from drystone.shells.shell_options import Body, Layout
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, dot, unit
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints, dot, unit
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Progress
+from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
-from drystone.display import OneLine
-from drystone.errors import InputError, counted
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
-from drystone.progress import Progress
-from drystone.ragged import Ragged
 from drystone.shells.blocks.blocks_apart import refuse_overlaps
 from drystone.shells.blocks.extent import check_radius, mean_width
 from drystone.shells.blocks.flat_cells import fit_cells

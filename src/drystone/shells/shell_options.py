@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.errors import InputError
-from drystone.settings import Options
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
 from drystone.shells.blocks.planarise import PlanarOptions
 from drystone.shells.blocks.thickness import Thickness
 from drystone.shells.bond.wedge import Wedge

@@ -16,8 +16,8 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-from drystone.arrays import Floats
-from drystone.settings import Options
+from drystone.base.arrays import Floats
+from drystone.base.settings import Options
 
 
 class ConicStatus(enum.Enum):

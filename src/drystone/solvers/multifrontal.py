@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import SolverError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import SolverError
 
 LEAF = 20
 """Nodes that are not divided further. Chosen by timing: smaller fronts cost more in bookkeeping

@@ -12,9 +12,9 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from scipy import sparse
 
-from drystone.arrays import Floats, Ints, frozen
-from drystone.display import OneLine
-from drystone.errors import counted
+from drystone.base.arrays import Floats, Ints, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import counted
 from drystone.solvers.conic import Cones, ConicOptions, ConicSolution, solve_conic
 
 

@@ -4,10 +4,10 @@ from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.solvers.program import ConicProgram
 from drystone.stability.check import check, could_hold
-from drystone.stability.cra import CRAOptions, solve_cra
-from drystone.stability.options import CheckOptions
-from drystone.stability.penalty import PenaltyOptions, solve_cra_penalty
-from drystone.stability.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
+from drystone.stability.check_options import CheckOptions
+from drystone.stability.programs.cra import CRAOptions, solve_cra
+from drystone.stability.programs.penalty import PenaltyOptions, solve_cra_penalty
+from drystone.stability.programs.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
 from drystone.stability.resting import try_rest
 from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
 

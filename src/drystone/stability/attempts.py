@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest

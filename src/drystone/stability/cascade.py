@@ -6,19 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
+from drystone.base.progress import Progress
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
-from drystone.progress import Progress
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.stability.attempts import Attempts, Candidate
-from drystone.stability.options import CheckOptions
+from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
+from drystone.stability.programs.rbe import ANY_FORCES
 from drystone.stability.proofs import (
     FALLING_SHARE,
     NO_APPROACH,
@@ -28,9 +29,8 @@ from drystone.stability.proofs import (
     moving_blocks,
     unpressed,
 )
-from drystone.stability.rbe import ANY_FORCES
 from drystone.stability.screening import SLIP_LENGTH
-from drystone.stability.search import SLIDE_LIMIT, Search
+from drystone.stability.search_starts import SLIDE_LIMIT, Search
 
 SENSITIVE = "sensitive to how the joints press"
 

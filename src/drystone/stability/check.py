@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Unpack
 
+from drystone.base.progress import Progress
+from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, as_model
-from drystone.progress import Progress
 from drystone.results import Result
-from drystone.settings import checked_call
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
-from drystone.stability.options import CheckOptions
+from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 
 

@@ -7,11 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats
+from drystone.base.progress import Clock
 from drystone.checks import block_speed
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
-from drystone.progress import Clock
 from drystone.statics import Statics, build_statics
 
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats
 from drystone.checks import block_speed, check_forces, mechanism_defects, point_motion
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import (

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.rest_state import Start, start_from

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from drystone.arrays import number, of_type
-from drystone.errors import InputError
+from drystone.base.arrays import number, of_type
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
 from drystone.formulations.rest.rest_state import RestOptions
-from drystone.settings import Options
 
 TO_REST = RestOptions(ground=1e-7, tolerance=1e-7, iteration_limit=60)
 """With ground springs this weak, a structure at rest leans on them by 1e-6 of its load."""

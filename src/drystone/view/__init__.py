@@ -1,16 +1,16 @@
 """Results to pictures: one self-contained page, static figures."""
 
-from drystone.view.figure import save_figure
-from drystone.view.inspection import inspection_scene, save_inspection
-from drystone.view.notebook import Frame
-from drystone.view.page import page_text, save_page
-from drystone.view.palette import State
-from drystone.view.polar import save_polar
-from drystone.view.presets import PRESETS, Preset
-from drystone.view.report import save_report
-from drystone.view.scene import Layer, LayerKind, Scene, Shape, Stage
-from drystone.view.staging import stage_of
-from drystone.view.subject import scene_of
+from drystone.view.paper.figure import save_figure
+from drystone.view.paper.polar_figure import save_polar
+from drystone.view.paper.report import save_report
+from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
+from drystone.view.scenes.palette import State
+from drystone.view.scenes.presets import PRESETS, Preset
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.scenes.staging import stage_of
+from drystone.view.scenes.subjects import scene_of
+from drystone.view.web.notebook import Frame
+from drystone.view.web.page import page_text, save_page
 
 __all__ = [
     "PRESETS",

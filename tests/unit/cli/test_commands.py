@@ -13,7 +13,7 @@ from drystone.assembly import Assembly, replace_block
 from drystone.cli import main
 from drystone.model import Model
 from drystone.models import arch, box, incline, prism, tower, vault
-from drystone.view.palette import ROLE_COLOUR
+from drystone.view.scenes.palette import ROLE_COLOUR
 
 Capsys = pytest.CaptureFixture[str]
 
@@ -248,7 +248,7 @@ def test_check_tells_a_person_the_same(tmp_path: Path, capsys: Capsys) -> None:
 
 
 def test_strict_wants_a_model_that_stands_whatever_the_stiffness() -> None:
-    from drystone.cli.verdict import exit_code, is_sensitive
+    from drystone.cli.base.verdict import exit_code, is_sensitive
     from drystone.contacts import Contacts
     from drystone.loads import LoadCase
     from drystone.results import Result, Samples, Verdict

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 from drystone import check, io
-from drystone.cli import main, verdict
-from drystone.cli.waiting import Waiting
+from drystone.cli import main
+from drystone.cli.base import verdict
+from drystone.cli.base.waiting import Waiting
 from drystone.model import Model
 from drystone.models import tower, wall
 from drystone.sequence import LocalWorkers
@@ -229,7 +230,7 @@ def test_ctrl_c_while_the_answer_is_printed_names_the_files_that_are_there(
     def pressed(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("drystone.cli.verdict.show", pressed)
+    monkeypatch.setattr("drystone.cli.base.verdict.show", pressed)
     model, page = tmp_path / "tower.json", tmp_path / "page.html"
     io.write(tower(2), model)
     assert main(["check", str(model), "--html", str(page)]) == 130

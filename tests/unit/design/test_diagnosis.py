@@ -10,8 +10,8 @@ import drystone
 from drystone import Assembly, InputError, Model, Verdict
 from drystone.cli import main
 from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
-from drystone.design.props import least_prop, propped
-from drystone.design.regions import regions_of
+from drystone.design.causes.prop_forces import least_prop, propped
+from drystone.design.causes.regions import regions_of
 from drystone.models import arch, box, h_model, prism, shelf, tower
 
 G = 9.81

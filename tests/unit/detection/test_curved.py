@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block, replace_block
+from drystone.base.arrays import Floats
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.model import Model
 from drystone.models import box, cube_curve, curve_three_blocks, prism

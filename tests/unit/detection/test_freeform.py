@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly, replace_block
+from drystone.base.errors import InputError
 from drystone.detection import DetectionOptions, contacts_from_mesh, find_contacts, regroup
-from drystone.errors import InputError
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, concave, cube_curve, curve_three_blocks, tower
 

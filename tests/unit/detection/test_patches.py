@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Floats
 from drystone.detection.search.patches import patches_of
 from drystone.models import box, concave, curve_three_blocks, dome, prism, tower, welded
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly, Block, replace_block
+from drystone.base.errors import InputError
 from drystone.detection import DetectionOptions, Reason, find_contacts, gap_sweep
-from drystone.errors import InputError
 from drystone.geometry.frames import rotation_about
 from drystone.models import box, concave, random_pack, tower
-from drystone.view.inspection import missed_layers
+from drystone.view.scenes.inspection_scenes import missed_layers
 
 SLAB = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), "slab")
 

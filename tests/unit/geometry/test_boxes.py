@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drystone.base.ragged import expand
 from drystone.geometry.boxes import between, overlapping
-from drystone.ragged import expand
 
 
 def all_pairs(low_a, high_a, low_b, high_b):

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.geometry.plane.kern import (
     convex_hull,
     edge_ratio,

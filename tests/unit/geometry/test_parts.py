@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from drystone.arrays import Floats
 from drystone.assembly import Block
+from drystone.base.arrays import Floats
 from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.body.polyhedron import Loop
 from drystone.models import box

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.geometry.plane.kern import edge_ratio, sections
 from drystone.geometry.plane.pressure import EDGE, peak_pressure
 

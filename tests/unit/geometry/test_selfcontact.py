@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.geometry.body.convexity import convex_bodies
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.body.selfcontact import self_contacts

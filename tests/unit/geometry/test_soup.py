@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Floats
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend import soup
 from drystone.geometry.mend.coincidence import weld

@@ -9,8 +9,8 @@ import pytest
 
 import drystone
 from drystone import io
-from drystone.arrays import Floats
-from drystone.errors import FormatError
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError
 from drystone.geometry.mend import coincidence
 from drystone.models import box, vault
 

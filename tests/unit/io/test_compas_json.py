@@ -8,8 +8,8 @@ import pytest
 
 from drystone import io
 from drystone.assembly import Assembly, Block, replace_block
+from drystone.base.errors import FormatError
 from drystone.contacts import Contacts
-from drystone.errors import FormatError
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.models import arch, box, tower, vault

@@ -5,8 +5,9 @@ from typing import BinaryIO
 
 import pytest
 
-from drystone import files, io
-from drystone.errors import FormatError
+from drystone import io
+from drystone.base import files
+from drystone.base.errors import FormatError
 from drystone.models import tower
 
 

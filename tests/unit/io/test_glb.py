@@ -8,7 +8,7 @@ import pytest
 
 from drystone import io
 from drystone.assembly import Assembly, replace_block
-from drystone.errors import FormatError
+from drystone.base.errors import FormatError
 from drystone.models import arch, box, concave, dome, tower, vault
 
 CUBE = box((1.0, 2.0, 3.0))

@@ -11,8 +11,8 @@ import pytest
 
 import drystone
 from drystone import io
+from drystone.base.errors import FormatError, InputError
 from drystone.cli import main
-from drystone.errors import FormatError, InputError
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.models import box, tower

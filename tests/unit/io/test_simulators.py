@@ -7,7 +7,7 @@ import pytest
 
 from drystone import InputError, LoadCase, Model
 from drystone.io.simulators import mjcf_text, write_mjcf, write_urdf
-from drystone.io.simulators.bodies import bodies
+from drystone.io.simulators.simulator_bodies import bodies
 from drystone.models import box, bridge, stool, tower
 
 MODEL = Model.of(bridge(), friction=0.6)

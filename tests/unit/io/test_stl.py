@@ -6,7 +6,7 @@ import pytest
 
 from drystone import io
 from drystone.assembly import Assembly
-from drystone.errors import FormatError
+from drystone.base.errors import FormatError
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.models import arch, box, concave, dome, tower, wall
 

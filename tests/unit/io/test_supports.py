@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.models import arch, box, dome, tower, vault
 from drystone.supports import advice, select

@@ -1,6 +1,6 @@
 import pytest
 
-from drystone.errors import FormatError
+from drystone.base.errors import FormatError
 from drystone.io.wording import one_line_errors, printable
 
 

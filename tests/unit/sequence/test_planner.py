@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from drystone.assembly import Assembly
+from drystone.base.errors import InputError
 from drystone.detection import find_contacts
-from drystone.errors import InputError
 from drystone.model import Model
 from drystone.models import (
     arch,

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drystone.base.errors import FormatError, InputError
 from drystone.detection import find_contacts
-from drystone.errors import FormatError, InputError
 from drystone.model import Model
 from drystone.models import arch
 from drystone.results import Result

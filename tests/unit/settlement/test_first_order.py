@@ -23,7 +23,7 @@ from drystone.settlement import (
     support_forces,
     support_response,
 )
-from drystone.view.settlement import moved_scene, settlement_scene
+from drystone.view.scenes.settlement_scenes import moved_scene, settlement_scene
 from drystone.virtual import to_edge
 from tests.oracle import touching_faces
 

@@ -3,8 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drystone.base.errors import InputError
 from drystone.detection import find_contacts
-from drystone.errors import InputError
 from drystone.shells import (
     Body,
     Edge,

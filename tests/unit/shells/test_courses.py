@@ -3,7 +3,7 @@ import itertools
 import numpy as np
 import pytest
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.shells import barrel_vault, dome, patch_from_function
 from drystone.shells.bond.courses import lay_courses
 from drystone.shells.bond.head_joints import LEAST_LAP, lay_bond

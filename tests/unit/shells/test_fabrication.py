@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.io import read, write
 from drystone.shells import (
     Body,

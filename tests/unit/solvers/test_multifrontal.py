@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.errors import SolverError
+from drystone.base.errors import SolverError
 from drystone.solvers.multifrontal import BlockOrdering
 
 

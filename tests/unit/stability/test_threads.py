@@ -7,7 +7,7 @@ from threadpoolctl import ThreadpoolController
 
 import drystone
 from drystone import models
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.stability import try_rest
 

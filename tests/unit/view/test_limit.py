@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.limits import Bracket, Limit, limit_thickness, tilt_sweep
 from drystone.models import arch, tower
 from drystone.view import State, scene_of
-from drystone.view.limit import evaluations_panel, polar_panel
+from drystone.view.scenes.limit_scenes import evaluations_panel, polar_panel
 
 
 @pytest.fixture(scope="module")

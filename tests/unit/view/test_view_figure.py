@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.models import tower
 from drystone.view import save_figure, scene_of
-from drystone.view.figure import draw, quantity
+from drystone.view.paper.figure import draw, quantity
 from tests.unit.view.pictures import falling_tower, notched, pulled_tower
 
 SVG = "{http://www.w3.org/2000/svg}"

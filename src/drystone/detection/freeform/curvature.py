@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.geometry.body.halfedge import HalfEdges
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors

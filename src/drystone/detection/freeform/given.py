@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, frozen_points
 from drystone.assembly import Assembly, Block
+from drystone.base.arrays import Floats, Ints, frozen_points
+from drystone.base.errors import InputError
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.freeform.regroup import contacts_of
-from drystone.errors import InputError
 from drystone.geometry.body.solid import distance
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors

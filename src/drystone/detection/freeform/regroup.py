@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.detection.search.interfaces import Interfaces, joined
-from drystone.errors import InputError
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import facets as geometry
 from drystone.geometry.plane.facets import Facet

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.misses import Judgement
 from drystone.detection.search.candidates import fits

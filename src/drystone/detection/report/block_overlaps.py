@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
 from drystone.assembly import Assembly
+from drystone.base.arrays import Floats, Ints
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.detection.report.phrases import SHOWN, counted, millimetres
 from drystone.detection.search.candidates import Pairs, block_boxes
 from drystone.detection.search.patches import Patches
-from drystone.display import OneLine
-from drystone.errors import InputError
 from drystone.geometry.body.shared_volume import shared_volumes
 
 REFUSED = 0.1

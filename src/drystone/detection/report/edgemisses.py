@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
 from drystone.assembly import Assembly
+from drystone.base.arrays import Floats, Ints
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import Pairs

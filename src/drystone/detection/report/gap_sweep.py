@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, frozen, frozen_floats
 from drystone.assembly import Assembly
+from drystone.base.arrays import Floats, Ints, frozen, frozen_floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.find import find_contacts
-from drystone.display import OneLine
-from drystone.errors import InputError
-from drystone.progress import Progress
 
 FINEST, COARSEST = 1e-6, 0.1
 """Range of gaps that a sweep tries, chosen: from the rounding of six-digit files to a tenth of a

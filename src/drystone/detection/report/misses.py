@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import granted_to

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from drystone.arrays import Floats
-from drystone.display import OneLine
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
 
 
 class Reason(StrEnum):

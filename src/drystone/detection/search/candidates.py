@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.ragged import expand
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.patches import Patches
 from drystone.geometry import boxes
-from drystone.ragged import expand
 
 MISSED_ANGLE = np.deg2rad(10.0)
 """[rad] Patches that exceed the angle tolerance by less are reported as near misses."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, cross, dot
+from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.geometry.body.halfedge import HalfEdges, joined_faces, outlines
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors, following

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.candidates import Pairs, warp_slack
 from drystone.detection.search.interfaces import Interfaces

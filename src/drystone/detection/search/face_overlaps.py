@@ -7,12 +7,12 @@ from typing import TypeAlias
 import numpy as np
 import shapely
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import expand
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
 from drystone.geometry.plane import clip, planar
 from drystone.geometry.plane.polygon import following
-from drystone.ragged import expand
 
 NEGLIGIBLE = 0.02
 """Overlaps narrower than this share of another of the same patch and blocks are noise; chosen, so

@@ -6,13 +6,13 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.ragged import expand
 from drystone.contacts import Contacts, check_friction
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes
 from drystone.geometry.plane import clip
-from drystone.ragged import expand
 
 
 @dataclass(frozen=True)

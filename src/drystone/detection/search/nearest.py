@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import expand
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
 from drystone.geometry.plane import planar
-from drystone.ragged import expand
 
 EXACT = 1e-4
 """Gaps below this share of the block size hide nothing between them; chosen, thinner than any

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, cross, dot
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot
+from drystone.base.errors import InputError
 from drystone.detection.freeform.curvature import curvature
 from drystone.detection.search.coplanar import (
     STRAIGHT,
@@ -16,7 +17,6 @@ from drystone.detection.search.coplanar import (
     unit_rows,
     without_straight,
 )
-from drystone.errors import InputError
 from drystone.geometry.body.halfedge import HalfEdges, half_edges, turn_angles
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors, following, loop_means

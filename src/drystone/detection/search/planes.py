@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, dot
+from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.ragged import expand
 from drystone.detection.search.patches import Patches
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import clip
-from drystone.ragged import expand
 
 CLEAN = 1e-6
 """Corners of an overlap this near to each other, or to the line of their neighbours, relative to

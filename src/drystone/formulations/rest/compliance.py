@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.formulations.rest.friction import Bound, FrictionLaw, SlipLength, StickSlip
 from drystone.statics import Statics
 

@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,8 +26,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import SolverError
+from drystone.base.arrays import Floats
+from drystone.base.errors import SolverError
 from drystone.formulations.rest.compliance import Compliance, corner_load, wrench_size
 from drystone.formulations.rest.friction import FrictionResponse
 from drystone.formulations.rest.rest_state import (

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.formulations.rest.compliance import Compliance, wrench_size
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.statics import Statics

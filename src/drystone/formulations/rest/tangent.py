@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.geometry.frames import skew
 from drystone.solvers.multifrontal import BlockFactor, BlockOrdering
 from drystone.statics import Statics

@@ -9,7 +9,7 @@ import manifold3d
 import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.plane.triangulate import triangulate
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, unit
+from drystone.base.arrays import Bools, Floats, unit
+from drystone.base.ragged import expand
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
 from drystone.geometry.plane import polygon
-from drystone.ragged import expand
 
 CONVEX = 1e-9
 """A body is convex when no vertex lies farther than this share of its size over a face plane."""

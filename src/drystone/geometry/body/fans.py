@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors, following, loop_means
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Loop, edge_defects
 from drystone.geometry.body.split import (
     Piece,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, cross, dot
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import following
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.geometry.body.polyhedron import (
     Loop,
     face_components,

@@ -15,9 +15,9 @@ from itertools import chain
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
-from drystone.display import OneLine
-from drystone.ragged import Ragged
+from drystone.base.arrays import Floats, Ints
+from drystone.base.display import OneLine
+from drystone.base.ragged import Ragged
 
 Loop = tuple[int, ...]
 Edge = tuple[int, int]

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.geometry.body.convexity import convex_bodies, planes
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
 from drystone.geometry.plane import polygon

@@ -9,14 +9,14 @@ from functools import cached_property
 import manifold3d
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints, cross, dot, unit
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot, unit
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.body.solid import squared_distance
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.ragged import Ragged
 
 BATCH = 500_000
 """Rows of a face and a corner worked on at a time, chosen: bounds the memory to some 100 MB."""

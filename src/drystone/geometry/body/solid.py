@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, cross
+from drystone.base.arrays import Bools, Floats, cross
 
 BATCH = 1_000_000
 """Point-triangle pairs worked on at a time, chosen: bounds the memory to some 200 MB."""

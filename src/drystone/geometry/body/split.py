@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.mend.holes import faces_with_holes

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from drystone.arrays import Floats
-from drystone.errors import InputError, Kind, counted
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError, Kind, counted
 from drystone.geometry.body import polyhedron
 from drystone.geometry.body.polyhedron import Edge, Fan, Loop
 

@@ -7,7 +7,7 @@ from itertools import product
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.geometry.body.polyhedron import Loop
 
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors

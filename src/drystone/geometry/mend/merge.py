@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.geometry.body.halfedge import half_edges, joined_faces, outlines, turn_angles
 from drystone.geometry.body.polyhedron import Loop, stack_faces
 from drystone.geometry.plane.polygon import area_vectors

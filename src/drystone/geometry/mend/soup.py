@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.geometry.body.polyhedron import (
     Faces,
     Loop,

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints
-from drystone.ragged import Ragged
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 
 Padded = tuple[Floats, Ints]
 Flat = tuple[Floats, Ints]

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import shapely
 
-from drystone.arrays import Floats, Ints, dot
+from drystone.base.arrays import Floats, Ints, dot
+from drystone.base.ragged import expand
 from drystone.geometry import boxes
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import clip, planar
 from drystone.geometry.plane.polygon import area_vectors
-from drystone.ragged import expand
 
 KEPT = 0.02
 """Facets are joined when the area of their projection differs from the sum of theirs by less."""

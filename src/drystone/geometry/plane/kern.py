@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.geometry.plane.polygon import following, loop_means
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 
 Regions: TypeAlias = NDArray[Any]
 """(q,) shapely polygons."""

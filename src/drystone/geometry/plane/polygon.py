@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints, cross
-from drystone.ragged import Ragged
+from drystone.base.arrays import Floats, Ints, cross
+from drystone.base.ragged import Ragged
 
 
 def following(start: Ints) -> Ints:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
-from drystone.ragged import Ragged
 
 FLAT_TURN = 1e-9
 """A corner that turns inwards by less than this share of the area of the face counts as straight;

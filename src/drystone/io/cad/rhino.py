@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.errors import FormatError, MissingDependency, counted
-from drystone.files import write_through
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError, MissingDependency, counted
+from drystone.base.files import write_through
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.holes import faces_with_holes
 from drystone.geometry.plane.triangulate import triangulate

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from drystone.arrays import FARTHEST, Bools, Floats, Ints
 from drystone.assembly import Assembly
+from drystone.base.arrays import FARTHEST, Bools, Floats, Ints
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import polygon

@@ -13,8 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY
+from drystone.base.arrays import Floats
 from drystone.io.compas import compas_contacts
 from drystone.io.draft import Draft, Shape
 from drystone.io.jsontext import Field

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import Block
+from drystone.base.errors import FormatError
+from drystone.base.files import write_bytes
 from drystone.contacts import Contacts
-from drystone.errors import FormatError
-from drystone.files import write_bytes
 from drystone.io.draft import Contents
 from drystone.results import Result
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
 from drystone.assembly import DEFAULT_DENSITY
-from drystone.errors import FormatError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import FormatError
 from drystone.io.draft import Draft, Shape
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh.heap import Heap, in_double, moved, named_apart, shapes_of

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drystone.errors import FormatError
-from drystone.files import write_bytes
+from drystone.base.errors import FormatError
+from drystone.base.files import write_bytes
 from drystone.geometry.body.fans import fan_warped, point_owners
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.draft import Contents

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from drystone.arrays import FARTHEST, Floats, Ints
-from drystone.errors import FormatError, counted
+from drystone.base.arrays import FARTHEST, Floats, Ints
+from drystone.base.errors import FormatError, counted
 from drystone.geometry.body.polyhedron import Loop, edge_defects
 from drystone.geometry.mend import coincidence, soup
 from drystone.geometry.mend.merge import merge_coplanar

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drystone.errors import FormatError
-from drystone.files import decode, lines_of, write_bytes
+from drystone.base.errors import FormatError
+from drystone.base.files import decode, lines_of, write_bytes
 from drystone.io.draft import Contents, Draft, Shape
 
 IGNORED = frozenset(

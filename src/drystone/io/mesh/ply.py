@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.errors import FormatError
-from drystone.files import write_bytes
+from drystone.base.errors import FormatError
+from drystone.base.files import write_bytes
 from drystone.io.draft import Contents, Draft, Shape
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh import ply_tables

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.errors import FormatError
+from drystone.base.errors import FormatError
 
 END = re.compile(rb"[\r\n][ \t]*end_header")
 """On a line of its own: a block may be called so."""

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import FormatError
-from drystone.files import decode, lines_of, write_bytes
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError
+from drystone.base.files import decode, lines_of, write_bytes
 from drystone.geometry.body.fans import fan_warped
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.draft import Contents, Draft

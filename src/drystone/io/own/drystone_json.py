@@ -11,10 +11,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import DEFAULT_DENSITY, Assembly
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
-from drystone.errors import FormatError, InputError
 from drystone.io.draft import Draft, Extras, Shape
 from drystone.io.jsontext import Field
 from drystone.io.own import npz

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.assembly import Block
-from drystone.errors import FormatError
-from drystone.files import write_bytes
+from drystone.base.errors import FormatError
+from drystone.base.files import write_bytes
 from drystone.io.draft import Contents
 from drystone.io.own import npz
 from drystone.io.own.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION

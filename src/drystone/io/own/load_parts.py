@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
 from drystone.loads import DOWN, STANDARD_GRAVITY, LoadCase
 

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drystone.errors import FormatError
-from drystone.files import read_bytes
+from drystone.base.errors import FormatError
+from drystone.base.files import read_bytes
 from drystone.io.jsontext import Field
 
 HEADER = re.compile(

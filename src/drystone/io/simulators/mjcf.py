@@ -9,9 +9,9 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.files import PathLike, write_bytes
-from drystone.io.simulators.bodies import bodies, gravity_of
+from drystone.base.arrays import Floats
+from drystone.base.files import PathLike, write_bytes
+from drystone.io.simulators.simulator_bodies import bodies, gravity_of
 from drystone.model import Model
 
 TIME_STEP = 0.001

@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
-from drystone.arrays import Floats, Ints
-from drystone.files import Job, PathLike, write_together
-from drystone.io.simulators.bodies import Body, bodies
+from drystone.base.arrays import Floats, Ints
+from drystone.base.files import Job, PathLike, write_together
+from drystone.io.simulators.simulator_bodies import Body, bodies
 from drystone.model import Model
 
 

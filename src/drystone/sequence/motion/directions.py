@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from drystone.arrays import Floats
-from drystone.display import OneLine
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
 from drystone.sequence.motion.twists import TOLERANCE
 
 

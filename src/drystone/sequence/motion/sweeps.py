@@ -14,9 +14,9 @@ from functools import cached_property
 import manifold3d
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
-from drystone.display import OneLine
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
 from drystone.geometry.body.convex_pieces import convex_pieces, solid_of
 
 PLAY = 1e-3

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from drystone.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints
 
 TOLERANCE = 1e-3
 """By how much a joint may seem to close, by the size of the motion: 0.06 degrees for a straight

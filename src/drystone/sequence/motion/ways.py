@@ -15,12 +15,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.sequence.motion.directions import freedom
-from drystone.sequence.motion.joints import NAMED, Joints, Obstacle, face_at, in_words, obstacles
+from drystone.sequence.motion.joint_cones import (
+    NAMED,
+    Joints,
+    Obstacle,
+    face_at,
+    in_words,
+    obstacles,
+)
 from drystone.sequence.motion.sweeps import (
     HERE,
     PLAY,

@@ -20,7 +20,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from drystone.progress import Progress
+from drystone.base.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.rules import Bound, Order

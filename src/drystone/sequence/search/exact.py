@@ -6,7 +6,7 @@ import heapq
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.sequence.rules import Bound
 from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.states import Found, Node

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import nnls
 
-from drystone.arrays import Floats
+from drystone.base.arrays import Floats
 from drystone.results import Verdict
-from drystone.sequence.stage.checks import balance
+from drystone.sequence.stage.stage_checks import balance
 from drystone.sequence.stage.stages import Stage, members
 from drystone.sequence.stage.structure import Structure
 

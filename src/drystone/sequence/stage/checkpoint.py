@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from drystone.errors import FormatError
-from drystone.files import read_bytes, write_bytes
+from drystone.base.errors import FormatError
+from drystone.base.files import read_bytes, write_bytes
 from drystone.results import Verdict
 from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure

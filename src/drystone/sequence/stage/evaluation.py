@@ -12,9 +12,9 @@ from types import TracebackType
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.display import OneLine
-from drystone.files import PathLike, as_path
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.files import PathLike, as_path
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure

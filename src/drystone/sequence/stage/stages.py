@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
-from drystone.display import OneLine
+from drystone.base.arrays import Floats, Ints
+from drystone.base.display import OneLine
 from drystone.results import Verdict
 from drystone.stability import Screening
 

@@ -13,16 +13,16 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats, Ints
 from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
-from drystone.display import OneLine
-from drystone.errors import InputError
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.stage.checks import Check, check_once
+from drystone.sequence.stage.stage_checks import Check, check_once
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.stability import Screening, try_rest
 

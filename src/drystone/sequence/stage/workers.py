@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from drystone.errors import InputError, MissingDependency
+from drystone.base.errors import InputError, MissingDependency
 
 ExecutorFactory: TypeAlias = Callable[[], Executor]
 """Starts workers; called again when one of them died and took the executor with it."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
 from drystone.assembly import Assembly
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
 from drystone.geometry import boxes
 from drystone.geometry.body.convexity import convex_bodies
 from drystone.geometry.body.shared_volume import shared_volumes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.errors import InputError
+from drystone.base.errors import InputError
 from drystone.geometry.plane import polygon
 from drystone.shells.blocks.materialise import flat_loops
 from drystone.shells.bond.tessellation import Tessellation

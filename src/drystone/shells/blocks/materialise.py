@@ -9,10 +9,10 @@ from typing import Any, TypeAlias
 import numpy as np
 import shapely
 
-from drystone.arrays import Floats, Ints
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.geometry.body.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import polygon

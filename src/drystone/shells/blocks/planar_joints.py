@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
-from drystone.progress import Progress
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
 from drystone.shells.blocks.materialise import (
     Pins,
     add_register,

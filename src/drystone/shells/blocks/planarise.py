@@ -18,10 +18,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import SolverError
-from drystone.progress import Progress
-from drystone.settings import Options
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import SolverError
+from drystone.base.progress import Progress
+from drystone.base.settings import Options
 
 TOLERANCE = 1e-10
 """Largest distance of a corner from its polygon's plane, by the length scale: far below the 1e-6

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.shells.blocks.materialise import Pins
 from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
 

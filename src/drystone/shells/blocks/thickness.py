@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.shells.blocks.materialise import vertex_means
 from drystone.shells.bond.tessellation import Tessellation
 from drystone.shells.surface.lengths import numbers

@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from drystone.arrays import Bools, Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Bools, Floats
+from drystone.base.errors import InputError
 from drystone.shells.surface.lengths import numbers, refuse_unless_positive
 from drystone.shells.surface.patch import Patch
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.shells.bond.courses import Courses
 from drystone.shells.surface.lengths import refuse_unless_positive
 

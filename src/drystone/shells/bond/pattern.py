@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
 from drystone.shells.bond.courses import Courses
 from drystone.shells.bond.wedge import Wedge, eased_share, wedge_amount
 from drystone.shells.surface.patch import Side

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from drystone.arrays import Bools, Floats, Ints
-from drystone.display import OneLine
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import OneLine
 
 DirectedEdge = tuple[int, int]
 

@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
 from drystone.shells.bond.courses import Courses
 from drystone.shells.surface.lengths import numbers
 from drystone.shells.surface.patch import line_curvatures

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.arrays import Floats, Ints
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
 from drystone.shells.bond.pattern import Pattern
 from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
 from drystone.shells.surface.patch import Side

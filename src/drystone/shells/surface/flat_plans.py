@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.shells.surface.lengths import refuse_unless_positive
 from drystone.shells.surface.patch import Patch, Side
 from drystone.shells.surface.shape import Edge, Seam, Shape

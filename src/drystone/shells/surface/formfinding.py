@@ -17,9 +17,9 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
-from drystone.arrays import Bools, Floats, Ints
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.loads import STANDARD_GRAVITY
 from drystone.shells.shell_options import FormOptions
 from drystone.shells.surface.lengths import refuse_unless_positive

@@ -7,8 +7,8 @@ from numbers import Integral, Real
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 
 LONGEST = 40
 """Characters of a wrong value that an error repeats."""

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.errors import FormatError
-from drystone.files import PathLike, read_bytes
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError
+from drystone.base.files import PathLike, read_bytes
+from drystone.base.units import scale_of
 from drystone.io import format_of
-from drystone.units import scale_of
 
 
 def read_surface(

@@ -11,9 +11,9 @@ from scipy.interpolate import BSpline
 from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
-from drystone.arrays import Floats, frozen_floats
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.shells.bond.tessellation import directed
 from drystone.shells.surface.deviation import distances
 from drystone.shells.surface.patch import Patch, check_patch

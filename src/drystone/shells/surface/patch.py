@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 
 PatchFunction: TypeAlias = Callable[[Floats, Floats], Any]
 """u (k,), v (k,) in [0, 1] to points (k, 3) [m]."""

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.arrays import Floats
-from drystone.display import OneLine
-from drystone.errors import InputError
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
 from drystone.shells.surface.patch import Patch, Side, check_patch
 
 SEAM_GAP = 1e-4

@@ -9,8 +9,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
-from drystone.arrays import Floats, frozen_floats
-from drystone.errors import InputError
+from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.errors import InputError
 from drystone.shells.surface.lengths import numbers
 from drystone.shells.surface.patch import Patch, check_patch
 

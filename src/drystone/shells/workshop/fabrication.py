@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.arrays import Floats
 from drystone.assembly import Assembly, Block
-from drystone.display import OneLine
-from drystone.errors import FormatError, InputError
-from drystone.files import PathLike, write_bytes
+from drystone.base.arrays import Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import FormatError, InputError
+from drystone.base.files import PathLike, write_bytes
 from drystone.geometry.plane import polygon
 from drystone.io import write
 from drystone.shells.blocks.materialise import cell_faces

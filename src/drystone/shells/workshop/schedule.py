@@ -9,9 +9,9 @@ from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
-from drystone.arrays import Floats, cross, dot
-from drystone.display import OneLine
-from drystone.files import PathLike, write_bytes
+from drystone.base.arrays import Floats, cross, dot
+from drystone.base.display import OneLine
+from drystone.base.files import PathLike, write_bytes
 from drystone.geometry.plane import polygon
 from drystone.shells.blocks.materialise import cell_faces
 from drystone.shells.bond.tessellation import directed

@@ -1,0 +1,115 @@
+"""How values show themselves: as one line, and as a card in a notebook."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import html
+import reprlib
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any
+
+LONGEST = 180
+"""Characters of the line, chosen: a wide terminal shows it on two lines at most."""
+
+
+class OneLine:
+    """A value whose ``repr`` is one line: its class, and what :meth:`_summary` says.
+
+    A dataclass that inherits from it keeps this ``repr``.
+    """
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        if "__repr__" not in cls.__dict__:
+            # in the class itself: the dataclass decorator comes later and keeps what it finds there
+            type.__setattr__(cls, "__repr__", OneLine.__repr__)
+
+    def __repr__(self) -> str:
+        return shortened(f"{type(self).__name__}({self._summary()})", end="...)")
+
+    def _summary(self) -> str:
+        """What is between the brackets: the fields that differ from their defaults."""
+        told = []
+        for field in dataclasses.fields(self):  # type: ignore[arg-type]
+            value = getattr(self, field.name)
+            default = (
+                field.default
+                if field.default_factory is dataclasses.MISSING
+                else field.default_factory()
+            )
+            if field.repr and not (value is default or _plainly_equal(value, default)):
+                told.append(f"{field.name}={_SHORT.repr(value)}")
+        return ", ".join(told)
+
+
+class Card(OneLine):
+    """A value that a notebook shows as a small card: a sentence, numbers and a picture."""
+
+    def _facts(self) -> tuple[str, Mapping[str, object]]:
+        """A sentence, and what stands in the table below it, by name; empty ones are left out."""
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        sentence, facts = self._facts()
+        rows = "".join(
+            f'<tr><td style="text-align:left;opacity:.7">{html.escape(name)}</td>'
+            f'<td style="text-align:left">{html.escape(shortened(str(value)))}</td></tr>'
+            for name, value in facts.items()
+            if str(value)
+        )
+        return (
+            '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">'
+            f'<div style="max-width:28em"><b>{type(self).__name__}</b>'
+            f"<div>{html.escape(sentence)}</div><table>{rows}</table></div>"
+            f"{picture_of(self)}</div>"
+        )
+
+
+def picture_of(value: object) -> str:
+    """A small picture of a value as HTML, or nothing.
+
+    Pictures are made in a room above all values, which is opened by name when one is asked for.
+    """
+    made: str = import_module("drystone.view.web.notebook").thumbnail(value)
+    return made
+
+
+def shortened(text: str, longest: int = LONGEST, end: str = "...") -> str:
+    """The text on one line; where it is too long, ``end`` stands for the rest."""
+    line = " ".join(text.split())
+    return line if len(line) <= longest else line[: longest - len(end)] + end
+
+
+def _plainly_equal(value: object, default: object) -> bool:
+    """Whether a value equals a default that is no array."""
+    return type(value) is type(default) and not hasattr(value, "shape") and value == default
+
+
+class _Short(reprlib.Repr):
+    """Values inside a line: arrays by their shape, long ones by their beginning."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel, self.maxstring, self.maxother = 2, 80, 80
+        self.maxtuple = self.maxlist = 4
+
+    def repr_float(self, x: float, level: int) -> str:  # noqa: ARG002
+        return f"{x:.6g}"
+
+    def repr1(self, x: Any, level: int) -> str:
+        if isinstance(x, enum.Enum):
+            return f"{type(x).__name__}.{x.name}"
+        if callable(x) and hasattr(x, "__name__"):
+            return str(x.__name__)
+        if hasattr(x, "shape") and hasattr(x, "tolist"):
+            return repr(x.tolist()) if 1 <= x.size <= 3 else f"<array {x.shape}>"
+        if isinstance(x, Mapping):
+            return self.repr_dict(dict(x), level)
+        return super().repr1(x, level)
+
+
+_SHORT = _Short()
+
+__all__ = ["Card", "OneLine", "picture_of", "shortened"]

@@ -1,0 +1,250 @@
+"""Files on disk: bounded reading, and writing that never leaves half a file."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import BinaryIO, TypeAlias
+
+from drystone.base.display import shortened
+from drystone.base.errors import FormatError
+
+PathLike: TypeAlias = str | os.PathLike[str]
+Job: TypeAlias = tuple[PathLike, Callable[[Path], None]]
+"""A file to be written, and what writes it to the path it is given."""
+
+LARGEST_FILE = 2**26
+"""[bytes], chosen: 64 MiB holds about a million faces in any of the formats, and whatever is in it
+is answered within some ten seconds."""
+
+
+def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
+    """The whole of a file.
+
+    Parameters
+    ----------
+    path
+    largest : [bytes]
+        :data:`LARGEST_FILE` when left out.
+
+    Raises
+    ------
+    FormatError
+        Missing, a folder, no plain file, empty, not readable, or too large.
+    """
+    largest = LARGEST_FILE if largest is None else largest
+    file = Path(path)
+    try:
+        if file.is_dir():
+            raise FormatError("is a folder", where=str(file), remedy="name a model file")
+        if not file.exists():
+            raise FormatError("there is no such file", where=str(file), remedy="check the path")
+        if not file.is_file():
+            raise FormatError("is not a plain file", where=str(file), remedy="name a model file")
+        size = file.stat().st_size
+        if size > largest:
+            raise FormatError(
+                f"holds {size / 2**20:.3g} MiB, more than the {largest / 2**20:.3g} MiB allowed",
+                where=str(file),
+                remedy="split the model, thin out its meshes, or allow more (--max-size)",
+            )
+        with file.open("rb") as opened:
+            data = opened.read(largest + 1)
+        if len(data) > largest:  # it grows while it is read, or lies about its size
+            raise FormatError("is larger than it says", where=str(file), remedy="try again")
+    except (OSError, ValueError) as error:
+        if isinstance(error, FormatError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise FormatError(
+            f"cannot be read: {reason}", where=str(file), remedy="check its path and permissions"
+        ) from error
+    if not data.strip(b" \t\r\n\x00"):
+        raise FormatError("the file is empty", where=str(file), remedy="export the model again")
+    return data
+
+
+def decode(data: bytes, path: PathLike) -> str:
+    """Text of a file in UTF-8, with or without a byte order mark.
+
+    Raises
+    ------
+    FormatError
+        Not UTF-8.
+    """
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FormatError(
+            f"byte {error.start} is not UTF-8 text", where=str(path), remedy="save it as UTF-8 text"
+        ) from error
+
+
+def lines_of(text: str) -> Iterator[str]:
+    """Lines of a text, without their ends, one at a time: a file may be nothing but line ends."""
+    for line in io.StringIO(text, newline=None):
+        yield line[:-1] if line.endswith("\n") else line
+
+
+def as_path(path: PathLike) -> Path:
+    """The path, where it is one.
+
+    Raises
+    ------
+    FormatError
+        It is none.
+    """
+    try:
+        return Path(path)
+    except TypeError as error:
+        told = shortened(repr(path), 60)
+        raise FormatError(f"the path is {told}", remedy="give a string or a Path") from error
+
+
+def plain_target(path: PathLike) -> Path:
+    """Where a file is to be written: the file that a symbolic link leads to, else the path.
+
+    Raises
+    ------
+    FormatError
+        A folder, a device, a pipe, or a link that leads nowhere.
+    """
+    named = as_path(path)
+    if not (named.exists() or named.is_symlink()):
+        return named
+    target = Path(os.path.realpath(named)) if named.is_symlink() else named
+    if target.is_symlink() or (target.exists() and not target.is_file()):
+        taken = "is a folder" if target.is_dir() else "is not a plain file"
+        raise FormatError(taken, where=str(path), remedy="choose another name")
+    return target
+
+
+def same_place(path: PathLike) -> str:
+    """What two names of one file have in common; a loop of links is a place of its own."""
+    return os.path.realpath(as_path(path))
+
+
+def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
+    """Let ``fill`` write a temporary file in the same folder, then give it its name.
+
+    Whatever interrupts ``fill``, an existing file stays as it was and no other file remains.
+
+    Raises
+    ------
+    FormatError
+        The folder does not exist or cannot be written.
+    """
+    target = plain_target(path)
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+    except (OSError, ValueError) as error:
+        raise _unwritable(target, error) from error
+    temporary = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            fill(file)
+        temporary.chmod(_mode(target))
+        temporary.replace(target)
+    except OSError as error:
+        raise _unwritable(target, error) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
+    """Let ``save`` write a file of its own under a temporary name in the same folder.
+
+    For libraries that only write to a name; otherwise as :func:`write_whole`.
+
+    Parameters
+    ----------
+    path
+    save
+        Gets the temporary name and says whether it worked.
+    """
+    target = plain_target(path)
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as folder:
+            temporary = Path(folder) / target.name
+            if not save(str(temporary)):
+                raise OSError("the file could not be made")
+            temporary.chmod(_mode(target))
+            temporary.replace(target)
+    except (OSError, ValueError) as error:
+        raise _unwritable(target, error) from error
+
+
+def write_together(jobs: Sequence[Job]) -> list[str]:
+    """Let every job write its file under a temporary name, then give all of them their names.
+
+    What goes wrong while they are written leaves the files of that name as they were, all of them.
+
+    Parameters
+    ----------
+    jobs
+        Each a path, and what writes one file to the path it is given: beside the other and with
+        the same suffix.
+
+    Returns
+    -------
+    list of str
+        The names.
+
+    Raises
+    ------
+    FormatError
+        A folder does not exist or cannot be written, or two jobs have one file.
+    """
+    done: list[tuple[Path, Path]] = []
+    with contextlib.ExitStack() as folders:
+        for path, write in jobs:
+            target = plain_target(path)
+            if target in [other for other, _ in done]:
+                raise FormatError("is named twice", where=str(path), remedy="choose another name")
+            try:
+                made = tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent)
+                temporary = Path(folders.enter_context(made)) / target.name
+                write(temporary)
+                temporary.chmod(_mode(target))
+            except FormatError as error:
+                raise error.located(str(target)) from error
+            except (OSError, ValueError) as error:
+                raise _unwritable(target, error) from error
+            done.append((target, temporary))
+        for target, temporary in done:
+            try:
+                temporary.replace(target)
+            except OSError as error:
+                raise _unwritable(target, error) from error
+    return [str(path) for path, _ in jobs]
+
+
+def write_bytes(path: PathLike, data: bytes) -> None:
+    """Write a whole file, or nothing; see :func:`write_whole`."""
+
+    def fill(file: BinaryIO) -> None:
+        file.write(data)
+
+    write_whole(path, fill)
+
+
+def _mode(target: Path) -> int:
+    """Permissions of the file that is replaced, else those that a new file gets."""
+    if target.exists():
+        return target.stat().st_mode & 0o777
+    mask = os.umask(0)
+    os.umask(mask)
+    return 0o666 & ~mask
+
+
+def _unwritable(target: Path, error: Exception) -> FormatError:
+    reason = getattr(error, "strerror", None) or str(error)
+    return FormatError(
+        f"cannot be written: {reason}",
+        where=str(target),
+        remedy="choose a folder that exists and that you may write to",
+    )

@@ -1,0 +1,132 @@
+"""Options whose fields are checked as they are made, and functions whose calls are checked."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import functools
+import inspect
+import types
+import typing
+from collections.abc import Callable
+from typing import Any, ParamSpec, Self, TypeVar
+
+from drystone.base.arrays import number, of_type, whole
+from drystone.base.display import OneLine, shortened
+from drystone.base.errors import InputError, counted
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Options(OneLine):
+    """Base of all options: a frozen dataclass whose fields have the types that they say.
+
+    Whole numbers, numbers, truth values, members of an enumeration (or their values) and other
+    options are checked. What else a field may hold, and the range of numbers, is for each class.
+
+    Raises
+    ------
+    InputError
+        A field is of another type; it is named.
+    """
+
+    def __post_init__(self) -> None:
+        for name, (kind, optional) in _kinds(type(self)).items():  # type: ignore[arg-type]
+            value = getattr(self, name)
+            if not (optional and value is None):
+                object.__setattr__(self, name, _checked(value, kind, name))
+
+    def _refuse_below(self, least: float, *names: str) -> None:
+        """Refuse fields that hold a number below ``least``."""
+        for name in names:
+            value = getattr(self, name)
+            if value is not None and not value >= least:
+                raise InputError(f"{name} is {value:g}", remedy=f"give {least:g} or more")
+
+    def _refuse_unless_positive(self, *names: str) -> None:
+        """Refuse fields that do not hold a number above zero."""
+        for name in names:
+            value = getattr(self, name)
+            if value is not None and not value > 0.0:
+                raise InputError(f"{name} is {value:g}", remedy="give a number above zero")
+
+    @classmethod
+    def of(cls, given: Self | None) -> Self:
+        """What a caller gave as options; the defaults where they were left out.
+
+        Raises
+        ------
+        InputError
+            It is something else.
+        """
+        return cls() if given is None else of_type(given, cls, "options")
+
+
+@functools.cache
+def _kinds(cls: Any) -> dict[str, tuple[type, bool]]:
+    """The type of each field that can be checked, and whether None is one of its values."""
+    found = {}
+    hints = typing.get_type_hints(cls)
+    for field in dataclasses.fields(cls):
+        hint = hints[field.name]
+        parts = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+        kinds = [part for part in parts if part is not types.NoneType]
+        if len(kinds) == 1 and isinstance(kinds[0], type) and _is_checked(kinds[0]):
+            found[field.name] = kinds[0], len(kinds) < len(parts)
+    return found
+
+
+def _is_checked(kind: type) -> bool:
+    return kind in (int, float, bool) or issubclass(kind, enum.Enum | Options)
+
+
+def _checked(value: Any, kind: type, name: str) -> Any:
+    if kind is int:
+        return whole(value, name)
+    if kind is float:
+        return number(value, name, finite=False)
+    if issubclass(kind, enum.Enum):
+        try:
+            return kind(value)
+        except ValueError as error:
+            known = ", ".join(f"'{one.value}'" for one in kind)
+            said = shortened(repr(value), 60)
+            raise InputError(f"{name} is {said}", remedy=f"give one of {known}") from error
+    return of_type(value, kind, name, "give True or False" if kind is bool else "")
+
+
+def checked_call(function: Callable[P, R]) -> Callable[P, R]:
+    """A public function that refuses in words what Python or a later step would trip over.
+
+    These are more arguments by position than it has, a ``progress``, ``stop``, ``check`` or
+    ``executor`` that cannot be called, and a time limit below zero.
+    """
+    known = inspect.signature(function).parameters
+    most = sum(one.kind is one.POSITIONAL_OR_KEYWORD for one in known.values())
+    may_be_none = {name for name, one in known.items() if one.default is None}
+
+    @functools.wraps(function)
+    def asked(*given: P.args, **named: P.kwargs) -> R:
+        if len(given) > most:
+            raise InputError(
+                f"{function.__name__} takes {counted(most, 'argument')} by position, "
+                f"got {len(given)}",
+                remedy="name all others; blocks, contacts and load together are a "
+                "Model(assembly, contacts, load)",
+            )
+        for name in ("progress", "stop", "check", "find", "executor"):
+            value = named.get(name, function)
+            usable = callable(value) or (name == "executor" and hasattr(value, "submit"))
+            if not (usable or (value is None and name in may_be_none)):
+                what = "an Executor" if name == "executor" else "a function"
+                raise InputError(f"{name} is {shortened(repr(value), 60)}", remedy=f"give {what}")
+        limit = named.get("time_limit_s", 0.0)
+        if not number(limit, "time_limit_s", finite=False) >= 0.0:
+            raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
+        return function(*given, **named)
+
+    return asked
+
+
+__all__ = ["Options", "checked_call"]

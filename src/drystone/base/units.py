@@ -1,0 +1,188 @@
+"""Units: of length in files, of what people type, and of what they read. Inside, all is SI."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+from drystone.base.errors import InputError
+
+UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+"""Metres per unit. Source: international yard and pound agreement 1959 for inch and foot."""
+FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6}
+MOMENTS = {"Nm": 1.0, "kNm": 1e3, "MNm": 1e6}
+MASSES = {"g": 1e-3, "kg": 1.0, "t": 1e3}
+ANGLES = ("deg", "°")
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"))
+NUMBER = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z]*)\s*")
+
+
+def scale_of(units: str) -> float:
+    """Metres per ``units``.
+
+    Raises
+    ------
+    InputError
+        No unit that is known here.
+
+    Examples
+    --------
+    >>> scale_of("ft")
+    0.3048
+    """
+    if not isinstance(units, str) or units not in UNITS:
+        raise InputError(
+            f"unit '{units}' is not known", where="units", remedy=f"use one of {', '.join(UNITS)}"
+        )
+    return UNITS[units]
+
+
+def measured(
+    text: str, units: Mapping[str, float], plain: float | None = None, what: str = "quantity"
+) -> float:
+    """A number with its unit, in the SI unit.
+
+    Parameters
+    ----------
+    text
+    units
+        Value of each unit.
+    plain
+        Value of a number that stands alone; ``None`` where a unit must be given.
+    what
+        What it is, for errors.
+
+    Raises
+    ------
+    InputError
+        Not a finite number with one of the units.
+
+    Examples
+    --------
+    >>> measured("1.5kN", FORCES)
+    1500.0
+    """
+    match = NUMBER.fullmatch(text)
+    if match is not None and match[2] and match[2] not in units:
+        raise InputError(
+            f"unit '{match[2]}' is not known", where=what, remedy=f"use one of {', '.join(units)}"
+        )
+    factor = None if match is None else units[match[2]] if match[2] else plain
+    value = math.nan if match is None or factor is None else float(match[1]) * factor
+    if not math.isfinite(value):
+        examples = [f"0.15{unit}" for unit in units][:3]
+        alone = ["0.15"] if plain is not None else []
+        raise InputError(
+            f"{what} '{text}' is not a number with a unit",
+            remedy=f"write {', '.join([*alone, *examples])}",
+        )
+    return value
+
+
+def length(text: str, what: str) -> float:
+    """A length [m] written as a number of metres or as a number with its unit.
+
+    Raises
+    ------
+    InputError
+        Not a finite number, or a unit that is not known.
+
+    Examples
+    --------
+    >>> length("0.15", "depth"), length("150mm", "depth")
+    (0.15, 0.15)
+    """
+    return measured(text, UNITS, 1.0, what)
+
+
+def coefficient(text: str) -> float:
+    """A friction coefficient, written as a number or as the friction angle.
+
+    Raises
+    ------
+    InputError
+        Not a number of zero or more, or not an angle from 0 to below 90 degrees.
+
+    Examples
+    --------
+    >>> coefficient("0.6"), round(coefficient("40deg"), 3)
+    (0.6, 0.839)
+    """
+    angle = next((unit for unit in ANGLES if text.strip().endswith(unit)), "")
+    try:
+        value = float(text.strip().removesuffix(angle))
+    except ValueError as error:
+        raise InputError(f"'{text}' is not a number", remedy="write 0.6 or 31deg") from error
+    if angle:
+        if not 0.0 <= value < 90.0:
+            raise InputError(
+                f"is {text}", remedy="give a friction angle from 0 to below 90 degrees"
+            )
+        return math.tan(math.radians(value))
+    if not 0.0 <= value < math.inf:
+        raise InputError(f"is {value}", remedy="give a coefficient of zero or more")
+    return value
+
+
+def quantity(value: float, unit: str, negligible: float = 0.0) -> str:
+    """Three digits and a prefix; what is at most ``negligible`` is zero.
+
+    Examples
+    --------
+    >>> quantity(12340.0, "N"), quantity(-2.6e-13, "N", 1e-6)
+    ('12.3 kN', '0 N')
+    """
+    if value == 0.0 or abs(value) <= negligible:
+        return f"0 {unit}"
+    for factor, prefix in PREFIXES:
+        if abs(value) >= 0.9995 * factor:
+            return f"{value / factor:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"
+
+
+def components(values: Sequence[float], unit: str, negligible: float = 0.0) -> str:
+    """Components of a vector with one prefix, to three digits of the largest.
+
+    A vector of which no component exceeds ``negligible`` is zero.
+
+    Examples
+    --------
+    >>> components([0.1, -2500.0, 12340.0], "N"), components([0.0, -2e-7, 0.0], "N m", 1e-6)
+    ('0, -2.5, 12.3 kN', '0, 0, 0 N m')
+    """
+    largest = max((abs(value) for value in values), default=0.0)
+    if largest <= negligible:
+        values, largest = [0.0] * len(values), 0.0
+    factor, prefix = next((one for one in PREFIXES if largest >= 0.9995 * one[0]), (1.0, ""))
+    digits = 0 if largest == 0.0 else max(2 - math.floor(math.log10(largest / factor)), 0)
+
+    def shown(value: float) -> str:
+        text = f"{round(value / factor, digits) + 0.0:.{digits}f}"
+        return text.rstrip("0").rstrip(".") if "." in text else text
+
+    return f"{', '.join(map(shown, values))} {prefix}{unit}"
+
+
+def extent(sizes: Sequence[float]) -> str:
+    """Sizes [m] along x, y and z.
+
+    Examples
+    --------
+    >>> extent([6.125, 0.5, 3.0])
+    '6.12 x 0.5 x 3 m'
+    """
+    return f"{' x '.join(f'{size:.3g}' for size in sizes)} m"
+
+
+def mass(value: float) -> str:
+    """A mass [kg] in kg, from a tonne on in t.
+
+    Examples
+    --------
+    >>> mass(850.0), mass(12345.0), mass(8.3e9)
+    ('850 kg', '12.3 t', '8,300,000 t')
+    """
+    shown, unit = (value, "kg") if abs(value) < 999.5 else (value / 1e3, "t")
+    rounded = float(f"{shown:.3g}")
+    return f"{rounded:,.0f} {unit}" if abs(rounded) >= 1000.0 else f"{rounded:g} {unit}"

@@ -1,0 +1,1 @@
+"""Commands that answer: does it stand, by how much, and what happens."""

@@ -1,0 +1,47 @@
+"""``drystone check``: does it stand, what falls, and what would it need?"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Annotated
+
+from drystone.cli.base import verdict
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import Option, command
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import Written
+from drystone.cli.design import mend_command
+from drystone.cli.inputs import loading, options
+from drystone.cli.inputs.model_input import Finding, Subject
+
+
+@command(
+    "drystone check arch.json --html arch.html",
+    "drystone check arch.json --friction 40deg --load 'voussoir-05:1kN'",
+)
+def check(
+    *,
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    finding: Finding,
+    strict: Annotated[
+        bool, Option("Only stable if it stands whatever the stiffness of the contacts.")
+    ] = False,
+    time_limit: options.TimeLimit = None,
+    wanted: Written,
+    waiting: Waiting,
+) -> Answer:
+    """Tell whether a model stands, with its proof.
+
+    Exit code 0: it stands. 1: it does not, or that could not be decided. 2: bad input. 130: Ctrl-C
+    ended the search; what was known by then is the answer.
+    """
+    model = subject.prepared(waiting, finding, seismic)
+    result = verdict.solve(model, waiting, time_limit)
+    if result.verdict == "unstable" and not result.stopped:
+        said = subject.upright(result.model, waiting)
+        result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
+    why = mend_command.short(result, waiting)
+    files = partial(wanted.all_of, result, subject.model)
+    return verdict.answer(result, waiting, subject.model, files, strict, why)

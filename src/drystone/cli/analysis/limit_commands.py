@@ -1,0 +1,178 @@
+"""``drystone limit``: by how much does it stand?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base.errors import InputError
+from drystone.cli.analysis import limit_answer
+from drystone.cli.base import kinds
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import Argument, Option, command
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import Pictures
+from drystone.cli.inputs import loading
+from drystone.cli.inputs.limit_options import Search
+from drystone.cli.inputs.model_input import Subject
+from drystone.cli.inputs.options import vector
+
+if TYPE_CHECKING:
+    from drystone.limits import Limit
+    from drystone.model import Model
+
+
+def _axis(text: str) -> Any:
+    from drystone.limits.limits import axis_vector
+
+    return axis_vector(vector(text, "0,1,0") if "," in text else text)
+
+
+@command(
+    "drystone limit tilt arch.json --axis y",
+    "drystone limit tilt arch.json --polar 4 --png polar.png",
+)
+def tilt(
+    *,
+    axis: Annotated[
+        Any,
+        Option(
+            "Turned counter-clockwise about: x, y, -x, -y or a vector (x).",
+            kind=kinds.Kind("AXIS|X,Y,Z", _axis),
+        ),
+    ] = None,
+    polar: Annotated[
+        int | None, Option("Number of directions to lean towards, instead of an axis.")
+    ] = None,
+    upper: Annotated[float, Option("Angle at which the search ends (180).")] = 180.0,
+    subject: Subject,
+    search: Search,
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """The largest angle by which a model can be turned; --polar in all directions.
+
+    The page shows both sides of the limit, in the weakest direction of --polar; the figure of
+    --polar is a plot of all directions.
+    """
+    if axis is not None and polar is not None:
+        raise InputError("--axis and --polar contradict each other", remedy="give one of them")
+    from drystone import limits
+
+    model = subject.prepared(waiting)
+    with search.under_way(waiting) as common:
+        if polar is None:
+            about = "x" if axis is None else axis
+            found = limits.limit_tilt(model, about, upper=upper, **common)
+        else:
+            sweep = limits.tilt_sweep(model, polar, upper=upper, **common)
+    if polar is None:
+        return limit_answer.answer(found, subject.model, model.notes, pictures, waiting)
+    return limit_answer.sweep_answer(sweep, subject.model, model.notes, pictures)
+
+
+@command(
+    "drystone limit friction arch.json",
+    "drystone limit friction arch.json --seismic 0.1 --html fall.html",
+)
+def friction(
+    *,
+    upper: Annotated[
+        float | None,
+        Option("Coefficient at which the search starts (--friction).", kind=kinds.COEFFICIENT),
+    ] = None,
+    scaled: Annotated[bool, Option("Search the share of each joint's own coefficient.")] = False,
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    search: Search,
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """The least friction coefficient at which a model stands."""
+
+    def find(model: Model, common: dict[str, Any]) -> Limit:
+        from drystone.limits import limit_friction  # work is imported when there is some
+
+        return limit_friction(model, upper=upper, scaled=scaled, **common)
+
+    return _answer(subject, search, seismic, find, pictures, waiting)
+
+
+@command(
+    "drystone limit load arch.json voussoir-10:1kN",
+    "drystone limit load arch.json seismic:1,0 --html fall.html",
+)
+def load(
+    *,
+    subject: Subject,
+    live: Annotated[
+        str,
+        Argument(
+            "CASE",
+            "The load that grows: a load case of the file by name, seismic:KX,KY, or "
+            "BLOCK:WHAT[@X,Y,Z] as for --load.",
+        ),
+    ],
+    upper: Annotated[
+        float, Option("Factor at which the search ends (1000).", kind=kinds.POSITIVE)
+    ] = 1000.0,
+    seismic: loading.Seismic = None,
+    search: Search,
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """The largest factor of a load on top of the weight and of --load."""
+    notes: list[str] = []
+
+    def find(model: Model, common: dict[str, Any]) -> Limit:
+        from drystone.limits import limit_load  # as above
+
+        growing = loading.chosen_case(live, model.assembly, model.cases, subject.gravity)
+        notes.extend(growing.notes)
+        return limit_load(model, growing, upper=upper, **common)
+
+    return _answer(subject, search, seismic, find, pictures, waiting, notes)
+
+
+@command(
+    "drystone limit shrink arch.json",
+    "drystone limit shrink arch.json --seismic 0.05 --html fall.html",
+)
+def shrink(
+    *,
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    search: Search,
+    pictures: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """The least share of the size of all joints; its inverse is a geometric safety factor."""
+
+    def find(model: Model, common: dict[str, Any]) -> Limit:
+        from drystone.limits import limit_shrink  # as above
+
+        return limit_shrink(model, **common)
+
+    more = limit_answer.safety_factor
+    return _answer(subject, search, seismic, find, pictures, waiting, more=more)
+
+
+def _answer(
+    subject: Subject,
+    search: Search,
+    seismic: str | None,
+    find: Callable[[Model, dict[str, Any]], Limit],
+    pictures: Pictures,
+    waiting: Waiting,
+    notes: list[str] | None = None,
+    more: Callable[[Limit], dict[str, float]] = lambda _: {},
+) -> Answer:
+    """Prepare the model and find the limit.
+
+    What ``find`` adds to the notes is told too, and the figures of ``more``.
+    """
+    model = subject.prepared(waiting, seismic=seismic)
+    with search.under_way(waiting) as common:
+        found = find(model, common)
+    told = (*model.notes, *(notes or ()))
+    return limit_answer.answer(found, subject.model, told, pictures, waiting, more(found))

@@ -1,0 +1,196 @@
+"""``drystone settle``: what happens when supports move a little?"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base import units
+from drystone.base.errors import InputError
+from drystone.cli.base import kinds, verdict
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import Written
+from drystone.cli.inputs import loading
+from drystone.cli.inputs.model_input import Finding, Subject
+
+if TYPE_CHECKING:
+    from drystone.cli.base.answer import Files
+    from drystone.settlement import SupportResponse
+
+
+@command(
+    "drystone settle arch.json --move springer-right:0.01,0,0",
+    "drystone settle arch.json --move springer-right:0,0,-0.02 --html settled.html",
+)
+def settle(
+    *,
+    move: loading.Moves = (),
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    finding: Finding,
+    compliance: Annotated[
+        float,
+        Option(
+            "Overlap of a corner under the mean weight of a block, as a share of the motion: small "
+            "for stiff blocks (0.001).",
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = 1e-3,
+    wanted: Written,
+    waiting: Waiting,
+) -> Answer:
+    """Which joints open, and how the forces change, when supports move a little.
+
+    Exit code 0: the blocks come to rest. 1: that was not found. 2: bad input.
+    """
+    model = subject.prepared(waiting, finding, seismic, move, settling=True)
+    if model.load.motion is None:
+        raise InputError(
+            "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
+        )
+    # work is imported when there is some
+    from drystone.settlement import SupportResponseOptions, support_response
+
+    waiting.stage("solve", "settling")
+    found = support_response(model, options=SupportResponseOptions(compliance=compliance))
+    data = _content(found, subject.model)
+    code = verdict.exit_code(found.result, strict=False)
+    files = partial(_files, found, wanted, subject.model)
+    return Answer(data, partial(_show, data), code, model.notes, files)
+
+
+def _files(found: SupportResponse, wanted: Written, source: str) -> Files:
+    tables, said = wanted.tables(found.result)
+    if wanted.html is None and wanted.png is None:
+        return tables, said
+    from drystone import view  # as above
+    from drystone.view.scenes.settlement_scenes import moved_scene, settlement_scene
+
+    page = partial(view.save_page, settlement_scene(found, source))
+    figure = partial(view.save_figure, moved_scene(found, source))
+    return [*wanted.jobs(page, figure), *tables], said
+
+
+def _content(answer: SupportResponse, model: str) -> dict[str, Any]:
+    """The answer as plain values: forces in N, lengths in m, rotations in rad."""
+    import numpy as np  # as above
+
+    from drystone.settlement import support_forces
+
+    result, before = answer.result, answer.before
+    assembly, contacts, motion = result.assembly, result.contacts, result.load.motion
+    names = assembly.names
+    moved = [] if motion is None else np.flatnonzero(motion.any(axis=1)).tolist()
+    data: dict[str, Any] = {
+        "model": model,
+        "verdict": result.verdict.value,
+        "method": result.method,
+        "message": result.message,
+        "motion": [
+            {
+                "block": names[i],
+                "translation": motion[i, :3].tolist(),
+                "rotation": motion[i, 3:].tolist(),
+            }
+            for i in moved
+            if motion is not None
+        ],
+        "open": [],
+        "sliding": [],
+        "supports": [],
+        "joints": [],
+        "residuals": dataclasses.asdict(result.residuals) if result.residuals else None,
+    }
+    if result.force is None or before.force is None:
+        return data
+
+    def joint(i: int) -> dict[str, Any]:
+        blocks = [names[contacts.block_a[i]], names[contacts.block_b[i]]]
+        return {"interface": i, "blocks": blocks}
+
+    for key, distance, where in (
+        ("open", answer.opening, answer.open_joints()),
+        ("sliding", answer.slide, answer.sliding_joints()),
+    ):
+        most = np.full(contacts.count, -np.inf)
+        np.maximum.at(most, contacts.interface, distance)
+        rows = [{**joint(i), "distance": float(most[i])} for i in where.tolist()]
+        data[key] = sorted(rows, key=lambda row: -row["distance"])
+    first, last, change = before.resultants, result.resultants, answer.change()
+    fixed = assembly.fixed
+    for i in np.flatnonzero(~(fixed[contacts.block_a] & fixed[contacts.block_b])).tolist():
+        one = {
+            "normal_before": float(first.normal[i]),
+            "normal": float(last.normal[i]),
+            "tangential_before": float(first.tangential[i]),
+            "tangential": float(last.tangential[i]),
+            "change": change[i].tolist(),
+        }
+        data["joints"].append({**joint(i), **one})
+    was, is_ = support_forces(before), support_forces(result)
+    data["supports"] = [
+        {"block": names[i], "before": was[i].tolist(), "after": is_[i].tolist()}
+        for i in np.flatnonzero(assembly.fixed).tolist()
+    ]
+    return data
+
+
+def _show(data: Mapping[str, Any], screen: Screen) -> None:
+    """The answer for a person."""
+    word = "SETTLED" if data["verdict"] == "stable" else data["verdict"].upper()
+    screen.line(str(data["model"]), word, verdict.STYLE.get(data["verdict"], "bold"))
+    screen.line(data["message"])
+    for row in data["motion"]:
+        turn = f", turned by {_plain(row['rotation'])} rad" if any(row["rotation"]) else ""
+        screen.line(f"moved: {row['block']} by {_plain(row['translation'])} m{turn}")
+    if data["joints"]:
+        _show_joints(screen, data)
+
+
+def _show_joints(screen: Screen, data: Mapping[str, Any]) -> None:
+    for key, word in (("open", "joints that open"), ("sliding", "joints that slide")):
+        rows = data[key]
+        screen.line(f"{word}: {len(rows) or 'none'}")
+        told = [(_between(row), units.quantity(row["distance"], "m")) for row in rows]
+        screen.table(("joint", "by at most"), told)
+    joints = sorted(data["joints"], key=lambda row: -_length(row["change"]))
+    least = verdict.NEGLIGIBLE * max(abs(row["normal"]) for row in joints)
+    supports = sorted(data["supports"], key=_support_change)
+    screen.table(
+        ("support", "gives", "after"),
+        [
+            (row["block"], *(units.components(row[key], "N") for key in ("before", "after")))
+            for row in supports
+        ],
+    )
+    keys = ("normal_before", "normal", "tangential_before", "tangential")
+    screen.table(
+        ("joint", "normal", "after", "friction", "after"),
+        [
+            (_between(row), *(units.quantity(row[key], "N", least) for key in keys))
+            for row in joints
+        ],
+    )
+
+
+def _between(row: Mapping[str, Any]) -> str:
+    return " - ".join(row["blocks"])
+
+
+def _plain(values: Sequence[float]) -> str:
+    return ", ".join(f"{value + 0.0:g}" for value in values)
+
+
+def _length(values: Sequence[float]) -> float:
+    return float(sum(value * value for value in values) ** 0.5)
+
+
+def _support_change(row: Mapping[str, Any]) -> float:
+    pairs = zip(row["before"], row["after"], strict=True)
+    return -_length([after - before for before, after in pairs])

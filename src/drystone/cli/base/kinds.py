@@ -1,0 +1,164 @@
+"""Kinds of values on the command line: what their text becomes, or what is said instead."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from drystone.base import units
+from drystone.base.errors import FormatError, InputError
+from drystone.base.files import plain_target
+
+
+class Kind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.5
+    """Text that becomes a value; what is wrong with it is an error that names the option.
+
+    Parameters
+    ----------
+    name
+        What stands for the value in help.
+    read
+        Makes the value, or raises an InputError.
+    choices
+        All values, where there are few.
+    """
+
+    def __init__(
+        self, name: str, read: Callable[[str], Any], choices: Sequence[str] | None = None
+    ) -> None:
+        self.name = name
+        self.read = read
+        self.choices = choices
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ARG002
+        """The value of a text; a default is taken as it is."""
+        if not isinstance(value, str):
+            return value
+        try:
+            return self.read(value)
+        except InputError as error:
+            where = error.where or named(param)
+            raise InputError(error.what, where=where, remedy=error.remedy) from error
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:  # noqa: ARG002
+        """What stands for the value in help."""
+        return "|".join(self.choices) if self.choices else self.name
+
+    def shell_complete(
+        self,
+        ctx: click.Context,  # noqa: ARG002
+        param: click.Parameter,  # noqa: ARG002
+        incomplete: str,
+    ) -> list[CompletionItem]:
+        """The choices that begin like that; file names where it is a file."""
+        if self.choices is None:
+            return [CompletionItem(incomplete, type="file")] if self.name == "FILE" else []
+        return [CompletionItem(one) for one in self.choices if one.startswith(incomplete)]
+
+
+def named(param: click.Parameter | None) -> str:
+    """An option or argument as the user writes it."""
+    if param is None:
+        return ""
+    if isinstance(param, click.Option):
+        return max(param.opts, key=len)
+    return param.metavar or (param.name or "").upper()
+
+
+def number(least: float | None = None, above: float | None = None, example: str = "0.5") -> Kind:
+    """A finite number of at least ``least``, or above ``above``."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError as error:
+            raise InputError(f"'{text}' is not a number", remedy=f"write {example}") from error
+        return _within(value, text, least, above)
+
+    return Kind("NUMBER", read)
+
+
+def whole(least: int | None = None) -> Kind:
+    """A whole number of at least ``least``."""
+
+    def read(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError as error:
+            raise InputError(f"'{text}' is not a whole number", remedy="write 4") from error
+        _within(value, text, least, None)
+        return value
+
+    return Kind("COUNT", read)
+
+
+def one_of(choices: Iterable[str], what: str = "") -> Kind:
+    """One of a few words."""
+    known = tuple(choices)
+
+    def read(text: str) -> str:
+        if text not in known:
+            told = what.format(text) if what else f"is '{text}'"
+            raise InputError(told, remedy=f"use one of {', '.join(known)}")
+        return text
+
+    return Kind("WORD", read, known)
+
+
+def target(*suffixes: str) -> Kind:
+    """A file to write; its suffix and its folder are looked at before any work is done."""
+    return Kind("FILE", lambda text: output_path(text, suffixes))
+
+
+def output_path(text: str, suffixes: Sequence[str]) -> Path:
+    """The path of a file to write.
+
+    Raises
+    ------
+    InputError
+        Another suffix, a folder that does not exist, or something of that name that is no file.
+    """
+    path = Path(text)
+    if path.suffix.lower() not in suffixes:
+        raise InputError(
+            f"'{text}' does not end in {' or '.join(suffixes)}",
+            remedy=f"write {path.stem or 'model'}{suffixes[0]}",
+        )
+    if path.is_dir():
+        raise InputError(f"'{text}' is a folder", remedy="name a file in it")
+    try:
+        plain_target(path)
+    except FormatError as error:
+        raise InputError(f"'{text}' {error.what}", remedy=error.remedy) from error
+    if not path.parent.is_dir():
+        raise InputError(f"there is no folder '{path.parent}'", remedy="make it first")
+    return path
+
+
+def _within(value: float, text: str, least: float | None, above: float | None) -> float:
+    if above is not None and not above < value < math.inf:
+        raise InputError(f"is {text}", remedy=f"give a number above {above or 'zero':}")
+    if least is not None and not least <= value < math.inf:
+        raise InputError(
+            f"is {text}", remedy=f"give {'zero' if least == 0 else f'{least:g}'} or more"
+        )
+    if not math.isfinite(value):
+        raise InputError(f"is {text}", remedy="give a finite number")
+    return value
+
+
+def see(ctx: click.Context | None) -> str:
+    """Where the help is."""
+    return f"see '{ctx.command_path} --help'" if ctx is not None else ""
+
+
+TEXT = Kind("TEXT", str)
+FILE = Kind("FILE", str)
+POSITIVE = number(above=0.0)
+COEFFICIENT = Kind("NUMBER|ANGLE", units.coefficient)
+UNIT = one_of(units.UNITS, "unit '{}' is not known")

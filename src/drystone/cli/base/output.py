@@ -1,0 +1,150 @@
+"""What the commands print: people read stdout, programs read one JSON object, errors are a line."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from drystone.base.errors import InputError, MissingDependency
+
+BAD_INPUT, MISSING, FAULT = 2, 3, 70
+"""Exit codes of errors."""
+LISTED = 12
+"""Rows shown of a table; --json has all."""
+NAMED = 3
+"""Names shown of equal rows."""
+
+
+class UsageFault(InputError):
+    """An option or argument that the command does not take."""
+
+
+class Screen:
+    """Where a person reads the answer.
+
+    Every text is made safe: names come from files, and a terminal obeys control characters.
+    """
+
+    def __init__(self) -> None:
+        from rich.console import Console  # slow to import
+
+        self._console = Console(highlight=False, soft_wrap=True)
+
+    def line(self, text: str, head: str = "", style: str = "bold", gap: str = "  ") -> None:
+        """A line, with a coloured word before it."""
+        from rich.text import Text
+
+        made = Text(clean(head), style) if head else Text()
+        made.append(f"{gap if head and text else ''}{clean(text)}", "default")
+        self._console.print(made)
+
+    def note(self, text: str) -> None:
+        """A remark."""
+        self.line(text, "note:", "yellow", " ")
+
+    def dim(self, text: str) -> None:
+        """What few want to know."""
+        if text:
+            self.line("", text, "dim")
+
+    def table(
+        self,
+        head: Sequence[str],
+        rows: Sequence[Sequence[str]],
+        listed: int = LISTED,
+        styles: Sequence[str] = (),
+        more: str = "--json lists all",
+    ) -> None:
+        """A table of the first rows, with the number of the others."""
+        from rich.table import Table
+        from rich.text import Text
+
+        made = Table(*head, box=None)
+        for i, row in enumerate(rows[:listed]):
+            cells = [Text(clean(cell)) for cell in row]
+            made.add_row(*cells, style=styles[i] if styles else None)
+        if rows:
+            self._console.print(made)
+        if len(rows) > listed:
+            self.dim(f"and {len(rows) - listed} more ({more})")
+
+
+def grouped(rows: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Rows that differ in their first cell only made one, in the order of the first of each.
+
+    Examples
+    --------
+    >>> grouped([["a", "1"], ["b", "2"], ["c", "1"]])
+    [['a, c', '1'], ['b', '2']]
+    """
+    names: dict[tuple[str, ...], list[str]] = {}
+    for first, *others in rows:
+        names.setdefault(tuple(others), []).append(first)
+    return [[listed(firsts), *others] for others, firsts in names.items()]
+
+
+def listed(names: Sequence[str], most: int = NAMED) -> str:
+    """The first names, and how many more there are.
+
+    Examples
+    --------
+    >>> listed(["a", "b", "c", "d", "e"])
+    'a, b, c and 2 more'
+    """
+    rest = len(names) - most
+    return ", ".join(names[:most]) + (f" and {rest} more" if rest > 0 else "")
+
+
+def say(text: str) -> None:
+    """Print plain text."""
+    print(text)
+
+
+def clean(text: str) -> str:
+    """Text without control characters: names come from files, and terminals obey them."""
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
+def emit(data: dict[str, Any]) -> None:
+    """Print one JSON object on stdout; what is not finite becomes null."""
+    print(json.dumps(_finite(data), ensure_ascii=True, allow_nan=False))
+
+
+def code_of(error: BaseException) -> int:
+    """The exit code of an error that is not a fault of drystone."""
+    return MISSING if isinstance(error, MissingDependency) else BAD_INPUT
+
+
+def fail(error: BaseException, code: int, as_json: bool, data: dict[str, Any] | None = None) -> int:
+    """Print an error as one line on stderr, with --json as an object on stdout too.
+
+    ``data`` is an answer that was found all the same.
+    """
+    message = clean(" ".join(str(error).split())) or type(error).__name__
+    if code == FAULT:
+        message = f"a fault in drystone, please report it: {type(error).__name__}: {message}"
+    if as_json:
+        told = {"type": type(error).__name__, "message": message}
+        for part in ("what", "where", "remedy", "package", "extra"):
+            if getattr(error, part, None):
+                told[part] = getattr(error, part)
+        try:
+            emit({**(data or {}), "error": told, "exit_code": code})
+        except OSError:  # nobody reads stdout, or it is full: the line on stderr is left
+            sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
+    print(f"drystone: {message}", file=sys.stderr)
+    return code
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,177 @@
+"""Work under way: a progress bar on stderr for people, and what becomes of Ctrl-C."""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from drystone.cli.base.output import clean
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+PATIENCE = 1.0
+"""[s] before anything is shown."""
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
+NOTHING = "nothing was written"
+STOPPING = "stopping (Ctrl-C again ends at once)"
+
+
+class Waiting:
+    """Shows stages and their progress while it is entered; silent when stderr is no terminal.
+
+    An instance is itself the progress callback of the library: ``(stage, done, total)``.
+
+    Attributes
+    ----------
+    time_s
+        Seconds spent in each stage that was announced with :meth:`stage`.
+    shown
+        Set once the bar is on the terminal.
+    interrupted
+        Whether Ctrl-C asked to stop with what is known.
+    wrote
+        Names of the files that are written.
+    checkpoint
+        File that keeps answers for the next run.
+    """
+
+    def __init__(self) -> None:
+        self.time_s: dict[str, float] = {}
+        self.shown = threading.Event()
+        self.interrupted = False
+        self.wrote: list[str] = []
+        self.checkpoint: Path | None = None
+        self._begun: tuple[str, float] | None = None
+        self._state = ("", 0, 0)
+        self._bar: Progress | None = None
+        self._timer: threading.Timer | None = None
+        self._lock = threading.Lock()
+
+    def __enter__(self) -> Waiting:
+        UNDER_WAY.set(self)
+        from rich.console import Console  # slow to import
+
+        self._console = Console(stderr=True)
+        if self._console.is_terminal:
+            self._timer = threading.Timer(PATIENCE, self._show)
+            self._timer.daemon = True
+            self._timer.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.end_stage()
+        if self._timer is not None:
+            self._timer.cancel()
+        with self._lock:
+            self._timer = None
+            if self._bar is not None:
+                self._bar.stop()
+        if isinstance(error, KeyboardInterrupt):
+            end_workers()
+
+    @contextmanager
+    def stoppable(self) -> Iterator[Callable[[], bool]]:
+        """While entered, the first Ctrl-C only asks to stop, and the next ends the program.
+
+        Gives what work asks whether to stop.
+        """
+
+        def ask(*_: object) -> None:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+            self.interrupted = True
+            self(STOPPING, 0, 0)
+
+        ours = (
+            threading.current_thread() is threading.main_thread()
+            and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        )
+        if ours:
+            signal.signal(signal.SIGINT, ask)
+        try:
+            yield lambda: self.interrupted
+        finally:
+            if ours:
+                signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def exit_code(self, code: int) -> int:
+        """The exit code of an answer; 130 where Ctrl-C cut it short."""
+        return INTERRUPTED if self.interrupted else code
+
+    def stage(self, key: str, wording: str) -> None:
+        """Begin a stage: its time is added up under ``key``, ``wording`` is shown."""
+        self.end_stage()
+        self._begun = (key, time.perf_counter())
+        self(wording, 0, 0)
+
+    def __call__(self, stage: str, done: int, total: int) -> None:
+        """Progress of the work that is under way; a total of zero means that it is not known."""
+        if self.interrupted:
+            stage, done, total = STOPPING, 0, 0
+        stage = clean(stage)  # it names files, and a terminal obeys control characters
+        self._state = (stage, done, total)
+        if self._bar is not None:
+            self._bar.update(
+                self._bar.task_ids[0], description=stage, completed=done, total=total or None
+            )
+
+    def left(self) -> str:
+        """What is left of work that was given up."""
+        if self.wrote:
+            return f"wrote {', '.join(self.wrote)}"
+        if self.checkpoint is not None and self.checkpoint.exists():
+            return (
+                f"'{self.checkpoint}' keeps what was found, the same command goes on from there; "
+                "nothing else was written"
+            )
+        return NOTHING
+
+    def end_stage(self) -> None:
+        """Book the time of the stage that is under way."""
+        if self._begun is not None:
+            key, since = self._begun
+            self.time_s[key] = self.time_s.get(key, 0.0) + time.perf_counter() - since
+            self._begun = None
+
+    def _show(self) -> None:
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        with self._lock:
+            if self._timer is None:
+                return
+            columns = (
+                TextColumn("{task.description}", markup=False),
+                BarColumn(),
+                TimeElapsedColumn(),
+            )
+            bar = Progress(*columns, console=self._console, transient=True)
+            stage, done, total = self._state
+            bar.add_task(stage, completed=done, total=total or None)
+            bar.start()
+            self._bar = bar
+        self.shown.set()
+
+
+UNDER_WAY: ContextVar[Waiting | None] = ContextVar("UNDER_WAY", default=None)
+"""The work of the command that runs, if it has begun."""
+
+
+def end_workers() -> None:
+    """End the processes that work for this one: nobody waits for their answers any more."""
+    from multiprocessing import active_children  # the commands start fast
+
+    for child in active_children():
+        child.terminate()

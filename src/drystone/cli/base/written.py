@@ -1,0 +1,122 @@
+"""Files that tell an answer: the page, the figure, the tables of joints."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from drystone.base.errors import InputError
+from drystone.base.files import same_place
+from drystone.cli.base import kinds
+from drystone.cli.base.command import OUTPUT, Option
+from drystone.cli.inputs import options
+
+if TYPE_CHECKING:
+    from drystone.base.files import Job
+    from drystone.cli.base.answer import Files
+    from drystone.limits import Limit
+    from drystone.results import Result
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The page and the figure."""
+
+    html: options.Html = None
+    png: options.Png = None
+
+    def __post_init__(self) -> None:
+        apart([self.html, self.png])
+
+    def jobs(self, page: Callable[[Path], None], figure: Callable[[Path], None]) -> list[Job]:
+        """What is to be written, from what writes each."""
+        both = ((self.html, page), (self.png, figure))
+        return [(path, write) for path, write in both if path is not None]
+
+    def of(self, subject: Result | Limit, source: str = "") -> Files:
+        """The pictures of an answer about the model of a file."""
+        if self.html is None and self.png is None:
+            return [], []
+        from drystone import view  # the program starts fast: pictures are imported when asked for
+
+        page = partial(view.save_page, subject, source=source)
+        return self.jobs(page, partial(view.save_figure, subject, source=source)), []
+
+
+@dataclass(frozen=True)
+class Written(Pictures):
+    """The page, the figure and the tables of joints."""
+
+    joints: Annotated[
+        tuple[Path, ...],
+        Option(
+            "Write a table of all joints, .csv or .json, or a page on the worst, .html. Can be "
+            "given several times.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json", ".html"),
+        ),
+    ] = ()
+    strength: Annotated[
+        float | None,
+        Option(
+            "Pressure in MPa that the stone bears; joints above it are marked.",
+            OUTPUT,
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        apart([self.html, self.png, *self.joints])
+
+    def all_of(self, result: Result, source: str) -> Files:
+        """The pictures and the tables of a result, and remarks."""
+        jobs, _ = self.of(result, source)
+        more, said = self.tables(result)
+        return [*jobs, *more], said
+
+    def tables(self, result: Result) -> Files:
+        """The tables of joints, and remarks."""
+        if result.force is None:
+            return [], ["no joint table: there are no forces"] if self.joints else []
+        if not self.joints and self.strength is None:
+            return [], []
+        from drystone.base.files import write_bytes  # work is imported when there is some
+        from drystone.view import save_report
+
+        strength = None if self.strength is None else 1e6 * self.strength
+        table = result.joints(strength=strength)
+        jobs: list[Job] = []
+        for path in self.joints:
+            if path.suffix.lower() == ".html":
+                jobs.append((path, partial(save_report, result, strength=strength)))
+            elif path.suffix.lower() == ".csv":
+                jobs.append((path, table.to_csv))
+            else:
+                content = json.dumps({"strength": strength, **table.to_dict()})
+                jobs.append((path, partial(write_bytes, data=content.encode("utf-8"))))
+        if strength is None:
+            return jobs, []
+        over = int(table["over_strength"].sum())
+        return jobs, [
+            f"the peak pressure exceeds {self.strength:g} MPa at {over} of {len(table)} joints"
+        ]
+
+
+def apart(paths: Sequence[Path | None]) -> None:
+    """Refuse to write two things to one file.
+
+    Raises
+    ------
+    InputError
+    """
+    seen: set[str] = set()
+    for path in paths:
+        if path is not None and same_place(path) in seen:
+            raise InputError("is named twice", where=f"'{path}'", remedy="name each file once")
+        if path is not None:
+            seen.add(same_place(path))

@@ -1,0 +1,298 @@
+"""``drystone mend``: why does it fall, and what changes make it stand?"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base.errors import InputError
+from drystone.cli.base import kinds, verdict
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import Pictures
+from drystone.cli.inputs import loading, options
+from drystone.cli.inputs.model_input import Finding, Subject
+
+if TYPE_CHECKING:
+    from drystone.cli.base.answer import Files
+    from drystone.design import DesignMargin, Diagnosis
+    from drystone.model import Model
+    from drystone.results import Result
+    from drystone.view import Scene
+
+SHORT = 3
+"""Regions that ``check`` tells; ``mend`` tells all."""
+
+
+KIND = "support, prop, friction, turn, wedge, let-in, thicker, ballast or glue"
+
+
+@command(
+    "drystone mend arch.json --friction 0.3 --diagnose --html why.html",
+    "drystone mend arch.json --margin friction=0.9x --auto --out firm.json",
+)
+def mend(
+    *,
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    finding: Finding,
+    diagnose: Annotated[
+        bool, Option("Tell why it falls and what is missing; look for no mends.", expert=True)
+    ] = False,
+    auto: Annotated[
+        bool, Option("Make the cheapest mend of each region until all stands.")
+    ] = False,
+    only: Annotated[
+        tuple[str, ...],
+        Option(
+            f"Try this kind of mend only: {KIND}. Can be given several times.",
+            metavar="KIND",
+            expert=True,
+        ),
+    ] = (),
+    keep: Annotated[
+        tuple[str, ...],
+        Option(
+            "Block that may not be changed. Can be given several times.",
+            metavar="BLOCK",
+            expert=True,
+        ),
+    ] = (),
+    margin: Annotated[
+        tuple[str, ...],
+        Option(
+            "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
+            "friction=0.9x, or sensitive, where one contact stiffness is enough.",
+            metavar="WHAT",
+            expert=True,
+        ),
+    ] = (),
+    apply: Annotated[
+        int | None, Option("Number of the mend to make, as they are listed.", OUTPUT, expert=True)
+    ] = None,
+    out: Annotated[
+        Path | None,
+        Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
+    ] = None,
+    time_limit: options.TimeLimit = None,
+    wanted: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """Tell why a model falls, and find changes with which it stands.
+
+    Each mend is checked on the whole model. With --auto or --apply the mended model can be written
+    (--out), and --html and --png show it, with edges of what it was.
+
+    Exit code 0: it stands, already or mended. 1: it does not. 2: bad input.
+    130: Ctrl-C ended the search; what was known by then is the answer.
+    """
+    _refuse(diagnose, auto, apply, out)
+    asked = margins(margin)
+    model = subject.prepared(waiting, finding, seismic)
+    from drystone import design  # work is imported when there is some
+    from drystone.stability.problem import Clock
+
+    clock = Clock(float("inf") if time_limit is None else time_limit)
+    waiting.stage("diagnose", "diagnosing")
+    with waiting.stoppable() as stop:
+
+        def late() -> bool:
+            return stop() or clock.late()
+
+        if diagnose:
+            found = design.diagnose(model, progress=waiting, stop=late)
+            data = {"model": subject.model, **found.to_dict()}
+            code = verdict.exit_code(found.result, strict=False)
+            return Answer(
+                data, partial(_show, data), code, model.notes, partial(_files, found, wanted)
+            )
+        chosen = design.MendOptions(margin=asked, keep=keep, **({"kinds": only} if only else {}))
+        waiting.stage("mend", "mending")
+        if auto:
+            made = design.mend(model, options=chosen, progress=waiting, stop=late)
+            data = {"model": subject.model, **made.to_dict()}
+            files = partial(_after, model, made.result, made.model, wanted, out)
+            return Answer(
+                data, partial(_show_auto, data), 0 if made.stands else 1, model.notes, files
+            )
+        mends = design.find_mends(model, options=chosen, progress=waiting, stop=late)
+    stands = not mends.mends and not mends.diagnosis.regions
+    data = {"model": subject.model, **mends.diagnosis.to_dict(), **mends.to_dict()}
+    files = partial(_files, mends.diagnosis, wanted)
+    code = 0 if stands and mends.diagnosis.result.stable else 1
+    if apply is not None and not stands:
+        if not 1 <= apply <= len(mends.mends):
+            what = f"there is no mend {apply}: {len(mends.mends)} were found"
+            raise InputError(what, where="--apply", remedy="give the number of one that is listed")
+        one = mends.mends[apply - 1]
+        from drystone.stability import check
+
+        result = check(one.model)
+        data |= {"applied": {**one.to_dict(), "verdict": result.verdict.value}}
+        files = partial(_after, model, result, one.model, wanted, out)
+        code = verdict.exit_code(result, strict=False)
+    return Answer(data, partial(_show, data), code, model.notes, files)
+
+
+def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> None:
+    """Refuse options that contradict each other."""
+    if diagnose + auto + (apply is not None) > 1:
+        raise InputError(
+            "--diagnose, --auto and --apply ask for different things", remedy="give one of them"
+        )
+    if out is not None and not auto and apply is None:
+        raise InputError(
+            "no mend is made", where="--out", remedy="add --auto, or --apply with a number"
+        )
+
+
+def margins(asked: tuple[str, ...]) -> DesignMargin:
+    """The margin of ``--margin`` options.
+
+    Raises
+    ------
+    InputError
+        One of them is not known, has no number, or is given twice.
+    """
+    from drystone.design import DesignMargin
+
+    ends = {"tilt": "deg", "load": "", "friction": "x"}
+    given: dict[str, Any] = {}
+    for text in asked:
+        name, _, value = text.partition("=")
+        number: float | bool
+        remedy = "write tilt=2deg, load=1.2, friction=0.9x or sensitive"
+        if name == "sensitive" and not value:
+            name, number = "robust", False
+        else:
+            if name not in ends:
+                raise InputError(f"'{text}' is no margin", where="--margin", remedy=remedy)
+            try:
+                number = float(value.removesuffix(ends[name]))
+            except ValueError as error:
+                what = f"'{text}' has no number"
+                raise InputError(what, where="--margin", remedy=remedy) from error
+        if name in given:
+            raise InputError(f"{name} is given twice", where="--margin", remedy="give it once")
+        given[name] = number
+    return DesignMargin(**given)
+
+
+def _after(
+    before: Model, result: Result, model: Model, wanted: Pictures, out: Path | None
+) -> Files:
+    """The mended model, and its pictures with the edges of what it was."""
+    jobs: list[Any] = []
+    if out is not None:
+        from drystone import io
+
+        jobs.append((out, partial(io.write, model)))
+    if wanted.html is not None or wanted.png is not None:
+        from drystone import view  # as above
+
+        scene = mended_scene(before, result)
+        jobs += wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene))
+    return jobs, []
+
+
+def mended_scene(before: Model, result: Result) -> Scene:
+    """A mended model, with the edges of blocks that changed as they were."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from drystone import view  # as above
+    from drystone.geometry.body.polyhedron import edges_of
+
+    kept = {id(block) for block in result.assembly.blocks}
+    lines = [
+        block.vertices[edges_of(block.faces)]
+        for block in before.assembly.blocks
+        if id(block) not in kept
+    ]
+    stage = view.stage_of(result, "mended")
+    if lines:
+        ends = np.concatenate(lines)
+        ghost = view.Layer(
+            "before", "edges before", view.LayerKind.LINES, "missed", ends[:, 0],
+            ends[:, 1] - ends[:, 0],
+        )  # fmt: skip
+        stage = replace(stage, layers=(*stage.layers, ghost))
+    return view.Scene(result.assembly, result.contacts, (stage,), "drystone: mended")
+
+
+def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:
+    """What falls and how, of the heaviest regions of a result; ``None`` where nothing falls."""
+    if not result.falls:
+        return None
+    from drystone.design import DiagnosisOptions, diagnose  # as above
+
+    few = DiagnosisOptions(needs=False, regions=SHORT)
+    with waiting.stoppable() as stop:
+        return diagnose(result.model, result=result, options=few, stop=stop).to_dict()
+
+
+def _files(found: Diagnosis, wanted: Pictures) -> Files:
+    if wanted.html is None and wanted.png is None:
+        return [], []
+    from drystone import view  # as above
+
+    scene = diagnosis_scene(found)
+    return wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene)), []
+
+
+def diagnosis_scene(found: Diagnosis) -> Scene:
+    """The model with its first motion and the forces that would hold it."""
+    from dataclasses import replace
+
+    from drystone import view  # as above
+
+    stage = view.stage_of(found.result, "diagnosis")
+    point, force = found.props
+    props = view.Layer(
+        "props", "props that would hold it", view.LayerKind.ARROWS, "resultant", point, force,
+        inward=True, width=1.8,
+    )  # fmt: skip
+    shown = [layer for layer in stage.layers if layer.kind is not view.LayerKind.ARROWS]
+    stage = replace(
+        stage,
+        message="; ".join(found.sentences),
+        motion=found.motion if found.regions else None,
+        prop=None,
+        layers=(*shown, props) if len(point) else tuple(shown),
+    )
+    result = found.result
+    return view.Scene(result.assembly, result.contacts, (stage,), f"drystone: {stage.headline}")
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    style = verdict.STYLE.get(data["verdict"], "bold")
+    screen.line(str(data["model"]), data["verdict"].upper(), style)
+    if data["message"]:
+        screen.line(data["message"])
+    for number, sentence in enumerate(data["sentences"], 1):
+        mark = f"{number}. " if number <= len(data["regions"]) else ""
+        screen.line(f"{mark}{sentence}")
+    if data["stopped"]:
+        screen.note(f"{data['stopped']} before all was tried")
+    if data.get("mending"):
+        screen.line(data["mending"])
+    for number, one in enumerate(data.get("mends", ()), 1):
+        blocks = ", ".join(one["blocks"])
+        told = f"mend {number}, of {blocks}: {one['description']} (cost {one['cost']:.3g})"
+        screen.line(told)
+    for one in data.get("tried", ()):
+        screen.line(f"not enough for {', '.join(one['blocks'])}: {one['kind']}: {one['what']}")
+    if "applied" in data:
+        one = data["applied"]
+        screen.line(f"{one['description']}: the whole is {one['verdict']}", "MENDED", "bold")
+
+
+def _show_auto(data: dict[str, Any], screen: Screen) -> None:
+    style = verdict.STYLE.get(data["verdict"], "bold")
+    screen.line(str(data["model"]), data["verdict"].upper(), style)
+    for sentence in data["log"]:
+        screen.line(sentence)

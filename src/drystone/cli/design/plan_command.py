@@ -1,0 +1,257 @@
+"""``drystone plan``: in which order to assemble, what to hold, what to prop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base import units
+from drystone.base.errors import InputError, counted
+from drystone.cli.base import kinds
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import apart
+from drystone.cli.inputs import options
+from drystone.cli.inputs.model_input import Finding, Subject
+
+if TYPE_CHECKING:
+    from drystone.base.files import Job
+    from drystone.cli.base.answer import Files
+    from drystone.model import Model
+    from drystone.sequence import ExecutorFactory, Margins, Plan, Rules
+
+LISTED = 40
+"""Rows shown of a table; --json has all."""
+STYLE = {"held": "bold", "propped": "bold red", "impossible": "bold magenta"}
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    return tuple(units.coefficient(part) for part in text.split(","))
+
+
+def _pair(text: str) -> tuple[str, str]:
+    first, colon, then = text.partition(":")
+    if not colon or not first or not then:
+        raise InputError(f"'{text}' is no pair", remedy="write FIRST:THEN")
+    return first, then
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",")]
+
+
+@command(
+    "drystone plan arch.json --html plan.html",
+    "drystone plan arch.json --order course --hands 3 --csv stages.csv",
+)
+def plan(
+    *,
+    subject: Subject,
+    finding: Finding,
+    order: Annotated[
+        str,
+        Option(
+            "Taken apart from the top, course by course, farthest from the boundary first; or "
+            "names of blocks in the order of assembly, by commas (top).",
+            metavar="top|course|boundary|NAMES",
+        ),
+    ] = "top",
+    hands: Annotated[
+        int, Option("Hands or robots: one places, others hold (2).", flags=("--hands", "--robots"))
+    ] = 2,
+    payload: Annotated[
+        float, Option("What each of them can lift or hold, in kg.", expert=True)
+    ] = float("inf"),
+    before: Annotated[
+        tuple[tuple[str, str], ...],
+        Option("One block before another; several times.", kind=kinds.Kind("FIRST:THEN", _pair),
+               expert=True),
+    ] = (),
+    reach: Annotated[
+        tuple[list[str], ...],
+        Option("Blocks placed before any of the next --reach; by commas.",
+               kind=kinds.Kind("NAMES", _names), expert=True),
+    ] = (),
+    exact: Annotated[
+        bool, Option("Search all orders (up to 14 free blocks).", expert=True)
+    ] = False,
+    best: Annotated[
+        bool, Option("Search until no order with fewer props is left.", expert=True)
+    ] = False,
+    thorough: Annotated[
+        bool, Option("Let stages stand that are sensitive to joint stiffness.", expert=True)
+    ] = False,
+    margins: Annotated[
+        bool, Option("Least friction and tilt limit of every stage.", expert=True)
+    ] = False,
+    sweep: Annotated[
+        tuple[float, ...] | None,
+        Option("Plan at these friction coefficients as well.",
+               kind=kinds.Kind("MU,MU,...", _numbers), expert=True),
+    ] = None,
+    workers: Annotated[
+        int,
+        Option("Processes that check stages side by side (1).", kind=kinds.whole(1), expert=True),
+    ] = 1,
+    dask: Annotated[
+        str | None,
+        Option("A running Dask scheduler to work on.", metavar="ADDRESS", expert=True),
+    ] = None,
+    checkpoint: Annotated[
+        str | None,
+        Option("File to go on from after an interruption.", kind=kinds.FILE, expert=True),
+    ] = None,
+    html: options.Html = None,
+    instructions: Annotated[
+        Path | None,
+        Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
+               kinds.target(".html", ".htm")),
+    ] = None,
+    csv: Annotated[
+        Path | None, Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"))
+    ] = None,
+    waiting: Waiting,
+) -> Answer:  # fmt: skip
+    """Plan the assembly of a model: order, blocks to hold, blocks to prop.
+
+    Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be put in, or
+    the complete model does not stand. 2: bad input.
+    """
+    apart([html, instructions, csv])
+    rules = _rules(order, hands, payload, before, reach)
+    executor = _executor(workers, dask)
+    waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
+    model = subject.prepared(waiting, finding)
+    from drystone import sequence
+
+    waiting.stage("plan", "planning")
+    chosen = sequence.PlanOptions(
+        rules=rules, exact=exact, patience=float("inf") if best else None, anyway=finding.anyway
+    )
+    check = sequence.check_thoroughly if thorough else None
+
+    def plan_at(model: Model, saved: str | None = None) -> Plan:
+        return sequence.plan(
+            model, options=chosen, check=check,
+            executor=executor, checkpoint=saved, progress=waiting,
+        )  # fmt: skip
+
+    found = plan_at(model, checkpoint)
+    waiting.stage("margins", "margins")
+    measured = sequence.margins(found, progress=waiting) if margins and found.steps else None
+    swept = sequence.sweep_friction(model, list(sweep), plan_at) if sweep else None
+    data = found.to_dict() | {
+        "model": subject.model,
+        "margins": None if measured is None else measured.to_dict(),
+        "friction_sweep": None if swept is None else list(swept.table()),
+    }
+    helped = found.counts["propped"] + found.counts["impossible"]
+    code = 0 if found.steps and found.verdict == "stable" and not helped else 1
+    files = partial(_files, found, measured, html, instructions, csv, subject.model)
+    return Answer(data, partial(_show, data, found), code, model.notes, files)
+
+
+def _files(
+    plan: Plan,
+    margins: Margins | None,
+    html: Path | None,
+    steps: Path | None,
+    csv: Path | None,
+    source: str,
+) -> Files:
+    wanted = [str(path) for path in (html, steps, csv) if path is not None]
+    if not plan.steps:
+        return [], [f"not written: {', '.join(wanted)}"] if wanted else []
+    jobs: list[Job] = []
+    if html is not None or steps is not None:
+        from drystone.view import save_page
+        from drystone.view.paper.instructions import save_instructions
+
+        if html is not None:
+            jobs.append((html, partial(save_page, plan, source=source)))
+        if steps is not None:
+            jobs.append((steps, partial(save_instructions, plan)))
+    if csv is not None:
+        jobs.append((csv, (plan if margins is None else margins).table().to_csv))
+    return jobs, []
+
+
+def _rules(
+    order: str,
+    hands: int,
+    payload: float,
+    before: tuple[tuple[str, str], ...],
+    reach: tuple[list[str], ...],
+) -> Rules:
+    from drystone.sequence import Order, Rules
+
+    tried = {one.value: one for one in Order}.get(order)
+    return Rules(
+        hands, payload, list(before), list(reach), tried if tried is not None else _names(order)
+    )
+
+
+def _executor(workers: int, dask: str | None) -> Executor | ExecutorFactory | None:
+    if dask is not None:
+        if workers > 1:
+            raise InputError("--workers and --dask contradict each other", remedy="give one")
+        from drystone.sequence import DaskWorkers
+
+        return DaskWorkers(dask)
+    if workers == 1:
+        return None
+    from drystone.sequence import LocalWorkers
+
+    return LocalWorkers(workers)
+
+
+def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
+    counts = data["counts"]
+    if not found.steps:
+        screen.line(str(data["model"]), "NO PLAN", "bold red")
+        screen.line(data["message"])
+        _show_impossible(data, screen)
+        return
+    told = ", ".join(f"{counts[k]} {k}" for k in ("free", "held", "propped", "impossible"))
+    screen.line(f"{data['model']}  {told}", counted(len(data["steps"]), "step"))
+    screen.line(data["message"])
+    rows = list(found.table())
+    screen.table(
+        ("step", "block", "status", "with", "prop force", "for stages"),
+        [
+            (
+                str(row["stage"]), row["block"], row["status"], row["with"],
+                units.quantity(row["prop_force"], "N") if row["prop_stages"] else "",
+                str(row["prop_stages"] or ""),
+            )
+            for row in rows
+        ],
+        listed=LISTED,
+        styles=[STYLE.get(row["status"], "") for row in rows],
+    )  # fmt: skip
+    _show_impossible(data, screen)
+    if data["margins"] is not None:
+        weakest = data["margins"]["weakest"]
+        screen.line(
+            f"weakest stage: step {weakest['step'] + 1}, tilts {weakest['tilt_deg']:.1f} degrees; "
+            f"this order works down to friction {data['margins']['least_friction']:.3g}"
+        )
+    for row in data["friction_sweep"] or []:
+        if row["stands"]:
+            words = ", ".join(f"{row[kind]} {kind}" for kind in ("free", "held", "propped"))
+        else:
+            words = "does not stand when complete"
+        screen.line(f"friction {row['friction']:g}: {words}")
+
+
+def _show_impossible(data: Mapping[str, Any], screen: Screen) -> None:
+    rows = [block for block in data["blocks"] if block["status"] == "impossible"]
+    for row in rows[:LISTED]:
+        screen.line(f"{row['block']}: {row['why']}", "impossible:", "magenta", " ")
+    if len(rows) > LISTED:
+        screen.dim(f"and {len(rows) - LISTED} more (--json lists all)")

@@ -1,0 +1,105 @@
+"""``drystone models``: structures with known answers, listed and written."""
+
+from __future__ import annotations
+
+import inspect
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base import units
+from drystone.base.errors import InputError, counted
+from drystone.cli.base import kinds
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Argument, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.inputs import families
+
+if TYPE_CHECKING:
+    from drystone.cli.base.answer import Files
+
+SUFFIXES = (".json", ".obj", ".stl", ".ply", ".glb", ".3dm")
+
+
+@command("drystone models", "drystone models arch --set voussoirs=12 --out arch.json")
+def models(
+    *,
+    family: Annotated[
+        str | None, Argument("FAMILY", "A parametric family; all are listed when left out.")
+    ] = None,
+    set: families.Settings = (),
+    out: Annotated[
+        Path | None,
+        Option(
+            "Write the model; its suffix tells the format.", OUTPUT, kind=kinds.target(*SUFFIXES)
+        ),
+    ] = None,
+    waiting: Waiting,
+) -> Answer:
+    """List the parametric models, or build one and write it.
+
+    Their supports are fixed already. STL and OBJ files cannot say so: add --supports lowest.
+    """
+    if family is None:
+        if set or out is not None:
+            raise InputError("no family is named", where="FAMILY", remedy="see 'drystone models'")
+        rows = [_told(name) for name in families.names()]
+        return Answer({"families": rows}, partial(_show_all, rows))
+    build, known = families.family(family)
+    given = dict(families.setting(text, known) for text in set)
+    missing = [one.name for one in known.values() if one.default is one.empty]
+    lacking = [name for name in missing if name not in given]
+    if lacking:
+        raise InputError(f"{family} needs {', '.join(lacking)}", where="--set",
+                         remedy=f"write --set {lacking[0]}=VALUE")  # fmt: skip
+    waiting.stage("build", f"building {family}")
+    assembly = build(**given)
+    size = assembly.bounds[:, 1].max(axis=0) - assembly.bounds[:, 0].min(axis=0)
+    data = {
+        **_told(family.replace("_", "-")),
+        "set": given,
+        "blocks": len(assembly),
+        "fixed": int(assembly.fixed.sum()),
+        "mass": float(assembly.mass.sum()),
+        "size": size.tolist(),
+    }
+
+    def files() -> Files:
+        from drystone import io  # the program starts fast
+
+        return ([(out, partial(io.write, assembly))] if out is not None else []), []
+
+    return Answer(data, partial(_show, data), files=files)
+
+
+def _told(name: str) -> dict[str, Any]:
+    """Name, summary and parameters of a family, with their defaults."""
+    build, known = families.family(name)
+    summary = (inspect.getdoc(build) or "").partition("\n")[0].replace("``", "")
+    return {
+        "family": name,
+        "summary": summary,
+        "parameters": {
+            one.name: None if one.default is one.empty else one.default for one in known.values()
+        },
+    }
+
+
+def _show_all(rows: list[dict[str, Any]], screen: Screen) -> None:
+    told = [(row["family"], row["summary"]) for row in rows]
+    screen.table(("family", ""), told, len(told))
+    screen.dim("'drystone models FAMILY' lists its parameters, --out FILE writes it")
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    screen.line(data["summary"], data["family"])
+    screen.line(
+        f"{counted(data['blocks'], 'block')}, {data['fixed']} of them fixed, "
+        f"{units.extent(data['size'])}, {units.mass(data['mass'])}"
+    )
+    rows = []
+    for name, default in data["parameters"].items():
+        value = data["set"].get(name, default)
+        rows.append((name, "must be set" if value is None else str(value)))
+    screen.table(("parameter", "value"), rows, len(rows))

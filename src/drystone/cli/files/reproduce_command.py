@@ -1,0 +1,69 @@
+"""``drystone reproduce``: the source's own structures, published beside found."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from drystone.base.errors import InputError
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Argument, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from drystone.reproduce import Case
+
+
+@command("drystone reproduce 6.2", "drystone reproduce 6.2 --out .")
+def reproduce(
+    *,
+    section: Annotated[
+        str | None,
+        Argument("SECTION", "Section of Kao 2023, such as 7.2.4; all of them when left out."),
+    ] = None,
+    out: Annotated[
+        str | None, Option("Folder for the pages and figures; none without it.", OUTPUT)
+    ] = None,
+    waiting: Waiting,
+) -> Answer:
+    """Compute the case studies of the source again, each beside its published figures.
+
+    Exit code 0: no line disagrees. 1: some do. 2: bad input.
+    """
+    if out is not None and not Path(out).is_dir():
+        raise InputError("there is no such folder", where="--out", remedy="make it first")
+    from drystone import reproduce as cases  # the program starts fast
+
+    found: list[Case] = []
+    written: list[str] = []
+    for name in cases.SECTIONS if section is None else [section]:
+        waiting.stage("solve", f"section {name}")
+        found.append(cases.reproduce(name))
+        written += [] if out is None else cases.save_case(found[-1], out)
+        waiting.wrote = written
+    sections = [
+        {
+            "section": case.section,
+            "title": case.title,
+            "agrees": case.agrees,
+            "lines": [line.to_dict() for line in case.lines],
+        }
+        for case in found
+    ]
+    code = 0 if all(case.agrees for case in found) else 1
+    return Answer({"sections": sections}, partial(_show, found), code, written=written)
+
+
+def _show(found: Sequence[Case], screen: Screen) -> None:
+    """A line per claim: published / found."""
+    for case in found:
+        screen.line(case.title, case.section, gap=" ")
+        for line in case.lines:
+            mark = {True: "agrees", False: "DIFFERS", None: "-"}[line.agrees]
+            note = f" ({line.note})" if line.note else ""
+            told = f"{line.published or '-'} / {line.found}"
+            screen.line(f"  {line.what}: {told}  {mark}{note}")

@@ -1,0 +1,95 @@
+"""Options that the limits share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+from drystone.cli.base import kinds
+from drystone.cli.base.command import Option
+from drystone.cli.base.waiting import Waiting, end_workers
+from drystone.cli.inputs.options import TimeLimit
+
+if TYPE_CHECKING:
+    from drystone.limits import LimitOptions
+
+Workers: TypeAlias = Annotated[
+    int, Option("Processes that work side by side (1).", kind=kinds.whole(1), expert=True)
+]
+
+
+@dataclass(frozen=True)
+class Search:
+    """How to search for a limit."""
+
+    width: Annotated[
+        float | None,
+        Option("Width of the brackets, in the unit of the limit.", kind=kinds.POSITIVE),
+    ] = None
+    scan: Annotated[
+        int,
+        Option(
+            "Steps of the scan for islands before the limit is bisected (6).",
+            kind=kinds.whole(1),
+            expert=True,
+        ),
+    ] = 6
+    cone: Annotated[
+        str,
+        Option(
+            "Friction of the equilibrium limit: exact, or octagon as published (exact).",
+            kind=kinds.one_of(("exact", "octagon")),
+            expert=True,
+        ),
+    ] = "exact"
+    equilibrium_only: Annotated[bool, Option("Leave out the full verdict.", expert=True)] = False
+    workers: Workers = 1
+    time_limit: TimeLimit = None
+
+    def options(self) -> LimitOptions:
+        """The same as the library takes it."""
+        from drystone.limits import LimitOptions
+        from drystone.stability import FrictionCone
+
+        exact = self.cone == "exact"
+        return LimitOptions(
+            width=self.width,
+            scan=self.scan,
+            cone=FrictionCone.exact() if exact else FrictionCone.octagon(),
+            full=not self.equilibrium_only,
+        )
+
+    @contextmanager
+    def under_way(self, waiting: Waiting) -> Iterator[dict[str, Any]]:
+        """What every limit of the library takes besides its model: options, workers and so on."""
+        chosen = self.options()
+        waiting.stage("solve", "searching")
+        limit = {} if self.time_limit is None else {"time_limit_s": self.time_limit}
+        with working(self.workers, waiting) as common:
+            yield {"options": chosen, **limit, **common}
+
+
+@contextmanager
+def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
+    """Where and how to work: the executor, if more than one is to, progress, and when to stop.
+
+    Answers of other processes come a scan at a time, so that Ctrl-C ends those without one.
+    """
+    if workers == 1:
+        with waiting.stoppable() as stop:
+            yield {"executor": None, "progress": waiting, "stop": stop}
+        return
+    import signal
+    from concurrent.futures import ProcessPoolExecutor
+
+    # Ctrl-C reaches every process of a terminal: this one answers for all
+    ignore = (signal.SIGINT, signal.SIG_IGN)
+    with ProcessPoolExecutor(workers, initializer=signal.signal, initargs=ignore) as executor:
+        try:
+            yield {"executor": executor, "progress": waiting}
+        except KeyboardInterrupt:
+            executor.shutdown(wait=False, cancel_futures=True)
+            end_workers()
+            raise

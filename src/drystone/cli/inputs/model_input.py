@@ -1,0 +1,194 @@
+"""The model that a command is about: read, supported, in contact and loaded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from drystone.base.errors import InputError, counted
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.inputs import loading, options
+
+if TYPE_CHECKING:
+    from drystone.detection import ContactReport, DetectionOptions
+    from drystone.model import Model
+
+PAIRS = 5
+"""Blocks or pairs named in a remark."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A model file, and how it is read."""
+
+    model: options.ModelArgument
+    units: options.Units = None
+    split: options.Split = False
+    layer: options.Layers = ()
+    hidden: options.Hidden = False
+    max_size: options.MaxSize = None
+
+    def how(self) -> dict[str, Any]:
+        """Arguments of the functions that read a file."""
+        return {
+            "units": self.units,
+            "split": self.split,
+            "layers": self.layer,
+            "hidden": self.hidden,
+            "max_size": self.max_size,
+        }
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Within what contacts are found."""
+
+    gap: options.Gap = None
+    angle: options.Angle = None
+    edges: options.Edges = None
+
+    def options(self) -> DetectionOptions:
+        """The tolerances of the contact search, from those options that were given."""
+        from drystone.detection import DetectionOptions
+
+        asked: dict[str, Any] = {"gap": self.gap, "angle": self.angle, "edges": self.edges}
+        return DetectionOptions(**{key: value for key, value in asked.items() if value is not None})
+
+
+@dataclass(frozen=True)
+class Finding(Tolerances):
+    """How the contacts of a model are found."""
+
+    find_contacts: options.FindContacts = False
+    anyway: options.Anyway = False
+
+
+@dataclass(frozen=True)
+class Subject(Source):
+    """The model that is analysed, its supports and materials, and its loads but for earthquakes."""
+
+    up: options.Up = "z"
+    skip_defects: options.SkipDefects = False
+    supports: options.Supports = None
+    friction: options.Friction = None
+    density: options.Density = None
+    gravity: options.Gravity = None
+    load: loading.Loads = ()
+    case: loading.Cases = ()
+
+    def prepared(
+        self,
+        waiting: Waiting,
+        finding: Finding | None = None,
+        seismic: str | None = None,
+        moves: tuple[str, ...] = (),
+        settling: bool = False,
+    ) -> Model:
+        """Read the model, fix its supports, find its contacts, load it with its weight and more.
+
+        A load case of the file that moves supports is for ``settling`` only.
+
+        Raises
+        ------
+        InputError
+            Something in the file or in the options cannot be used, or nothing is fixed.
+        """
+        finding = Finding() if finding is None else finding
+        from drystone import io  # the commands start fast: work is imported when there is some
+
+        stages = {"read": ("read", f"reading {self.model}"), "contacts": ("detect", "contacts")}
+        model = io.read(
+            self.model,
+            supports=self.supports,
+            friction=self.friction,
+            density=self.density,
+            load=1.0 if self.case else self.gravity,  # the cases replace it
+            detection=finding.options(),
+            up=self.up,
+            skip_defects=self.skip_defects,
+            search=finding.find_contacts,
+            anyway=finding.anyway,
+            **self.how(),
+            progress=lambda stage, *_: waiting.stage(*stages[stage]),
+        )
+        _refuse_supports(model, self)
+        notes = list(model.notes)
+        notes += [] if model.report is None else warnings_of(model.report)
+        load = model.load
+        if self.case:
+            if self.gravity is not None or self.density is not None:
+                raise InputError(
+                    "the cases of the file have their own weight",
+                    where="--case",
+                    remedy="leave out --gravity and --density",
+                )
+            load = loading.combined(self.case, model.cases)
+        load = loading.loaded(model.assembly, load, self.load, seismic, moves, self.gravity)
+        if load.motion is not None and not settling:
+            raise InputError(
+                f"the load case '{load.name}' moves supports",
+                where="--case" if self.case else self.model,
+                remedy="ask 'drystone settle', or choose --case without settlement",
+            )
+        return replace(model, load=load, notes=(*notes, *load.notes))
+
+    def upright(self, model: Model, waiting: Waiting) -> tuple[str, ...]:
+        """A remark where a model that falls would stand with the y axis of its file up."""
+        from drystone.io import format_of
+        from drystone.supports import select
+
+        if self.up != "z" or self.gravity is not None or not self.supports:
+            return ()
+        if not format_of(self.model).axes_unknown:
+            return ()
+        waiting.stage("upright", "trying another axis")
+        up = (0.0, 1.0, 0.0)
+        try:
+            turned = select(model.assembly, self.supports, up=up, joints=model.joints)
+        except InputError:
+            return ()
+        if turned.fixed.all():
+            return ()
+        from drystone.limits.search import one_stiffness
+        from drystone.loads import LoadCase
+
+        down = LoadCase.gravity(turned, direction=(0.0, -1.0, 0.0))
+        found = one_stiffness(replace(model, assembly=turned, load=down))
+        stands = found.verdict.value == "stable"
+        return ("it would stand with --up y: does y point up in the file?",) if stands else ()
+
+
+def _refuse_supports(model: Model, subject: Subject) -> None:
+    """Raise InputError where no block is fixed, or every block is."""
+    fixed = model.assembly.fixed
+    if fixed.any() and not fixed.all():
+        return
+    from drystone.model import up_of_load  # as above
+    from drystone.supports import advice, select
+
+    if not fixed.any():
+        told = advice(model.assembly, up_of_load(subject.gravity), model.joints)
+        raise InputError("no block is fixed", where=subject.model, remedy=f"--supports: {told}")
+    remedy = "name fewer blocks with --supports"
+    if subject.up == "z" and subject.supports is not None:
+        lying = select(model.assembly, "lowest", up=(0.0, 1.0, 0.0), joints=model.joints)
+        if not lying.fixed.all():
+            some = counted(int(lying.fixed.sum()), "block")
+            remedy += f"; or does the model lie on its side? With --up y 'lowest' fixes {some}"
+    raise InputError(
+        f"every block is fixed, all {len(fixed)}: there is nothing to check",
+        where="--supports" if subject.supports is not None else subject.model,
+        remedy=remedy,
+    )
+
+
+def warnings_of(report: ContactReport) -> list[str]:
+    """What a user must hear of the contact search even when he did not ask for its report."""
+    names = report.names
+    said = []
+    if report.isolated:
+        shown = ", ".join(f"'{names[i]}'" for i in report.isolated[:PAIRS])
+        more = len(report.isolated) - PAIRS
+        said.append(f"touching nothing: {shown}" + (f" and {more} more blocks" if more > 0 else ""))
+        said += report.suggestions()
+    return said

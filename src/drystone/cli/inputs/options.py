@@ -1,0 +1,152 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+from drystone.base.errors import InputError
+from drystone.cli.base import kinds
+from drystone.cli.base.command import CONTACTS, LOADS, MODEL, OUTPUT, Argument, Option
+
+ModelArgument: TypeAlias = Annotated[
+    str, Argument("MODEL", "Model file; its suffix tells the format.", kinds.FILE)
+]
+Supports: TypeAlias = Annotated[
+    str | None,
+    Option(
+        "Fixed blocks: 'lowest', 'below:Z', or names and patterns, by commas (marked in the file).",
+        MODEL,
+    ),
+]
+Friction: TypeAlias = Annotated[
+    float | None,
+    Option(
+        "Friction coefficient, or angle such as 31deg, of all joints (the file's, else 0.6).",
+        MODEL,
+        kind=kinds.COEFFICIENT,
+    ),
+]
+Density: TypeAlias = Annotated[
+    float | None,
+    Option("Density of all blocks in kg/m3 (the file's, else 2400).", MODEL, kind=kinds.POSITIVE),
+]
+Units: TypeAlias = Annotated[
+    str | None,
+    Option("Unit of length of the file (the file's, else m).", MODEL, kind=kinds.UNIT),
+]
+Up: TypeAlias = Annotated[
+    str,
+    Option("Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z"))),
+]
+SkipDefects: TypeAlias = Annotated[
+    bool, Option("Leave out blocks that cannot be used.", MODEL, expert=True)
+]
+Layers: TypeAlias = Annotated[
+    tuple[str, ...],
+    Option(
+        "Layer of a 3dm file to read, hidden or not. Can be given several times.",
+        MODEL,
+        metavar="NAME",
+        expert=True,
+    ),
+]
+Hidden: TypeAlias = Annotated[
+    bool, Option("Read hidden layers and objects of a 3dm file too.", MODEL, expert=True)
+]
+MaxSize: TypeAlias = Annotated[
+    float | None,
+    Option("Largest file that is read, in MiB (64).", MODEL, kind=kinds.POSITIVE, expert=True),
+]
+Split: TypeAlias = Annotated[
+    bool, Option("Make blocks of the separate parts of a block.", MODEL, expert=True)
+]
+Gravity: TypeAlias = Annotated[
+    tuple[float, float, float] | None,
+    Option(
+        "Gravity in m/s2: its size, or a vector (9.81 along -z).",
+        LOADS,
+        kind=kinds.Kind("SIZE|X,Y,Z", lambda text: gravity_vector(text)),
+    ),
+]
+Gap: TypeAlias = Annotated[
+    float | None,
+    Option("Largest gap of a joint, by the size of the smaller block (0.005).", CONTACTS,
+           expert=True),
+]  # fmt: skip
+Angle: TypeAlias = Annotated[
+    float | None,
+    Option("Largest angle in degrees between faces that make a joint (2).", CONTACTS, expert=True),
+]
+Edges: TypeAlias = Annotated[
+    str | None,
+    Option(
+        "Contacts along edges and in corners: for isolated blocks, which touch nothing else, "
+        "always or never (isolated).",
+        CONTACTS,
+        kind=kinds.one_of(("isolated", "always", "never")),
+        expert=True,
+    ),
+]
+FindContacts: TypeAlias = Annotated[
+    bool, Option("Find contacts anew where the file brings some.", CONTACTS, expert=True)
+]
+Anyway: TypeAlias = Annotated[
+    bool,
+    Option(
+        "Go on where blocks overlap by more than a tenth of the smaller one; plan also where the "
+        "complete model does not stand.",
+        CONTACTS,
+    ),
+]
+Html: TypeAlias = Annotated[
+    Path | None,
+    Option("Write a page to look at the answer in a browser.", OUTPUT,
+           kind=kinds.target(".html", ".htm")),
+]  # fmt: skip
+Png: TypeAlias = Annotated[
+    Path | None, Option("Write a figure, .png or .svg.", OUTPUT, kind=kinds.target(".png", ".svg"))
+]
+TimeLimit: TypeAlias = Annotated[
+    float | None,
+    Option("Seconds after which the search stops with what it knows.", kind=kinds.POSITIVE),
+]
+
+
+def vector(text: str, example: str = "0,0,-9.81") -> tuple[float, float, float]:
+    """Three finite numbers separated by commas, such as the example.
+
+    Raises
+    ------
+    InputError
+        Not three, or not finite.
+    """
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError as error:
+        raise InputError(f"'{text}' is not X,Y,Z", remedy=f"write {example}") from error
+    if len(values) != 3 or not all(abs(value) < float("inf") for value in values):
+        raise InputError(f"'{text}' is not three finite numbers", remedy=f"write {example}")
+    return values[0], values[1], values[2]
+
+
+def gravity_vector(text: str) -> tuple[float, float, float]:
+    """Acceleration (3,) [m/s2] from its size or its components.
+
+    Raises
+    ------
+    InputError
+        Neither one number above zero nor three that are not all zero.
+    """
+    if "," in text:
+        given = vector(text)
+        if given == (0.0, 0.0, 0.0):
+            raise InputError("is zero", remedy="give a direction")
+        return given
+    try:
+        size = float(text)
+    except ValueError as error:
+        raise InputError(f"'{text}' is neither a number nor X,Y,Z", remedy="write 9.81") from error
+    if not 0.0 < size < float("inf"):
+        raise InputError(f"is {text}", remedy="give a number above zero")
+    return (0.0, 0.0, -size)

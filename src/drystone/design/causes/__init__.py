@@ -1,0 +1,1 @@
+"""Why a structure falls: regions, first motions, what is missing."""

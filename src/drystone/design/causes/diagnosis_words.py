@@ -1,0 +1,237 @@
+"""A diagnosis in words, and as plain values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import counted
+from drystone.design.causes.joint_motion import JointMotion, JointState
+from drystone.design.causes.missing import Needs
+from drystone.model import Model
+from drystone.results import Result, Verdict
+
+if TYPE_CHECKING:
+    from drystone.design.causes.diagnosis import Diagnosis, Region
+
+NAMED = 4
+"""Blocks of a region that are named, chosen; the others are counted."""
+
+STEEP = 0.5
+"""A motion goes down, or up, where the vertical part of its direction is beyond this."""
+
+
+def newtons(size: float) -> str:
+    """A force for a person, three digits."""
+    for unit, factor in (("MN", 1e6), ("kN", 1e3)):
+        if abs(size) >= factor:
+            return f"{size / factor:.3g} {unit}"
+    return f"{size:.3g} N"
+
+
+def place(point: Floats) -> str:
+    """A point [m] for a person, to a millimetre."""
+    return "(" + ", ".join(f"{round(float(x), 3) + 0.0:g}" for x in point) + ") m"
+
+
+def names_of(model: Model, blocks: Sequence[int]) -> str:
+    """Names of blocks in a sentence."""
+    named = [f"'{model.assembly.names[i]}'" for i in blocks]
+    if len(named) > NAMED:
+        named = [*named[: NAMED - 1], f"{len(named) - NAMED + 1} more"]
+    return " and ".join([", ".join(named[:-1]), named[-1]] if len(named) > 1 else named)
+
+
+def nothing(result: Result) -> str:
+    """What is said where no region was found."""
+    if result.verdict is Verdict.STABLE:
+        return "it stands: nothing is missing"
+    return f"no block shows that it needs help ({result.message})"
+
+
+def friction_of_all(value: float) -> str:
+    """The friction that holds the whole model."""
+    return f"friction of {value:.2f} in all joints would hold the whole model"
+
+
+def sentence(
+    model: Model, blocks: tuple[int, ...], joints: Sequence[JointState], needs: Needs
+) -> str:
+    """What happens to a region, why, and what would hold it."""
+    subject = ("block " if len(blocks) == 1 else "blocks ") + names_of(model, blocks)
+    parts = [f"{subject} {_motion(model, blocks, joints)}", _cause(model, blocks, joints)]
+    return "; ".join(part for part in (*parts, _remedy(model, blocks, needs)) if part)
+
+
+def _motion(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
+    one = len(blocks) == 1
+    said: list[str] = []
+    for kind in (JointMotion.SLIDES, JointMotion.HINGES, JointMotion.DROPS, JointMotion.LIFTS):
+        mine = [j for j in joints if j.motion is kind]
+        outer = [j for j in mine if j.neighbour not in blocks]
+        if not mine or (kind is JointMotion.LIFTS and said):
+            continue
+        verb = kind.value if one else _plural(kind)
+        if kind is JointMotion.SLIDES:
+            vertical = float(np.mean([j.direction[2] for j in mine]))
+            way = "down " if vertical < -STEEP else "up " if vertical > STEEP else ""
+            verb = verb.replace(" along", f" {way}along")
+        others = list(dict.fromkeys(j.neighbour for j in outer))
+        if len(others) > 1:
+            verb = verb.replace("an edge", "edges")
+        if others:
+            said.append(f"{verb} {names_of(model, others)}")
+        elif not one:
+            said.append(
+                {
+                    JointMotion.SLIDES: "slide along each other",
+                    JointMotion.HINGES: "turn about the edges of their joints",
+                }.get(kind, "part from each other")
+            )
+    if not said:
+        said = ["falls" if one else "fall"]
+    return " and ".join([", ".join(said[:-1]), said[-1]] if len(said) > 1 else said)
+
+
+def _plural(kind: JointMotion) -> str:
+    first, _, rest = kind.value.partition(" ")
+    return f"{first.removesuffix('s')} {rest}"
+
+
+def _cause(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
+    """The joints that carry nothing, else those whose friction is spent or that are hinges."""
+    them = "it" if len(blocks) == 1 else "them"
+    idle = [j for j in joints if j.idle]
+    if len(idle) == len(joints):
+        return f"nothing presses on {them}"
+    said = [
+        _joints_with(model, blocks, [j for j in joints if j.idle], "carries nothing"),
+        _joints_with(model, blocks, [j for j in joints if j.spent], "has no friction left"),
+    ]
+    if len(blocks) > 1:
+        said.append(_joints_with(model, (), [j for j in joints if j.hinge], "is a hinge"))
+    return ", ".join(part for part in said if part)
+
+
+def _joints_with(
+    model: Model, blocks: tuple[int, ...], some: Sequence[JointState], what: str
+) -> str:
+    """The joints of which something is true, named where they are few."""
+    if not some:
+        return ""
+    outer = list(dict.fromkeys(j.neighbour for j in some if j.neighbour not in blocks))
+    if len(outer) == 1 and len(some) == 1:
+        return f"the joint with {names_of(model, outer)} {what}"
+    verb, _, rest = what.partition(" ")
+    verb = {"carries": "carry", "has": "have", "is": "are"}[verb]
+    rest = rest.replace("a hinge", "hinges")
+    if blocks and len(outer) == len(some) <= NAMED:
+        return f"the joints with {names_of(model, outer)} {verb} {rest}"
+    return f"{counted(len(some), 'joint')} {what if len(some) == 1 else f'{verb} {rest}'}"
+
+
+def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
+    them = "it" if len(blocks) == 1 else "them"
+    ways = []
+    missing = ""
+    if needs.support is not None:
+        at = "" if len(blocks) == 1 else f" on '{model.assembly.names[needs.support.block]}'"
+        ways.append(
+            f"a support{at} that takes {newtons(needs.support.size)} "
+            f"at {place(needs.support.point)}"
+        )
+    elif float(np.linalg.norm(needs.force)) > 0.0:
+        force = newtons(float(np.linalg.norm(needs.force)))
+        missing = f"a force of {force} at {place(needs.point)} is missing"
+    if needs.friction is not None:
+        ways.append(f"friction of {needs.friction:.2f} there")
+    if needs.ballast is not None:
+        name = model.assembly.names[needs.ballast.block]
+        ways.append(f"a weight of {newtons(needs.ballast.force)} on '{name}'")
+    if needs.glue_holds and needs.pulls:
+        pull = needs.pulls[0]
+        a, b = (model.contacts.block_a[pull.interface], model.contacts.block_b[pull.interface])
+        many = len(needs.pulls)
+        where = f"between {names_of(model, [a, b])}"
+        ways.append(
+            f"glue that pulls {newtons(pull.force)} {where}"
+            if many == 1
+            else f"glue in {many} joints that pulls at most {newtons(pull.force)}, {where},"
+        )
+    hold = f"{', or '.join(ways)} would hold {them}" if ways else ""
+    return "; ".join(part for part in (missing, hold) if part)
+
+
+def plain(diagnosis: Diagnosis) -> dict[str, Any]:
+    """A diagnosis as plain values."""
+    model = diagnosis.model
+    return {
+        "verdict": diagnosis.result.verdict.value,
+        "message": diagnosis.result.message,
+        "sentences": list(diagnosis.sentences),
+        "friction_of_all": diagnosis.friction,
+        "others": [model.assembly.names[i] for i in diagnosis.others],
+        "stopped": diagnosis.stopped,
+        "regions": [_plain_region(model, region) for region in diagnosis.regions],
+    }
+
+
+def _plain_region(model: Model, region: Region) -> dict[str, Any]:
+    names, needs = model.assembly.names, region.needs
+    return {
+        "blocks": [names[i] for i in region.blocks],
+        "neighbours": [names[i] for i in region.neighbours],
+        "verdict": region.verdict.value,
+        "sentence": region.sentence,
+        "joints": [
+            {
+                "interface": j.interface,
+                "block": names[j.block],
+                "neighbour": names[j.neighbour],
+                "motion": j.motion.name.lower(),
+                "direction": j.direction.tolist(),
+                "edge": None if j.edge is None else j.edge.tolist(),
+                "normal": j.normal,
+                "friction_use": j.friction_use,
+                "idle": j.idle,
+                "friction_spent": j.spent,
+                "hinge": j.hinge,
+            }
+            for j in region.joints
+        ],
+        "needs": {
+            "prop": {"force": needs.force.tolist(), "point": needs.point.tolist()},
+            "wrench": dict(
+                zip([names[i] for i in region.blocks], needs.wrench.tolist(), strict=True)
+            ),
+            "support": None
+            if needs.support is None
+            else {
+                "block": names[needs.support.block],
+                "force": needs.support.force.tolist(),
+                "point": needs.support.point.tolist(),
+            },
+            "friction": needs.friction,
+            "ballast": None
+            if needs.ballast is None
+            else {"block": names[needs.ballast.block], "force": needs.ballast.force},
+            "glue_holds": needs.glue_holds,
+            "tension": [
+                {
+                    "interface": p.interface,
+                    "blocks": [names[model.contacts.block_a[p.interface]],
+                               names[model.contacts.block_b[p.interface]]],
+                    "force": p.force,
+                    "point": p.point.tolist(),
+                    "stress": p.stress,
+                }
+                for p in needs.pulls
+            ],
+        },
+    }  # fmt: skip
+
+
+__all__ = ["friction_of_all", "names_of", "newtons", "nothing", "place", "plain", "sentence"]

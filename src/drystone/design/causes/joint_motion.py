@@ -1,0 +1,165 @@
+"""How blocks begin to move at their joints, and what the joints carry at that moment."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats, frozen
+from drystone.base.display import OneLine
+from drystone.checks import block_speed, corner_motion
+from drystone.contacts import Contacts
+from drystone.geometry.plane.kern import edge_ratio
+from drystone.joints import LOADED, Resultants, resultants_of, utilisation_of
+from drystone.model import Model
+from drystone.virtual import joint_sections
+
+STILL = 1e-2
+"""A corner is at rest, or a gap stays closed, where the motion there is below this share of the
+larger motion of the two blocks; chosen: half a degree of direction."""
+
+FULL = 1e-3
+"""Friction is spent, and a joint is a hinge, within this share of the limit; chosen above what weak
+ground springs blur."""
+
+
+class JointMotion(enum.Enum):
+    """How a block begins to move against a neighbour."""
+
+    STAYS = "stays on"
+    SLIDES = "slides along"
+    HINGES = "hinges about an edge of"
+    LIFTS = "lifts off"
+    DROPS = "drops away from"
+
+
+@dataclass(frozen=True, eq=False)
+class JointState(OneLine):
+    """What happens at one interface of a block that needs help.
+
+    Attributes
+    ----------
+    interface
+        Its position in the contacts of the model.
+    block, neighbour
+        Positions of the block that needs help, and of the other one.
+    motion
+    direction : (3,) unit
+        Of the block against its neighbour, at the middle of the interface; zero where it stays.
+    edge : (2, 3) [m]
+        Ends of the edge about which it hinges; ``None`` for other motions.
+    normal : [N]
+        Normal force while the block begins to move.
+    friction_use
+        Tangential force by its limit.
+    idle
+        It carries nothing.
+    spent
+        Its friction is at the limit.
+    hinge
+        It presses along one edge only.
+    """
+
+    interface: int
+    block: int
+    neighbour: int
+    motion: JointMotion
+    direction: Floats
+    edge: Floats | None
+    normal: float
+    friction_use: float
+    idle: bool
+    spent: bool
+    hinge: bool
+
+
+def joint_states(
+    model: Model, needy: Bools, interfaces: Bools, motion: Floats, force: Floats | None
+) -> tuple[JointState, ...]:
+    """The state of each chosen interface; at those of two needy blocks as the first one sees it.
+
+    Parameters
+    ----------
+    model
+    needy : (n,)
+    interfaces : (m,)
+    motion : (n, 6)
+    force : (k, 3) [N], local n, u, v; nothing presses where it is left out
+    """
+    assembly, contacts = model.assembly, model.contacts
+    moved = corner_motion(assembly, contacts, motion)
+    speed = block_speed(assembly, motion)
+    given = np.zeros((contacts.corner_count, 3)) if force is None else force
+    resultants = resultants_of(contacts, given)
+    use = utilisation_of(contacts, resultants)
+    rim = _eccentricity(contacts, resultants)
+    weight = np.linalg.norm(model.load.wrench[:, :3], axis=1)
+    states = []
+    for i in np.flatnonzero(interfaces).tolist():
+        a, b = int(contacts.block_a[i]), int(contacts.block_b[i])
+        block, neighbour = (b, a) if needy[b] and not needy[a] else (a, b)
+        sign = 1.0 if block == b else -1.0
+        corners = slice(contacts.start[i], contacts.start[i + 1])
+        reach = max(float(speed[a]), float(speed[b]))
+        kind = _kind(moved[corners], reach, sign * contacts.frame[i, 0], contacts.frame[i], sign)
+        mean = sign * contacts.frame[i].T @ moved[corners].mean(axis=0)
+        size = float(np.linalg.norm(mean))
+        idle = bool(resultants.normal[i] <= max(LOADED, 1e-6) * weight[block])
+        states.append(
+            JointState(
+                i,
+                block,
+                neighbour,
+                kind,
+                frozen(np.zeros(3) if kind is JointMotion.STAYS or size == 0.0 else mean / size),
+                _edge(contacts, i, moved[corners]) if kind is JointMotion.HINGES else None,
+                float(resultants.normal[i]),
+                0.0 if idle else float(use[i]),
+                idle,
+                not idle and bool(use[i] >= 1.0 - FULL),
+                not idle and bool(rim[i] >= 1.0 - FULL),
+            )
+        )
+    return tuple(states)
+
+
+def _eccentricity(contacts: Contacts, resultants: Resultants) -> Floats:
+    """Way (m,) of the centre of pressure from the middle of a joint to its rim: 1 is a hinge."""
+    origin, corners, made = joint_sections(contacts)
+    at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
+    return edge_ratio(made, corners, contacts.start, at)
+
+
+def _kind(moved: Floats, reach: float, away: Floats, frame: Floats, sign: float) -> JointMotion:
+    """The kind of motion from that of the corners (c, 3), local, of block b against a.
+
+    Parameters
+    ----------
+    moved, reach
+    away : (3,)
+        Unit normal from the neighbour to the block.
+    frame, sign
+        Of the interface; 1 where the block is block b.
+    """
+    opening, slide = moved[:, 0], np.linalg.norm(moved[:, 1:], axis=1)
+    if max(np.abs(opening).max(), slide.max()) <= STILL * reach:
+        return JointMotion.STAYS
+    closed = opening <= STILL * np.maximum(slide.max(), reach * STILL)
+    if closed.all():
+        return JointMotion.SLIDES
+    if closed.any():
+        return JointMotion.HINGES
+    mean = sign * frame.T @ moved.mean(axis=0)
+    return JointMotion.DROPS if away[2] < 0.0 and mean[2] < 0.0 else JointMotion.LIFTS
+
+
+def _edge(contacts: Contacts, interface: int, moved: Floats) -> Floats:
+    """The two corners that open least."""
+    order = np.argsort(moved[:, 0], kind="stable")[:2]
+    corners: Floats = contacts.polygon(interface)[np.sort(order)]
+    return frozen(np.array(corners))
+
+
+__all__ = ["JointMotion", "JointState", "joint_states"]

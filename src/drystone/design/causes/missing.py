@@ -1,0 +1,240 @@
+"""What is missing where blocks fall, as numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints, frozen
+from drystone.base.display import OneLine
+from drystone.design.causes.prop_forces import QUICK, PropForce
+from drystone.design.surgery.changed_model import acceleration_of
+from drystone.geometry.body.solid import crossings
+from drystone.geometry.plane.triangulate import triangulate
+from drystone.model import Model
+from drystone.results import Result
+from drystone.stability import check
+
+ROUGHEST = 4.0
+"""Largest friction coefficient that is tried, chosen: beyond 76 degrees a joint is a key."""
+
+HEAVIEST = 10.0
+"""Largest ballast that is tried, by the weight of the region, chosen."""
+
+CLOSE = 0.01
+"""Relative width at which a search for a least value ends."""
+
+SEARCHED = 12
+"""Blocks of a region, the neediest first, for which props and ballast are tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pull(OneLine):
+    """Tension that a joint would carry if it were glued.
+
+    Attributes
+    ----------
+    interface
+    force : [N]
+        Sum over its corners.
+    point : (3,) [m]
+        Where it acts.
+    stress : [Pa]
+        Force by area.
+    """
+
+    interface: int
+    force: float
+    point: Floats
+    stress: float
+
+
+@dataclass(frozen=True, eq=False)
+class Ballast(OneLine):
+    """Weight on a block that makes a region stand.
+
+    Attributes
+    ----------
+    block
+    force : [N]
+    """
+
+    block: int
+    force: float
+
+
+@dataclass(frozen=True, eq=False)
+class Needs(OneLine):
+    """What would hold a region; ``None`` where it was not found.
+
+    Attributes
+    ----------
+    wrench : (r, 6) [N, N m]
+        What a hand would supply to each block of the region, about its centroid.
+    force, point : (3,) [N], (3,) [m]
+        The same as one force, and the point at which it would enter.
+    support
+        The prop from below that takes least.
+    pulls
+        The joints that would pull if they were glued, the strongest first; interfaces of the whole
+        model.
+    glue_holds
+        Whether glue alone would do.
+    friction
+        Least coefficient of the joints of the region.
+    ballast
+        The least weight on one block.
+    """
+
+    wrench: Floats
+    force: Floats
+    point: Floats
+    support: PropForce | None
+    pulls: tuple[Pull, ...]
+    glue_holds: bool
+    friction: float | None
+    ballast: Ballast | None
+
+
+def least(stands: Callable[[float], bool], low: float, high: float) -> float | None:
+    """The least value at which something stands, between one at which it falls and the largest.
+
+    A value is returned at which it stood; ``None`` where it falls at the largest one.
+    """
+    if not stands(high):
+        return None
+    while high - low > CLOSE * high:
+        middle = 0.5 * (low + high)
+        if stands(middle):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def friction_needed(model: Model) -> float | None:
+    """Least coefficient of the active joints at which a model that falls stands.
+
+    Joints that are rougher already stay as they are.
+    """
+    own = model.contacts.friction
+
+    def stands(value: float) -> bool:
+        rough = np.where(model.active, np.maximum(own, value), own)
+        return check(model.with_friction(rough), options=QUICK).stable
+
+    return least(stands, float(own[model.active].min(initial=0.0)), ROUGHEST)
+
+
+def ballast_needed(model: Model, blocks: tuple[int, ...]) -> Ballast | None:
+    """The least weight at the centroid of one of the blocks at which a model stands."""
+    down = acceleration_of(model)
+    size = float(np.linalg.norm(down))
+    if size == 0.0:
+        return None
+    own = float(model.assembly.mass[list(blocks)].sum()) * size
+    best: Ballast | None = None
+    for block in blocks[:SEARCHED]:
+
+        def stands(weight: float, block: int = block) -> bool:
+            return check(ballasted(model, block, weight), options=QUICK).stable
+
+        steps = [share * own for share in (0.1, 0.3, 1.0, 3.0, HEAVIEST)]
+        low = 0.0
+        for high in steps:
+            if best is not None and low >= best.force:
+                break
+            found = least(stands, low, high) if stands(high) else None
+            if found is not None:
+                if best is None or found < best.force:
+                    best = Ballast(block, found)
+                break
+            low = high
+    return best
+
+
+def ballasted(model: Model, block: int, weight: float) -> Model:
+    """The model with a weight [N] more at the centroid of a block."""
+    down = acceleration_of(model)
+    wrench = np.array(model.load.wrench)
+    wrench[block, :3] += weight * down / np.linalg.norm(down)
+    name = f"{model.load.name} + {weight:.3g} N on {model.assembly.names[block]}"
+    return model.with_load(replace(model.load, wrench=wrench, name=name))
+
+
+def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:
+    """The joints of a glued structure that pull, the strongest first.
+
+    Parameters
+    ----------
+    glued
+        A penalty result.
+    interfaces : (m,)
+        The names that its interfaces have in the whole model.
+    """
+    contacts, tension = glued.contacts, glued.tension
+    if tension is None or not contacts.count:
+        return ()
+    total = np.bincount(contacts.interface, tension, minlength=contacts.count)
+    pulls = []
+    for i in np.argsort(-total):
+        if total[i] <= 1e-3 * total.max() or total[i] <= 0.0:
+            break
+        corners = slice(contacts.start[i], contacts.start[i + 1])
+        point = tension[corners] @ contacts.point[corners] / total[i]
+        area = float(contacts.area[i])
+        stress = float(total[i]) / area if area > 0.0 else np.inf
+        pulls.append(Pull(int(interfaces[i]), float(total[i]), frozen(point), stress))
+    return tuple(pulls)
+
+
+def one_force(model: Model, blocks: tuple[int, ...], wrench: Floats) -> tuple[Floats, Floats]:
+    """The sum of wrenches on some blocks as one force (3,) [N], and where it enters them (3,) [m].
+
+    The point is on the line of action, on the side that the force comes from; on the line nearest
+    to the centroid where the line passes the blocks.
+    """
+    centroid = model.assembly.centroid[list(blocks)]
+    middle = centroid.mean(axis=0)
+    force: Floats = wrench[:, :3].sum(axis=0)
+    moment = wrench[:, 3:].sum(axis=0) + np.cross(centroid - middle, wrench[:, :3]).sum(axis=0)
+    square = float(force @ force)
+    if square == 0.0:
+        return force, middle
+    at = middle + np.cross(force, moment) / square
+    along = force / np.sqrt(square)
+    best = np.inf
+    for i in blocks:
+        body = model.assembly.blocks[i]
+        best = min(best, _entry(body.vertices, body.faces, at, along))
+    point: Floats = at + (best if np.isfinite(best) else 0.0) * along
+    return force, point
+
+
+def _entry(
+    vertices: Floats, faces: tuple[tuple[int, ...], ...], at: Floats, along: Floats
+) -> float:
+    """How far along a line a body begins; infinite where the line passes it."""
+    reach = 2.0 * float(np.linalg.norm(vertices - at, axis=1).max())
+    loop = np.concatenate([np.asarray(face, dtype=np.intp) for face in faces])
+    ends = np.cumsum([0, *(len(face) for face in faces)]).astype(np.intp)
+    corner = vertices[loop][triangulate(vertices[loop], ends)[0]]
+    start, end = at - reach * along, at + reach * along
+    shape = (len(corner), 3)
+    hit, share = crossings(np.broadcast_to(start, shape), np.broadcast_to(end, shape), corner)
+    return float((2.0 * share[hit].min() - 1.0) * reach) if hit.any() else np.inf
+
+
+__all__ = [
+    "Ballast",
+    "Needs",
+    "Pull",
+    "ballast_needed",
+    "ballasted",
+    "friction_needed",
+    "least",
+    "one_force",
+    "pulls_of",
+]

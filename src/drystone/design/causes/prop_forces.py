@@ -1,0 +1,193 @@
+"""Props: a fixed head that a block rests on, and the force that it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from drystone.assembly import Block
+from drystone.base.arrays import Floats, frozen
+from drystone.base.display import OneLine
+from drystone.contacts import Contacts
+from drystone.design.surgery.changed_model import changed, fresh_name, usual_friction
+from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.plane.polygon import area_vectors
+from drystone.model import Model
+from drystone.stability import CheckOptions, check
+
+HEAD = 0.1
+"""Side of the head of a prop by the size of the block on it, chosen: a small jack."""
+
+AGAINST = 0.2
+"""A prop can stand where a face moves towards it with at least this share of its speed, chosen: 12
+degrees from sliding past it."""
+
+NEAR = 0.01
+"""A joint is on a face when it is nearer than this share of the size of the block, and as parallel;
+chosen above the tolerance of the contact search."""
+
+SHARES = (0.0, 0.4, 0.7, -0.4, -0.7)
+"""Places on a face, from its middle to its ends."""
+
+SMALL_REGION = 4
+"""Blocks up to which all places are tried; with more blocks the middle of each face."""
+
+QUICK = CheckOptions(samples=0, settle=False)
+"""One stiffness: what stands in it stands, and the full check has the last word."""
+
+
+@dataclass(frozen=True, eq=False)
+class PropSeat(OneLine):
+    """Where a prop can stand against a block.
+
+    Attributes
+    ----------
+    block
+    outline : (c, 3) [m]
+        Of the head, on a face of the block, counter-clockwise about the normal.
+    normal : (3,) unit
+        From the prop into the block.
+    """
+
+    block: int
+    outline: Floats
+    normal: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class PropForce(OneLine):
+    """A prop that holds a region, and what it takes.
+
+    Attributes
+    ----------
+    block
+        Position of the block that rests on it.
+    point : (3,) [m]
+    force : (3,) [N]
+        On the block.
+    """
+
+    block: int
+    point: Floats
+    force: Floats
+
+    @property
+    def size(self) -> float:
+        """[N]."""
+        return float(np.linalg.norm(self.force))
+
+
+def seats(
+    model: Model, block: int, motion: Floats, shares: Sequence[float] = SHARES
+) -> Iterator[PropSeat]:
+    """Places for a prop: on each free face of a block that moves forward.
+
+    On a face they lie on a line through its middle, along its steepest direction.
+
+    Parameters
+    ----------
+    model
+    block
+    motion : (6,)
+        How the block begins to move.
+    shares
+        Of the way from the middle of a face to its end.
+    """
+    body = model.assembly.blocks[block]
+    half = 0.5 * HEAD * body.size
+    for loop in body.faces:
+        corner = body.vertices[list(loop)]
+        area = area_vectors(corner, np.array([0, len(corner)]))[0]
+        size = float(np.linalg.norm(area))
+        middle = corner.mean(axis=0)
+        speed = motion[:3] + np.cross(motion[3:], middle - body.centroid)
+        if area @ speed <= AGAINST * size * float(np.linalg.norm(speed)):
+            continue
+        frame = frames_from_normals(-area[None] / size)[0]
+        bare = _bare(model, block, corner, frame)
+        if bare.area < half**2:
+            continue
+        down = frame[1:] @ np.array([0.0, 0.0, -1.0])
+        steep = float(np.linalg.norm(down))
+        along = down / steep if steep > AGAINST else np.array([1.0, 0.0])
+        centre = np.array(bare.centroid.coords[0])
+        reach = (np.array(bare.exterior.coords) - centre) @ along
+        for share in shares:
+            at = centre + share * (reach.max() if share > 0.0 else -reach.min()) * along
+            head = shapely.intersection(shapely.box(*(at - half), *(at + half)), bare)
+            if head.geom_type == "Polygon" and head.area > half**2:
+                ring = np.array(shapely.geometry.polygon.orient(head).exterior.coords)[:-1]
+                yield PropSeat(block, frozen(corner[0] + ring @ frame[1:]), frozen(frame[0]))
+
+
+def _bare(model: Model, block: int, corner: Floats, frame: Floats) -> shapely.Polygon:
+    """The largest part of a face that no joint covers, in the plane of its frame."""
+    contacts = model.contacts
+    left = shapely.Polygon((corner - corner[0]) @ frame[1:].T)
+    near = NEAR * model.assembly.size[block]
+    for i in np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block)):
+        joint = contacts.polygon(int(i)) - corner[0]
+        flat = abs(float(contacts.frame[i, 0] @ frame[0])) > 1.0 - NEAR
+        if len(joint) > 2 and flat and np.abs(joint @ frame[0]).max() < near:
+            left = shapely.difference(left, shapely.Polygon(joint @ frame[1:].T).buffer(near))
+    parts = [part for part in shapely.get_parts(left) if part.geom_type == "Polygon"]
+    return max(parts, key=lambda part: part.area, default=shapely.Polygon())
+
+
+def propped(model: Model, seat: PropSeat) -> tuple[Model, int]:
+    """The model with a fixed prop against a block, and the number of the interface between them."""
+    patch, count = np.asarray(seat.outline), len(seat.outline)
+    foot = patch - HEAD * model.assembly.size[seat.block] * np.asarray(seat.normal)
+    here = range(count)
+    sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in here]
+    faces = (tuple(i + count for i in here), tuple(reversed(here)), *sides)
+    prop = Block(np.concatenate([foot, patch]), faces, fresh_name(model, "prop"))
+    area = area_vectors(patch, np.array([0, count]))[0]
+    contacts = Contacts(
+        np.array([len(model)]),
+        np.array([seat.block]),
+        frames_from_normals(np.asarray(seat.normal)[None]),
+        np.array([float(np.linalg.norm(area))]),
+        np.array([usual_friction(model)]),
+        patch,
+        np.zeros(count, dtype=np.intp),
+    )
+    held = changed(model, added=(prop,), fixed=(True,), contacts=contacts)
+    return held, held.contacts.count - 1
+
+
+def least_prop(
+    model: Model, blocks: Sequence[int], motion: Floats
+) -> tuple[PropSeat, PropForce] | None:
+    """The prop at one of the blocks that holds the model with the smallest force.
+
+    ``None`` where no single prop does, or no block has a free face that moves forward.
+
+    Parameters
+    ----------
+    model
+    blocks
+    motion : (n, 6)
+        How the blocks begin to move.
+    """
+    best: tuple[PropSeat, PropForce] | None = None
+    shares = SHARES if len(blocks) <= SMALL_REGION else SHARES[:1]
+    for block in blocks:
+        for seat in seats(model, int(block), motion[block], shares):
+            held, number = propped(model, seat)
+            answer = check(held, options=QUICK)
+            if not answer.stable:
+                continue
+            resultant = answer.resultants
+            force = PropForce(
+                int(block), frozen(resultant.position[number]), frozen(resultant.force[number])
+            )
+            if best is None or force.size < best[1].size:
+                best = seat, force
+    return best
+
+
+__all__ = ["PropForce", "PropSeat", "least_prop", "propped", "seats"]

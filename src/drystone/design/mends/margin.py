@@ -1,0 +1,97 @@
+"""The margin at which a mended structure has to stand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
+from drystone.design.causes.prop_forces import QUICK
+from drystone.geometry.frames import rotation_about
+from drystone.model import Model
+from drystone.results import Result
+from drystone.stability import CheckOptions, check
+
+AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
+"""The horizontal axes about which a structure is tilted."""
+
+
+@dataclass(frozen=True)
+class DesignMargin(Options):
+    """How far from falling a structure has to stand.
+
+    Attributes
+    ----------
+    tilt : [degrees]
+        It stands tilted by so much to each of four sides.
+    load
+        It stands under so many times its load.
+    friction
+        It stands with so much of the friction of each joint.
+    robust
+        It stands for all contact stiffnesses that the check tries; else for one.
+    """
+
+    tilt: float = 0.0
+    load: float = 1.0
+    friction: float = 1.0
+    robust: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, good, remedy in (
+            ("tilt", 0.0 <= self.tilt < 90.0, "give degrees from 0 to 90"),
+            ("load", 0.0 < self.load < np.inf, "give a number above zero"),
+            ("friction", 0.0 < self.friction <= 1.0, "give a share above 0, up to 1"),
+        ):
+            if not good:
+                raise InputError(f"the margin of {name} is {getattr(self, name)}", remedy=remedy)
+
+    def cases(self, model: Model) -> list[Model]:
+        """The model in each of the cases in which it has to stand, too."""
+        cases: list[Model] = []
+        if self.friction < 1.0:
+            cases.append(model.with_friction(self.friction * model.contacts.friction))
+        if self.load != 1.0:
+            cases.append(model.with_load(self.load * model.load))
+        if self.tilt > 0.0:
+            cases += [tilted(model, axis, self.tilt) for axis in AXES]
+        return cases
+
+    def holds(self, model: Model, *, quick: bool = False) -> Result:
+        """The check of the model, or of the first case in which it does not stand as it has to.
+
+        Parameters
+        ----------
+        model
+        quick
+            Try one stiffness only, for searches: what stands in it stands.
+        """
+        options = QUICK if quick else CheckOptions()
+        first = check(model, options=options)
+        if not self.meets(first):
+            return first
+        for case in self.cases(model):
+            result = check(case, options=options)
+            if not self.meets(result):
+                return result
+        return first
+
+    def meets(self, result: Result) -> bool:
+        """Whether a result is good enough."""
+        samples = result.samples
+        return result.stable and (not self.robust or samples.standing == samples.tried)
+
+
+def tilted(model: Model, axis: tuple[float, float, float], angle: float) -> Model:
+    """The model turned counter-clockwise about an axis; its load keeps its direction in space."""
+    turn = rotation_about(np.array(axis), angle)
+    wrench = np.concatenate(
+        [model.load.wrench[:, :3] @ turn, model.load.wrench[:, 3:] @ turn], axis=1
+    )
+    return model.with_load(replace(model.load, wrench=wrench))
+
+
+__all__ = ["DesignMargin", "tilted"]

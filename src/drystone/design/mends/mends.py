@@ -1,0 +1,314 @@
+"""Mends: changes that make a structure stand, each one checked, ranked by their cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Unpack
+
+import numpy as np
+
+from drystone.base.display import OneLine, shortened
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Progress
+from drystone.base.settings import Options, checked_call
+from drystone.design.causes.diagnosis import Diagnosis, diagnose
+from drystone.design.mends.bench import KINDS, Bench, Candidate, Tried, volume_changed
+from drystone.design.mends.margin import DesignMargin
+from drystone.io.opening import Given, How, as_model
+from drystone.model import Model
+from drystone.results import Result
+
+JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
+"""Cost of a joint that is touched, of a thing that is added, of all the volume of a region changed,
+and of one more in the coefficient of a joint. Chosen: work on a joint that is there is cheaper than
+another part, and a tenth of the volume is worth a joint."""
+
+
+@dataclass(frozen=True)
+class MendOptions(Options):
+    """Options of :func:`find_mends` and of :func:`drystone.design.mend`.
+
+    Attributes
+    ----------
+    margin
+        How far from falling the mended structure has to stand.
+    kinds
+        Which kinds of mends are tried; all when left out. See :data:`KINDS`.
+    keep
+        Names or positions of blocks that may not be changed.
+    """
+
+    margin: DesignMargin = field(default_factory=DesignMargin)
+    kinds: tuple[str, ...] = KINDS
+    keep: tuple[int | str, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        kinds = _several(self.kinds, str, "kinds")
+        keep = _several(self.keep, int | str, "keep")
+        for kind in kinds:
+            if kind not in KINDS:
+                raise InputError(
+                    f"there is no kind of mend '{kind}'", remedy=f"choose from {', '.join(KINDS)}"
+                )
+        if not kinds:
+            raise InputError("no kind of mend is allowed", remedy="leave kinds out for all")
+        object.__setattr__(self, "kinds", kinds)
+        object.__setattr__(self, "keep", keep)
+
+
+def _several(given: Any, kind: Any, name: str) -> tuple[Any, ...]:
+    """One value or several of a kind, as a tuple."""
+    if isinstance(given, kind) and not isinstance(given, bool):
+        return (given,)
+    remedy = "give names" if kind is str else "give names or positions of blocks"
+    if not isinstance(given, list | tuple):
+        raise InputError(f"{name} is {shortened(repr(given), 60)}", remedy=remedy)
+    for one in given:
+        if not isinstance(one, kind) or isinstance(one, bool):
+            raise InputError(f"{name} has {shortened(repr(one), 60)}", remedy=remedy)
+    return tuple(given)
+
+
+@dataclass(frozen=True, eq=False)
+class Mend(OneLine):
+    """A change with which a region stands, checked on the whole structure.
+
+    Attributes
+    ----------
+    kind
+        One of :data:`KINDS`.
+    blocks
+        Names of the blocks of the region.
+    description
+    value
+        The least value: degrees, coefficient, share or newton, as the description says.
+    joints
+        Number of joints that are touched.
+    added
+        Number of blocks, props or weights that are added.
+    volume : [m3]
+        Sum of what the blocks gain and lose.
+    cost
+        ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``.
+    before, model
+        The structure without the change, and with it.
+    result
+        The full check of it.
+    held
+        Names of blocks of other regions, that were held meanwhile.
+    """
+
+    kind: str
+    blocks: tuple[str, ...]
+    description: str
+    value: float
+    joints: int
+    added: int
+    volume: float
+    cost: float
+    before: Model
+    model: Model
+    result: Result
+    held: tuple[str, ...] = ()
+
+    def _summary(self) -> str:
+        return f"'{self.description}', cost {self.cost:.3g}, {self.result.verdict.value}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "kind": self.kind,
+            "blocks": list(self.blocks),
+            "description": self.description,
+            "value": self.value,
+            "cost": self.cost,
+            "joints": self.joints,
+            "added": self.added,
+            "volume": self.volume,
+            "verdict": self.result.verdict.value,
+            "message": self.result.message,
+            "held": list(self.held),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Mends(OneLine):
+    """The mends of every region of a structure.
+
+    Attributes
+    ----------
+    diagnosis
+        Of the structure, or of the first case of the margin in which it falls.
+    mends
+        Region after region, the cheapest first.
+    tried
+        Kinds that do not hold a region, by the names of its blocks.
+    message
+        Why there is nothing to mend; empty otherwise.
+    """
+
+    diagnosis: Diagnosis
+    mends: tuple[Mend, ...]
+    tried: tuple[tuple[tuple[str, ...], Tried], ...] = ()
+    message: str = ""
+
+    def _summary(self) -> str:
+        return self.message or f"{counted(len(self.mends), 'mend')}"
+
+    def of(self, blocks: Sequence[str]) -> tuple[Mend, ...]:
+        """The mends of the region with these blocks."""
+        return tuple(mend for mend in self.mends if set(mend.blocks) == set(blocks))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "mends": [mend.to_dict() for mend in self.mends],
+            "tried": [
+                {"blocks": list(blocks), "kind": one.kind, "what": one.what}
+                for blocks, one in self.tried
+            ],
+            "mending": self.message,
+        }
+
+
+@checked_call
+def find_mends(
+    given: Given,
+    *,
+    options: MendOptions | None = None,
+    regions: int | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
+) -> Mends:
+    """Changes that make a structure stand, found without a person.
+
+    For every region each kind of change is tried on its local model, and the least value searched
+    for with which that stands. What holds there is made on the whole structure, which is then
+    checked in full; other regions that fall are held meanwhile.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+    regions
+        How many regions are mended, the heaviest first; all when left out.
+    progress
+    stop
+        Asked between two changes; True ends the search with what is found.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model, or a block to keep does not exist.
+    """
+    chosen = MendOptions.of(options)
+    model = as_model(given, **how)
+    keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
+    first = chosen.margin.holds(model)
+    if chosen.margin.meets(first):
+        return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
+    found = diagnose(first.model, result=first, progress=progress, stop=stop)
+    if not found.regions:
+        return Mends(found, (), message=found.sentences[0])
+    mends: list[Mend] = []
+    tried: list[tuple[tuple[str, ...], Tried]] = []
+    looked = found.regions if regions is None else found.regions[:regions]
+    others = set(found.others).union(*(region.blocks for region in found.regions))
+    for number, region in enumerate(looked):
+        bench = Bench(model, found.motion, region, chosen.margin, keep)
+        own: list[Mend] = []
+        held = sorted(others - set(region.blocks))
+        for kind in chosen.kinds:
+            if stop is not None and stop():
+                break
+            if progress is not None:
+                progress(f"mends of region {number + 1}", chosen.kinds.index(kind), len(KINDS))
+            for candidate in bench.candidates([kind]):
+                made = _verified(model, bench, candidate, held, chosen.margin)
+                if made is not None:
+                    own.append(made)
+        mends += sorted(own, key=lambda one: one.cost)
+        names = tuple(model.assembly.names[i] for i in region.blocks)
+        tried += [(names, one) for one in bench.tried]
+    return Mends(found, tuple(mends), tuple(tried))
+
+
+def stands_already(margin: DesignMargin) -> str:
+    if margin == DesignMargin():
+        return "it stands already: ask for a margin to make it stand more firmly"
+    return "it stands already, at the margin that is asked for"
+
+
+def _verified(
+    model: Model, bench: Bench, candidate: Candidate, held: list[int], margin: DesignMargin
+) -> Mend | None:
+    """The change made on the whole structure, checked in full; ``None`` where that falls.
+
+    Where the least value of the local model is not enough for the whole, a larger one is searched.
+    """
+    names = model.assembly.names
+
+    why = ""
+
+    def judged(value: float, *, quick: bool = False) -> tuple[Model, Result] | None:
+        nonlocal why
+        try:
+            made = candidate.make(value)(model, bench.blocks, bench.interfaces)
+        except InputError as error:
+            why = str(error)
+            return None
+        still = [names[i] for i in held if names[i] in made.assembly]
+        fixed = [made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)]
+        asked = made.with_supports([*fixed, *still]) if still else made
+        result = margin.holds(asked, quick=quick)
+        why = why if quick else result.message
+        return (made, result) if margin.meets(result) else None
+
+    value = candidate.value
+    answer = judged(value)
+    low = value
+    while answer is None and low + candidate.close < candidate.most:
+        high = min(2.0 * low + candidate.close, candidate.most)
+        if judged(high, quick=True) is not None:
+            while high - low > candidate.close:
+                middle = 0.5 * (low + high)
+                if judged(middle, quick=True) is not None:
+                    high = middle
+                else:
+                    low = middle
+            value, answer = high, judged(high)
+        low = high
+    if answer is None:
+        what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"
+        bench.tried.append(Tried(candidate.kind, what))
+        return None
+    made, result = answer
+    still = [names[i] for i in held if names[i] in made.assembly]
+    region = bench.region
+    volume = volume_changed(model, made)
+    whole = float(model.assembly.volume[list(region.blocks)].sum())
+    cost = JOINT * candidate.joints + ADDED * candidate.added + VOLUME * volume / whole
+    if candidate.kind == "friction":
+        gained = np.asarray(made.contacts.friction) - np.asarray(model.contacts.friction)
+        cost += FRICTION * float(gained.sum())
+    return Mend(
+        candidate.kind,
+        tuple(names[i] for i in region.blocks),
+        candidate.words(value),
+        value,
+        candidate.joints,
+        candidate.added,
+        volume,
+        cost,
+        model,
+        made,
+        result,
+        tuple(still),
+    )
+
+
+__all__ = ["Mend", "MendOptions", "Mends", "find_mends"]

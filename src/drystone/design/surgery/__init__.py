@@ -1,0 +1,1 @@
+"""Changes of blocks and joints that keep every block closed."""

@@ -1,0 +1,122 @@
+"""What simulators want to know of a block: convex pieces about the centroid, mass and inertia."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from drystone.assembly import Block
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
+from drystone.geometry.body.convex_pieces import convex_pieces
+from drystone.model import Model
+
+SAME_ACCELERATION = 1e-6
+"""Relative difference of the accelerations of blocks that still are one gravity."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A block for a simulator. Its frame has its origin at the centroid and the world's axes.
+
+    Attributes
+    ----------
+    name
+        Letters, digits, dots, dashes and underscores.
+    fixed
+    place : (3,) [m]
+        Of its centroid.
+    mass : [kg]
+    inertia : (3, 3) [kg m2]
+        About the centroid.
+    pieces
+        Per convex piece its corners (p, 3) [m] and its triangles (t, 3), outwards.
+    """
+
+    name: str
+    fixed: bool
+    place: Floats
+    mass: float
+    inertia: Floats
+    pieces: tuple[tuple[Floats, Ints], ...]
+
+
+def bodies(model: Model) -> list[Body]:
+    """The blocks of a model, in their order."""
+    assembly = model.assembly
+    names = _plain_names(assembly.names)
+    out = []
+    for i, block in enumerate(assembly.blocks):
+        pieces = tuple(
+            _hull(p.point - block.centroid) for p in convex_pieces(block.vertices, block.faces)
+        )
+        inertia = _inertia(block, pieces)
+        fixed = bool(assembly.fixed[i])
+        out.append(Body(names[i], fixed, block.centroid, block.mass, inertia, pieces))
+    return out
+
+
+def gravity_of(model: Model) -> Floats:
+    """(3,) [m/s2], the acceleration that the load gives to all free blocks.
+
+    Raises
+    ------
+    InputError
+        The load differs from block to block, or has moments.
+    """
+    free = model.assembly.free
+    if not len(free):
+        return np.array([0.0, 0.0, -9.81])
+    wrench = model.load.wrench[free]
+    each = wrench[:, :3] / model.assembly.mass[free][:, None]
+    common: Floats = each[0]
+    scale = max(float(np.abs(each).max()), 1e-300)
+    alike = np.abs(each - common).max() <= SAME_ACCELERATION * scale
+    if not alike or np.abs(wrench[:, 3:]).max() > 1e-9 * np.abs(wrench).max():
+        raise InputError(
+            f"the load case '{model.load.name}' is no gravity",
+            where="load",
+            remedy="give a load that accelerates all masses alike, or model loads as blocks",
+        )
+    return common
+
+
+def _plain_names(names: tuple[str, ...]) -> list[str]:
+    """Names that every format takes, all different."""
+    out: list[str] = []
+    for i, name in enumerate(names):
+        plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)
+        out.append(plain if plain not in out and plain == name else f"{plain}_{i}")
+    return out
+
+
+def _hull(point: Floats) -> tuple[Floats, Ints]:
+    hull = ConvexHull(point)
+    triangle = hull.simplices.astype(np.intp)
+    corner = point[triangle]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    inward = (normal * hull.equations[:, :3]).sum(axis=1) < 0.0
+    triangle[inward] = triangle[inward][:, ::-1]
+    used, place = np.unique(triangle, return_inverse=True)
+    return point[used], place.reshape(-1, 3)
+
+
+def _inertia(block: Block, pieces: tuple[tuple[Floats, Ints], ...]) -> Floats:
+    """(3, 3) [kg m2] about the centroid: tetrahedra from it to the triangles of the pieces."""
+    second, volume = np.zeros((3, 3)), 0.0
+    for point, triangle in pieces:
+        corner = point[triangle]
+        six = np.einsum("ti,ti->t", corner[:, 0], np.cross(corner[:, 1], corner[:, 2]))
+        total = corner.sum(axis=1)
+        moment = np.einsum("tki,tkj->tij", corner, corner) + np.einsum("ti,tj->tij", total, total)
+        second += np.einsum("t,tij->ij", six, moment) / 120.0
+        volume += float(six.sum()) / 6.0
+    second *= block.mass / volume
+    inertia: Floats = np.trace(second) * np.eye(3) - second
+    return inertia
+
+
+__all__ = ["Body", "bodies", "gravity_of"]

@@ -1,0 +1,1 @@
+"""Arches, domes, vaults and walls."""

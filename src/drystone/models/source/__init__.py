@@ -1,0 +1,1 @@
+"""Structures of the literature, from their published dimensions."""

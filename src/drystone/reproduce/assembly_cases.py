@@ -1,0 +1,132 @@
+"""Chapters 6.4 and 7 of the source: structures that are built without scaffolding."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drystone import models
+from drystone.assembly import Assembly
+from drystone.base.arrays import Floats
+from drystone.model import Model
+from drystone.reproduce.published_case import Case, Line
+from drystone.results import Result, Verdict
+from drystone.sequence import Order, Plan, PlanOptions, Rules, plan, take_turns
+from drystone.shells import Body, Edge, Layout, Patch, Shape, Side, build_shell, sample_shell
+from drystone.shells import dome as dome_shape
+from drystone.stability import check, solve_cra
+from drystone.stability.programs.cra import CRAOptions
+
+THOROUGH = PlanOptions(patience=math.inf)
+BY_COURSE = PlanOptions(rules=Rules(order=Order.COURSE))
+ASSUMED = "dimensions and published counts are not in our data: the shape is ours"
+
+
+def snake() -> Case:
+    """Section 7.2: the snake."""
+    model = Model.of(models.snake(), friction=0.7)
+    result = check(model)
+    lines = [
+        Line("friction 0.7: complete", "stable", result.verdict.value, _stands(result)),
+        Line("interfaces", "7", str(model.contacts.count), None, "ours merges coplanar ones"),
+        _counted("friction 0.8: order", "", plan(model.with_friction(0.8)), None),
+    ]
+    return Case("7.2", "Snake", tuple(lines), {"snake": result})
+
+
+def bridge() -> Case:
+    """Section 7.2.4: the bridge, with and without the load of figure 7.4."""
+    model = Model.of(models.bridge(), friction=0.66)
+    plans = {mu: plan(model.with_friction(mu), options=THOROUGH) for mu in (0.66, 0.35, 0.34)}
+    lines = [
+        Line("blocks", "11", str(len(model.assembly)), len(model.assembly) == 11),
+        Line(
+            "interfaces", "33", str(model.contacts.count), None,
+            "the bridge is symmetric and has no interface on its axis, so their number is even",
+        ),
+    ]  # fmt: skip
+    for mu in (0.66, 0.35):
+        free = plans[mu].counts["free"]
+        lines.append(_counted(f"friction {mu}: order", "9 free", plans[mu], free == 9))
+    none = plans[0.34].counts["free"] < 9
+    lines.append(_counted("friction 0.34: order", "none without help", plans[0.34], none))
+    loaded = Model.of(models.bridge(load=True), friction=0.9)
+    result = check(loaded)
+    lines.append(Line("with load: complete", "stable", result.verdict.value, _stands(result)))
+    state = solve_cra(loaded, options=CRAOptions(tolerance=2e-6))
+    met = state.verdict is Verdict.STABLE and state.method == "cra"
+    lines.append(
+        Line("with load: eq. 5.6", "a state", "a state" if met else "none", met, "to 2e-6")
+    )
+    pictures: dict[str, Result | Plan] = {"bridge": plans[0.66], "bridge-load": result}
+    return Case("7.2.4", "Bridge", tuple(lines), pictures)
+
+
+def two_robots() -> Case:
+    """Section 6.4.2: robots that hold the last block in turn, on an arch."""
+    found = take_turns(models.arch(0.3, 11), friction=0.7)
+    line = Line(
+        "arch of 11 voussoirs, two robots in turn",
+        "",
+        f"{'no scaffolding' if found.works else 'falls'}, largest hold {found.largest:.0f} N",
+        None,
+        "an arch in place of the tri-dome, of which we have no dimensions",
+    )
+    return Case("6.4.2", "Two robots", (line,), {})
+
+
+def shells() -> Case:
+    """Section 7.5: vault, dome and three-vault shell, course by course."""
+    found = {
+        "vault": plan(Model.of(niche(0.2), friction=0.6), options=BY_COURSE),
+        "dome": plan(Model.of(ring_dome(), friction=0.66), options=BY_COURSE),
+        "three-vault shell": plan(
+            sample_shell("freeform", 40).model(friction=0.66), options=BY_COURSE
+        ),
+    }
+    lines = (
+        _counted("vault of 37 blocks, friction 0.6", "", found["vault"], None, ASSUMED),
+        _counted("dome of 60 blocks, friction 0.66", "", found["dome"], None, ASSUMED),
+        _counted("three-vault shell of 42 blocks", "", found["three-vault shell"], None, ASSUMED),
+    )
+    pictures: dict[str, Result | Plan] = {k.replace(" ", "-"): v for k, v in found.items()}
+    return Case("7.5", "Shells", lines, pictures)
+
+
+def niche(wedge: float) -> Assembly:
+    """A vault of 37 voussoirs in five courses, held by a wall on three sides, open at the top."""
+    top, radius = math.radians(72.0), 3.0
+
+    def point(u: Floats, v: Floats) -> Floats:
+        latitude, longitude = top * u, np.pi * (v - 0.5)
+        ring = radius * np.cos(latitude)
+        return np.stack(
+            [ring * np.cos(longitude), ring * np.sin(longitude), radius * np.sin(latitude)],
+            axis=-1,
+        )
+
+    supports = (Edge(0, Side.BOTTOM), Edge(0, Side.LEFT), Edge(0, Side.RIGHT))
+    shape = Shape((Patch(point, name="niche"),), supports=supports, name="niche")
+    layout = Layout(courses=5, blocks=7, wedge=wedge)
+    return build_shell(shape, layout, Body(thickness=0.35)).assembly
+
+
+def ring_dome() -> Assembly:
+    """Five closed rings of twelve voussoirs, from 20 to 47.5 degrees of latitude."""
+    eye = 5.0 * math.cos(math.radians(47.5))
+    shape = dome_shape(radius=5.0, oculus=eye, springing_deg=20.0)
+    return build_shell(shape, Layout(courses=5, blocks=12, wedge=0.2), Body(thickness=0.5)).assembly
+
+
+def _counted(what: str, published: str, found: Plan, agrees: bool | None, note: str = "") -> Line:
+    counts = found.counts
+    text = ", ".join(f"{counts[k]} {k}" for k in ("free", "held", "propped", "impossible"))
+    return Line(what, published, text, agrees, note)
+
+
+def _stands(result: Result) -> bool:
+    return result.verdict is Verdict.STABLE
+
+
+__all__ = ["bridge", "niche", "ring_dome", "shells", "snake", "two_robots"]

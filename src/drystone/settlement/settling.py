@@ -1,0 +1,276 @@
+"""Follow the blocks of a model until they rest or fall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, Unpack
+
+import numpy as np
+
+from drystone.base.arrays import Floats, of_type
+from drystone.base.errors import InputError
+from drystone.base.progress import Clock, Progress
+from drystone.base.settings import checked_call
+from drystone.io.opening import Given, How, as_model
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.results import Residuals
+from drystone.settlement.bodies import Bodies, build_bodies
+from drystone.settlement.corners import Carrier, shares
+from drystone.settlement.follow import Follower, Track
+from drystone.settlement.proof import PROVEN, rest_residuals
+from drystone.settlement.settlement_types import (
+    Outcome,
+    Settlement,
+    SettlementOptions,
+    SettlementPath,
+)
+from drystone.settlement.springs import Pose, rotation_vectors
+
+SQUEEZED = 20.0
+"""Overlap of a corner by that under the mean load, from which on a fall is followed again on
+stiffer springs: a plug that tapers by 0.05 degrees presses with 570 times its weight."""
+STIFFER, STIFFEST = 1e-2, 1e-9
+"""Overlap of the next try by the last, and the smallest: below it gaps are lost in rounding."""
+
+
+@checked_call
+def settle(
+    given: Given,
+    motion: Mapping[int | str, Any] | None = None,
+    *,
+    options: SettlementOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
+) -> Settlement:
+    """Where the blocks go when they are left to themselves, step by step, to rest or into a fall.
+
+    Contacts are stiff springs with Coulomb friction that remembers how the blocks got there.
+    Translations and rotations are finite: corners are carried along and faces turn with their
+    blocks. Wrenches of the load keep their direction and act about the moved centroids. Only the
+    interfaces of the model act; blocks that did not touch at the beginning do not meet.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    motion
+        Supports that move once the load has come to rest: per fixed block its translation [m] (3,),
+        or translation and rotation [m, rad] (6,) about its centroid; world axes. It is added to
+        what the load prescribes (:meth:`drystone.LoadCase.settlement`).
+    options
+    progress
+    stop
+        Asked before every step; True ends it with what is known, like the time limit.
+
+    Raises
+    ------
+    InputError
+        A block that is not fixed is to be moved, or what was given cannot be made into a model.
+
+    Examples
+    --------
+    A wedge that no uniform stiffness holds slides by half a percent of its size, turns and jams:
+
+    >>> import drystone
+    >>> from drystone.models import wedge
+    >>> from drystone.settlement import SettlementOptions
+    >>> tilted = drystone.LoadCase.tilt(wedge("b"), (1.0, 0.0, 0.0), 50.0)
+    >>> model = drystone.Model.of(wedge("b"), friction=0.84, load=tilted)
+    >>> settled = drystone.settle(model, options=SettlementOptions(carrier="moving"))
+    >>> settled.outcome, round(settled.way, 3)
+    (<Outcome.RESTS: 'comes to rest'>, 0.005)
+    """
+    chosen = SettlementOptions.of(options)
+    model = as_model(given, **how)
+    clock = Clock(chosen.time_limit_s, stop)
+    moving = _support_motion(model, motion)
+    model = model.with_load(replace(model.load, motion=None))
+    if not len(model.assembly.free):
+        return _nothing_free(model, chosen, clock)
+    paths = tuple(
+        _path(model, carrier, moving, chosen, clock, progress)
+        for carrier in _carriers(model, chosen)
+    )
+    outcome, message = _judged(paths, clock)
+    return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": clock.elapsed_s})
+
+
+def _nothing_free(model: Model, chosen: SettlementOptions, clock: Clock) -> Settlement:
+    """Every block is a support."""
+    contacts, count = model.contacts, len(model.assembly)
+    corners = contacts.corner_count
+    path = SettlementPath(
+        Carrier.MOVING,
+        Outcome.RESTS,
+        model,
+        np.zeros((1, count, 6)),
+        np.zeros(count),
+        np.zeros((corners, 3)),
+        contacts.point,
+        contacts.frame[contacts.interface],
+        np.zeros(corners),
+        Residuals(),
+        0.0,
+        0,
+        0,
+    )
+    said = {"solve": clock.elapsed_s}
+    return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, said)
+
+
+def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
+    """The ways to follow: two where the ends of joints that bear leave it open."""
+    if chosen.carrier is not None:
+        return (chosen.carrier,)
+    contacts = model.contacts.select(model.active)
+    moving, resting = (shares(model.assembly, contacts, one) for one in Carrier)
+    alike = np.allclose(moving, resting, atol=1e-9)
+    return (Carrier.MOVING,) if alike else (Carrier.MOVING, Carrier.RESTING)
+
+
+def _support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
+    """(n, 6) [m, rad] of the supports; None where none moves."""
+    assembly, case = model.assembly, model.load
+    if motion is not None:
+        remedy = 'give translations by name of the block, such as {"base": (0.0, 0.0, -0.01)}'
+        of_type(motion, Mapping, "the motion", remedy)  # type: ignore[type-abstract]
+        for block, one in motion.items():
+            case = case + LoadCase.settlement(assembly, block, one)
+    if case.motion is None:
+        return None
+    for i in np.flatnonzero(case.motion.any(axis=1) & ~assembly.fixed):
+        raise InputError(
+            f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
+            remedy="move a support, or load the block",
+        )
+    return case.motion
+
+
+def _path(
+    model: Model,
+    carrier: Carrier,
+    motion: Floats | None,
+    chosen: SettlementOptions,
+    clock: Clock,
+    progress: Progress | None,
+) -> SettlementPath:
+    """One run, in physical numbers."""
+    part = model.with_contacts(model.contacts.select(model.active))
+    stage = f"following the blocks, ends carried by the {carrier.value} block"
+    most = 0
+
+    def tell(way: float) -> None:
+        nonlocal most
+        most = max(most, min(int(100.0 * way / chosen.fall), 99))
+        if progress is not None:
+            progress(stage, most, 100)
+
+    overlap = chosen.overlap
+    while True:
+        bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential)
+        follower = Follower(
+            bodies,
+            fall=chosen.fall,
+            pace=chosen.pace,
+            step_limit=chosen.step_limit,
+            stop=clock.late,
+            tell=tell,
+        )
+        track = follower.run(None if motion is None else _scaled(bodies, motion))
+        pressed = -float(track.placed.gap.min(initial=0.0))
+        if track.ended != "falls" or pressed < SQUEEZED * overlap or overlap <= STIFFEST:
+            break
+        # forces far above the weights: what moved is the springs that give way, not the blocks
+        overlap *= STIFFER
+    if progress is not None:
+        progress(stage, 100, 100)
+    path = _physical(model, bodies, track, carrier)
+    if track.ended != "rests":
+        return path
+    residuals = rest_residuals(path)
+    if residuals.largest > PROVEN:
+        return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
+    # blocks that follow their supports go as far as those
+    near = motion is not None or float(track.way.max(initial=0.0)) <= chosen.rest_within
+    return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
+
+
+def _scaled(bodies: Bodies, motion: Floats) -> Floats:
+    out = motion.copy()
+    out[:, :3] /= bodies.length_unit
+    out[:, 3:] *= bodies.radius[:, None]
+    return out
+
+
+def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> SettlementPath:
+    """A track in m, rad and N, for all corners of the model."""
+    contacts = model.contacts
+    corners = model.active[contacts.interface]
+    positions = np.stack([_motion(bodies, pose) for pose in track.frames])
+    force = np.zeros((contacts.corner_count, 3))
+    force[corners] = track.response.force * bodies.force_unit
+    point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
+    gap = np.zeros(contacts.corner_count)
+    origin = model.assembly.centroid[bodies.free].mean(axis=0) if len(bodies.free) else 0.0
+    point[corners] = track.placed.point * bodies.length_unit + origin
+    axes[corners] = track.placed.axes
+    gap[corners] = track.placed.gap * bodies.length_unit
+    way = np.zeros(len(model.assembly))
+    way[bodies.free] = track.way
+    ends = {"falls": Outcome.FALLS}
+    return SettlementPath(
+        carrier,
+        ends.get(track.ended, Outcome.UNKNOWN),
+        model,
+        positions,
+        way,
+        force,
+        point,
+        axes,
+        gap,
+        None,
+        track.share,
+        track.steps,
+        track.iterations,
+    )
+
+
+def _motion(bodies: Bodies, pose: Pose) -> Floats:
+    """(n, 6) [m, rad] from the beginning."""
+    gone = (pose.place - bodies.centroid) * bodies.length_unit
+    return np.concatenate([gone, rotation_vectors(pose.turn)], axis=1)
+
+
+def _judged(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
+    """The outcome of all paths, and a sentence."""
+    first = paths[0]
+    for one in paths:
+        if one.outcome is Outcome.UNKNOWN:
+            why = clock.reason
+            if not why:
+                why = f"no further step was found, {one.share:.1e} of the load is not carried"
+            return Outcome.UNKNOWN, f"{why} after {one.steps} steps"
+    stands = [one.outcome is Outcome.RESTS for one in paths]
+    if any(stands) and not all(stands):
+        said = "; ".join(f"carried by the {one.carrier.value} block, {_said(one)}" for one in paths)
+        return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}"
+    # of two that rest, the one that settles more; of two that do not, the one that falls
+    worst = max(paths, key=lambda one: (one.outcome is Outcome.FALLS, one.way.max(initial=0.0)))
+    chosen = worst if worst.outcome is not first.outcome else first
+    return chosen.outcome, _said(chosen)
+
+
+def _said(path: SettlementPath) -> str:
+    way = float(path.way.max(initial=0.0))
+    if path.outcome is Outcome.FALLS:
+        name = path.model.assembly.names[int(np.argmax(path.way))]
+        return f"it falls: '{name}' has moved by {way:.2f} of its size and still moves"
+    moved = float(np.linalg.norm(path.displacement[:, :3], axis=1).max(initial=0.0))
+    far = "" if path.outcome is Outcome.RESTS else ", farther than what stands does"
+    return f"it comes to rest after settling by {moved:.2g} m, {way:.2g} of a block's size{far}"
+
+
+__all__ = ["settle"]

@@ -1,0 +1,1 @@
+"""Analyses as mathematical programs: rigid-block equilibrium and coupled analysis."""

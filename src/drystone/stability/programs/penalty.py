@@ -1,0 +1,179 @@
+"""The penalty form: where does an unstable design want help?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Unpack
+
+import numpy as np
+
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
+from drystone.base.settings import Options, checked_call
+from drystone.checks import check_forces
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.compliance import Compliance
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions
+from drystone.io.opening import Given, How, as_model
+from drystone.results import Result, Verdict
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability.cascade import Cascade
+from drystone.stability.check_options import CheckOptions
+from drystone.stability.problem import Clock, Problem
+from drystone.stability.proofs import FALLING_SHARE
+from drystone.stability.screening import TO_REST
+from drystone.statics import Statics
+
+GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)
+"""Tensile stiffness of a corner by its stiffness in compression, weakened step by step as far as
+the iteration follows: the weaker, the more only what contact cannot carry comes to pull."""
+
+HELD = 0.01
+"""Glue holds a block when the ground carries less than this share of its load."""
+
+
+@dataclass(frozen=True)
+class PenaltyOptions(Options):
+    """Options of :func:`solve_cra_penalty`.
+
+    Attributes
+    ----------
+    ground
+        Stiffness of the ground, far below that of the glue: it carries what glue cannot.
+    """
+
+    ground: float = 1e-8
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0.0 < self.ground < np.inf:
+            raise InputError(f"the ground is {self.ground}", remedy="give more than 0")
+
+
+@checked_call
+@one_blas_thread()
+def solve_cra_penalty(
+    given: Given,
+    *,
+    options: PenaltyOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Result:
+    """Where does it want help: props in place of what is missing, and the glue that would do.
+
+    ``prop`` is what each falling block would need to be held, its joints dry; ``tension`` what the
+    joints would have to pull if they were glued instead: corners get a weak tensile spring,
+    friction still being bounded by what presses (in the spirit of eq. 5.8 of Kao et al. 2022).
+    Always answers.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+    progress
+    stop
+        Asked often; True ends the analysis with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
+
+    Returns
+    -------
+    Result
+        The verdict of :func:`check` with ``force`` and ``tension`` per corner of the glued
+        structure and ``prop`` per block of the dry one. ``falling`` lists the blocks that need
+        help, the one with the largest prop force first; the message says which of them glue cannot
+        hold.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model.
+    """
+    chosen = PenaltyOptions.of(options)
+    clock = Clock(time_limit_s, stop)
+    problem = Problem.build(as_model(given, **how))
+    dry = Cascade(
+        problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
+    ).run()
+    assembly = problem.model.assembly
+    corners = problem.model.contacts.corner_count
+    if dry.verdict is Verdict.STABLE:
+        return replace(
+            dry,
+            method="cra-penalty",
+            message="no block needs help: it stands dry",
+            tension=np.zeros(corners),
+            prop=np.zeros((len(assembly), 6)),
+            options=chosen,
+            time_s={"solve": clock.elapsed_s},
+        )
+    if progress is not None:
+        progress("glue", 0, 1)
+    numerics = RestOptions(ground=chosen.ground, tolerance=1e-7)
+    statics = problem.statics
+    glued = find_rest(problem.system, _glue(statics, GLUE[0]), numerics, stop=clock.late)
+    for glue in GLUE[1:]:
+        weaker = find_rest(
+            problem.system, _glue(statics, glue), numerics, start=glued, stop=clock.late
+        )
+        if not weaker.converged:
+            break
+        glued = weaker
+    leaning = find_rest(problem.system, compliance.uniform(statics), TO_REST, stop=clock.late)
+    if clock.late():
+        return replace(
+            dry,
+            method="cra-penalty",
+            message=f"{dry.message}; {clock.reason} before the help that it needs was known",
+            stopped=clock.reason,
+            options=chosen,
+            time_s={"solve": clock.elapsed_s},
+        )
+    share = problem.ground_share(leaning.ground)
+    prop = dry.prop if dry.prop is not None else -problem.wrench(leaning.ground)
+    needy = dry.falling or tuple(int(i) for i in statics.free[share > FALLING_SHARE * share.max()])
+    strength = np.linalg.norm(prop[:, :3], axis=1)
+    order = tuple(sorted(needy, key=lambda i: -strength[i]))
+    unheld = set(statics.free[problem.ground_share(glued.ground) > HELD].tolist())
+    force, tension = problem.force(glued.force), problem.force(glued.tension[:, None])[:, 0]
+    displacement = problem.displacement(glued.motion)
+    residuals = check_forces(
+        problem.model,
+        force,
+        displacement,
+        prop=-problem.wrench(glued.ground),
+    )
+    return replace(
+        dry,
+        method="cra-penalty",
+        message=_words([assembly.names[i] for i in order], {assembly.names[i] for i in unheld}),
+        force=force,
+        tension=tension,
+        displacement=displacement,
+        prop=prop,
+        falling=order,
+        residuals=residuals,
+        options=chosen,
+        iterations=dry.iterations + glued.iterations + leaning.iterations,
+        time_s={"solve": clock.elapsed_s},
+    )
+
+
+def _glue(statics: Statics, stiffness: float) -> Compliance:
+    return compliance.uniform(statics, slip=1.0, glue=stiffness)
+
+
+def _words(needy: list[str], unheld: set[str]) -> str:
+    if not needy:
+        return "no block shows that it needs help"
+    shown = ", ".join(needy[:5]) + (f" and {len(needy) - 5} more" if len(needy) > 5 else "")
+    stuck = [name for name in needy if name in unheld]
+    if not stuck:
+        return f"help is needed at {shown}; glue would do"
+    props = ", ".join(stuck[:5]) + (f" and {len(stuck) - 5} more" if len(stuck) > 5 else "")
+    return f"help is needed at {shown}; glue cannot hold {props}: prop them"

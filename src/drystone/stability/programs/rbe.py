@@ -1,0 +1,250 @@
+"""Rigid-block equilibrium: necessary for standing, not sufficient."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Unpack
+
+from drystone.base.progress import Progress
+from drystone.base.settings import Options, checked_call
+from drystone.checks import check_forces
+from drystone.formulations.corner_forces import FrictionCone, FrictionRule
+from drystone.formulations.equilibrium import (
+    EquilibriumSolution,
+    Objective,
+    Weights,
+    build_equilibrium,
+    solved,
+)
+from drystone.io.opening import Given, How, as_model
+from drystone.results import Result, Verdict
+from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.program import ConicProgram
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability.problem import Clock, Problem
+from drystone.stability.proofs import found_mechanism, moving_blocks
+from drystone.statics import Statics
+
+BALANCE_TOLERANCE = 1e-6
+"""Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
+
+ANY_FORCES = 1e-3
+"""Gap to the least forces at which to stop where any forces will do."""
+
+
+@dataclass(frozen=True)
+class RBEOptions(Options):
+    """Options of :func:`solve_rbe`.
+
+    Attributes
+    ----------
+    cone
+        Exact unless a pyramid is asked for by name.
+    objective
+    weights
+    tension
+        Also solve the penalised form where no equilibrium without tension exists.
+    rule
+        Which normal force carries friction in the penalised form.
+    conic
+        Numerics of the interior point.
+    """
+
+    cone: FrictionCone = field(default_factory=FrictionCone.exact)
+    objective: Objective = Objective.QUADRATIC
+    weights: Weights = field(default_factory=Weights)
+    tension: bool = True
+    rule: FrictionRule = FrictionRule.PLUS
+    conic: ConicOptions = field(default_factory=ConicOptions)
+
+    @classmethod
+    def feasibility(cls, cone: FrictionCone | None = None) -> RBEOptions:
+        """The bare question whether any forces balance the loads; any that do are the answer.
+
+        No form with tension follows, and the forces are as balanced as ever but not the least ones:
+        about a third of the steps are saved.
+        """
+        exact = cone if cone is not None else FrictionCone.exact()
+        return cls(cone=exact, tension=False, conic=ConicOptions(gap=ANY_FORCES))
+
+
+@checked_call
+def build_rbe(
+    given: Given, *, options: RBEOptions | None = None, **how: Unpack[How]
+) -> ConicProgram:
+    """The program that :func:`solve_rbe` solves, with its matrices and named variables.
+
+    Its numbers are dimensionless. Wrenches are divided by the mean load of a free block, moments
+    also by the size of the block. ``program.value(x, "force")`` is in newtons.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+        Cone, objective and weights matter.
+
+    Returns
+    -------
+    ConicProgram
+        Variables: ``force``, three per corner in local n, u, v; ``length``, the bound on friction,
+        in the linear objective with a cost of friction. Rows: ``equilibrium``, six per free block;
+        ``friction``; ``no pull`` where the cone does not say so. Corners of interfaces between two
+        fixed blocks are left out.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import tower
+    >>> program = drystone.build_rbe(tower(2), friction=0.6)
+    >>> program
+    ConicProgram(12 unknowns, 18 rows, force)
+    >>> program.matrix[program.rows["equilibrium"]].shape
+    (6, 12)
+    >>> force = program.value(program.solve().x, "force").reshape(-1, 3)
+    >>> float(force[:, 0].sum().round(1))
+    23544.0
+    """
+    return _program(Problem.build(as_model(given, **how)).statics, RBEOptions.of(options), False)
+
+
+@checked_call
+def build_rbe_penalty(
+    given: Given, *, options: RBEOptions | None = None, **how: Unpack[How]
+) -> ConicProgram:
+    """The penalised program, in which joints may pull at a cost; see :func:`build_rbe`.
+
+    :func:`solve_rbe` solves it where no forces without tension balance the loads. It has one more
+    variable, ``tension``: per corner, subtracted from the normal force.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> build_rbe_penalty(tower(2), friction=0.6)
+    ConicProgram(16 unknowns, 26 rows, force, tension)
+    """
+    return _program(Problem.build(as_model(given, **how)).statics, RBEOptions.of(options), True)
+
+
+def _program(statics: Statics, options: RBEOptions, tension: bool) -> ConicProgram:
+    return build_equilibrium(
+        statics,
+        cone=options.cone,
+        objective=options.objective,
+        weights=options.weights,
+        tension=tension,
+        rule=options.rule,
+    )
+
+
+@checked_call
+@one_blas_thread()
+def solve_rbe(
+    given: Given,
+    *,
+    options: RBEOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Result:
+    """Do any contact forces balance the loads?
+
+    Necessary for standing, not sufficient: it believes in prestress that nothing provides.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+    progress
+    stop
+        Asked often; True ends the analysis with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
+
+    Returns
+    -------
+    Result
+        EQUILIBRIUM_EXISTS with forces, or UNSTABLE with a checked mechanism and, in the penalised
+        form, the tension that would be needed.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import h_model
+    >>> drystone.solve_rbe(h_model(), friction=0.6).verdict
+    <Verdict.EQUILIBRIUM_EXISTS: 'equilibrium exists'>
+    """
+    chosen = RBEOptions.of(options)
+    clock = Clock(min(time_limit_s, chosen.conic.time_limit_s), stop)
+    problem = Problem.build(as_model(given, **how))
+
+    def run(tension: bool) -> EquilibriumSolution:
+        if progress is not None:
+            progress("forces with tension" if tension else "equilibrium", int(tension), 2)
+        return solved(
+            _program(problem.statics, chosen, tension),
+            replace(chosen.conic, time_limit_s=clock.left_s),
+            stop=clock.late,
+        )
+
+    solution = run(False)
+    verdict, mechanism = Verdict.UNDECIDED, None
+    message = f"the interior point ended with '{solution.raw.message}'"
+    force = tension = residuals = None
+    if solution.raw.status is ConicStatus.SOLVED:
+        force = problem.force(solution.force)
+        residuals = check_forces(problem.model, force)
+        if max(residuals.equilibrium, residuals.tension) <= BALANCE_TOLERANCE:
+            verdict, message = Verdict.EQUILIBRIUM_EXISTS, "some contact forces balance the loads"
+    else:
+        mechanism = found_mechanism(problem, solution, clock.late)
+        if mechanism is not None:
+            verdict, message = Verdict.UNSTABLE, "no contact forces can balance the loads"
+        elif clock.late():
+            steps = solution.raw.iterations
+            message = f"{clock.reason} in the interior point (steps: {steps})"
+        if chosen.tension and not clock.late():
+            penalised = run(True)
+            if penalised.raw.status is ConicStatus.SOLVED:
+                force = problem.force(penalised.force)
+                tension = problem.force(penalised.tension[:, None])[:, 0]
+                residuals = check_forces(problem.model, force)
+            elif clock.late():
+                message += f"; {clock.reason} before the tension that it needs was known"
+            elif chosen.rule is FrictionRule.NET:
+                message += "; friction on the net normal force cannot balance them with tension"
+    return Result(
+        method="rbe",
+        verdict=verdict,
+        model=problem.model,
+        message=message,
+        force=force,
+        tension=tension,
+        mechanism=mechanism,
+        falling=moving_blocks(problem.model.assembly, mechanism) if mechanism is not None else (),
+        residuals=residuals,
+        stopped=clock.reason,
+        options=chosen,
+        solver=solution.raw.solver,
+        iterations=solution.raw.iterations,
+        time_s={"solve": clock.elapsed_s},
+    )

@@ -1,0 +1,199 @@
+"""Where the search for a compatible state starts, and how far it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+from scipy.sparse.linalg import lsmr
+
+from drystone.base.arrays import Bools, Floats
+from drystone.formulations.compatible import compatible_motion
+from drystone.formulations.corner_forces import FrictionCone
+from drystone.formulations.equilibrium import solve_equilibrium
+from drystone.formulations.improvement import CompatibleState, improve
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions
+from drystone.formulations.stiffness_range import (
+    BALANCED,
+    ROUNDING,
+    SMALL_RATIO,
+    rest_within_ratio,
+    stiffness_ratio,
+    with_reduced_ratio,
+)
+from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.stability.problem import Clock, Problem
+
+FEW = 24
+"""Corners beyond which fewer random motions are tried. Their number is in inverse proportion to the
+number of corners, because the time of one start grows with it, and to the number of blocks, because
+in models of many blocks hardly any random motion leads to a state."""
+
+PARTS, PARTS_LIMIT = 8, 400
+"""Number of random subsets of corners whose forces start a search for equal overlaps, and the
+corners of the largest model in which that is done. A start takes less than 0.1 s there. Four times
+as many random motions are tried in a model of one block."""
+
+SEARCH_LIMIT = 4000
+"""Corners of the largest model that is searched. One convex step takes about 1 s there."""
+
+SLIDE_LIMIT = 2500.0
+"""eta / eps: the largest displacement of a corner by the largest overlap, in a state that the
+search answers with. The source uses up to 1000. Some states in which a block slides on two joints
+need more."""
+
+CLOSING = 0.02
+"""Overlap of the corners about which a random motion turns, by its largest displacement."""
+
+WIDER = 20.0
+"""Stiffness ratio that is allowed at first, by the one that is asked for. More starts then lead to
+a state."""
+
+LEANING = RestOptions(ground=1e-2, tolerance=1e-6)
+"""On ground springs this stiff every model rests. The state shows which corners are pressed."""
+
+
+@dataclass(eq=False)
+class Search:
+    """Convex steps from the pressed corners, and from forces that balance the loads.
+
+    Attributes
+    ----------
+    problem
+    clock
+    tries
+        Random motions to start from on small models, fewer on larger ones.
+    seed
+    first : (n, 6) each
+        Motions to start from before all others.
+    iterations
+        Convex programs and solver steps so far.
+    """
+
+    problem: Problem
+    clock: Clock
+    tries: int = 48
+    seed: int = 0
+    first: Sequence[Floats] = ()
+    iterations: int = 0
+
+    def states(self, ratio: float, *, reduce: bool = True) -> Iterator[CompatibleState]:
+        """States whose stiffness ratio is at most ``ratio``, reduced by further steps if wanted."""
+        statics = self.problem.statics
+        enough = BALANCED * float(np.linalg.norm(statics.load))
+        for motion in self._starts():
+            wide = self._counted(
+                rest_within_ratio(statics, motion, WIDER * ratio, stop=self.clock.late)
+            )
+            if wide.unbalanced <= enough:
+                small = min(SMALL_RATIO, ratio) if reduce else ratio
+                state = self._counted(
+                    with_reduced_ratio(statics, wide, small, stop=self.clock.late)
+                )
+                if stiffness_ratio(statics, state) <= ratio * ROUNDING:
+                    yield state
+
+    def equal_overlap_states(self) -> Iterator[CompatibleState]:
+        """States with equal overlaps (eq. 5.6): one at the end of the steps from each start."""
+        for motion in chain(self._starts(), self._more_starts()):
+            yield self.equal_overlap(motion)
+
+    def equal_overlap(self, motion: Floats) -> CompatibleState:
+        """The state with equal overlaps at the end of the steps from one start."""
+        return self._counted(improve(self.problem.statics, motion, stop=self.clock.late))
+
+    def slide(self, state: CompatibleState) -> float:
+        """Largest displacement of a corner by the largest overlap: eta / eps."""
+        return float(np.abs(self.problem.statics.displacement(state.motion)).max(initial=0.0))
+
+    def _counted(self, state: CompatibleState) -> CompatibleState:
+        self.iterations += state.iterations
+        return state
+
+    def _starts(self) -> Iterator[Floats]:
+        statics = self.problem.statics
+        if statics.corner_count > SEARCH_LIMIT:
+            return
+        yield from self.first
+        springs = compliance.uniform(statics, slip=1.0)
+        leaning = find_rest(self.problem.system, springs, LEANING, stop=self.clock.late)
+        self.iterations += leaning.iterations
+        if not self.clock.late():
+            yield leaning.motion
+        pressed = statics.displacement(leaning.motion)[:, 0] < 0.0
+        yield from self._agreeing((pressed, np.ones_like(pressed)))
+        rng = np.random.default_rng(self.seed)
+        few = min(1.0, FEW / statics.corner_count) / statics.free_count
+        for number in range(round(self.tries * few)):
+            if self.clock.late():
+                return
+            yield self._at_random(rng, pivots=number % 2 == 0)
+
+    def _at_random(self, rng: np.random.Generator, *, pivots: bool) -> Floats:
+        """A random motion (n, 6) along which the loads do work.
+
+        With ``pivots`` each block turns about one of its corners. Close to their limit the wedges
+        of Kao 2023 turn about a corner that hardly slides, or slide on all corners. About one start
+        in 30 of the fitting kind leads to such a state.
+        """
+        statics = self.problem.statics
+        motion = rng.standard_normal(6 * statics.free_count)
+        if not pivots:
+            yields = motion @ statics.load.ravel() >= 0.0
+            return (motion if yields else -motion).reshape(-1, 6)
+        corner = np.unique(
+            [
+                rng.choice(np.flatnonzero((statics.block_a == i) | (statics.block_b == i)))
+                for i in range(statics.free_count)
+            ]
+        )
+        rows = statics.matrix_transposed[(3 * corner[:, None] + np.arange(3)).ravel()]
+        motion -= lsmr(rows, rows @ motion)[0]
+        if motion @ statics.load.ravel() < 0.0:
+            motion = -motion
+        moved = np.abs(statics.matrix_transposed @ motion).max(initial=0.0)
+        closing = np.tile([CLOSING * moved, 0.0, 0.0], len(corner))
+        motion -= lsmr(rows, closing)[0]
+        return motion.reshape(-1, 6)
+
+    def _more_starts(self) -> Iterator[Floats]:
+        """Motions that fit forces at 40 to 90 % of the corners, then random motions."""
+        statics = self.problem.statics
+        count, blocks = statics.corner_count, statics.free_count
+        if count > PARTS_LIMIT:
+            return
+        rng = np.random.default_rng(self.seed)
+        parts = (rng.random(count) < rng.uniform(0.4, 0.9) for _ in range(PARTS))
+        yield from self._agreeing(part for part in parts if part.any())
+        for _ in range(4 * PARTS // blocks):
+            if self.clock.late():
+                return
+            yield rng.standard_normal((blocks, 6))
+
+    def _agreeing(self, parts: Iterable[Bools]) -> Iterator[Floats]:
+        """Motions that agree best with forces at some corners (k,) that balance the loads."""
+        for corners in parts:
+            force = None if self.clock.late() else self._balanced(corners)
+            motion = None if force is None else compatible_motion(self.problem.statics, force)
+            if motion is not None:
+                yield motion
+
+    def _balanced(self, corners: Bools) -> Floats | None:
+        """Least forces at some of the corners that balance the loads."""
+        statics = self.problem.statics
+        part = solve_equilibrium(
+            statics.at_corners(corners),
+            cone=FrictionCone.exact(),
+            options=ConicOptions(time_limit_s=self.clock.left_s),
+            stop=self.clock.late,
+        )
+        self.iterations += part.raw.iterations
+        if part.raw.status is not ConicStatus.SOLVED:
+            return None
+        force = np.zeros((statics.corner_count, 3))
+        force[corners] = part.force
+        return force

@@ -1,0 +1,1 @@
+"""Scenes on paper: static figures, reports, instructions."""

@@ -1,0 +1,89 @@
+"""Tilt limits in every direction as a polar plot, through matplotlib when asked."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import FormatError
+from drystone.base.files import write_whole
+from drystone.view.scenes.palette import ROLE_COLOUR
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from drystone.limits import TiltSweep
+
+SUFFIXES = ("png", "svg", "pdf")
+
+
+def save_polar(sweep: TiltSweep, path: str | PathLike[str], *, title: str = "") -> None:
+    """Draw the largest tilt towards every direction, by both definitions.
+
+    Parameters
+    ----------
+    sweep
+    path
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+    title
+
+    Raises
+    ------
+    FormatError
+        Another suffix, or the file cannot be written.
+    """
+    kind = Path(path).suffix.lower().lstrip(".")
+    if kind not in SUFFIXES:
+        raise FormatError(
+            f"a plot cannot be written as '.{kind}'",
+            where=str(path),
+            remedy="end the name in .png, .svg or .pdf",
+        )
+    drawing = draw(sweep, title)
+
+    def fill(file: BinaryIO) -> None:
+        drawing.savefig(file, format=kind, dpi=150.0)
+
+    write_whole(path, fill)
+
+
+def draw(sweep: TiltSweep, title: str) -> Figure:
+    """The plot as a matplotlib figure."""
+    from matplotlib.figure import Figure  # optional work: plotting is slow to import
+
+    colour = ROLE_COLOUR["light"]
+    figure = Figure(figsize=(6.0, 6.8))
+    axes: Any = figure.add_subplot(projection="polar")
+    for values, label, ink, width in (
+        (sweep.equilibrium, "some forces balance the loads", colour["missed"], 5.0),
+        (sweep.rest, "stands", colour["pressure"], 1.5),
+    ):
+        ring = _ring(sweep.azimuth, values, closed=not sweep.missing)
+        axes.plot(*ring, "-", color=ink, label=label, linewidth=width)
+    if sweep.missing:
+        known = len(sweep.limits)
+        title = f"{title}\n{known} of {known + len(sweep.missing)} directions are known".strip()
+    elif np.isfinite(angle := float(sweep.rest[weakest := sweep.weakest])):
+        azimuth = float(sweep.azimuth[weakest])
+        axes.plot([np.deg2rad(azimuth)], [angle], "D", color=colour["help"], markersize=7)
+        title = f"{title}\nweakest towards {azimuth:g} deg: {angle:.2f} deg".strip()
+    axes.set_title(title, fontsize=10)
+    axes.set_ylim(bottom=0.0)
+    axes.set_rlabel_position(67.5)
+    axes.set_xlabel("largest tilt [deg] towards each direction, seen from above, x to the right")
+    handles = axes.get_legend_handles_labels()
+    figure.legend(*handles, loc="lower center", ncol=2, frameon=False, fontsize=9)
+    figure.subplots_adjust(bottom=0.16, top=0.84)
+    return figure
+
+
+def _ring(azimuth: Floats, values: Floats, *, closed: bool) -> tuple[Floats, Floats]:
+    ring = np.arange(len(azimuth) + closed) % max(len(azimuth), 1)
+    return np.deg2rad(azimuth[ring]), values[ring]
+
+
+__all__ = ["save_polar"]

@@ -1,0 +1,141 @@
+"""Planes between blocks: by their boxes, by their faces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints
+
+TOUCHING = 1e-3
+"""Share of a block's size by which blocks may reach through a plane between them; chosen, for
+drawing only."""
+NEARLY_CONVEX = 0.05
+"""Share of its size by which a block may stick out of the planes of its own faces and be drawn as
+if convex (warped faces); chosen."""
+CHUNK = 2_000_000
+"""Corners looked at in one go, to bound memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Corners and face directions of all blocks, flat.
+
+    Attributes
+    ----------
+    point : (v, 3) [m], block after block, start : (n + 1,)
+    normal : (f, 3), block after block, face_start : (n + 1,)
+    support : (f,) [m], how far the block reaches along each of its normals
+    bounds : (n, 2, 3) [m]
+    size : (n,) [m]
+    convex : (n,), or nearly so
+    """
+
+    point: Floats
+    start: Ints
+    normal: Floats
+    face_start: Ints
+    support: Floats
+    bounds: Floats
+    size: Floats
+    convex: Bools
+
+    @property
+    def count(self) -> int:
+        """Number of blocks."""
+        return len(self.size)
+
+    @classmethod
+    def of(cls, assembly: Assembly, normal: Floats) -> Bodies:
+        """The bodies of an assembly whose faces have the outward normals (f, 3)."""
+        faces = assembly.faces
+        count = np.array([len(block.vertices) for block in assembly.blocks])
+        start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+        face_start = np.searchsorted(faces.owner, np.arange(len(assembly) + 1)).astype(np.intp)
+        point = faces.point - assembly.centroid[0]  # small numbers far from the origin
+        bounds = assembly.bounds - assembly.centroid[0]
+        _, support = _spans(point, start, faces.owner, normal)
+        middle = np.add.reduceat(point[faces.loop], faces.start[:-1], axis=0)
+        middle /= np.diff(faces.start)[:, None]
+        sticks_out = support - np.einsum("fi,fi->f", middle, normal)
+        worst = np.maximum.reduceat(sticks_out, face_start[:-1])
+        convex = worst <= NEARLY_CONVEX * assembly.size
+        return cls(
+            point, start, normal, face_start, support, bounds, np.array(assembly.size), convex
+        )
+
+
+def spans(bodies: Bodies, block: Ints, direction: Floats) -> tuple[Floats, Floats]:
+    """Lowest and highest reach (r,) [m] of blocks (r,) along directions (r, 3)."""
+    return _spans(bodies.point, bodies.start, block, direction)
+
+
+def _spans(point: Floats, start: Ints, block: Ints, direction: Floats) -> tuple[Floats, Floats]:
+    lowest, highest = np.empty(len(block)), np.empty(len(block))
+    count = np.diff(start)[block]
+    total = np.cumsum(count)
+    done = 0
+    while done < len(block):
+        base = total[done] - count[done]
+        end = max(int(np.searchsorted(total, base + CHUNK)), done + 1)
+        part, size = block[done:end], count[done:end]
+        first = np.cumsum(size) - size
+        index = np.repeat(start[part] - first, size) + np.arange(size.sum())
+        reach = np.einsum("ri,ri->r", point[index], np.repeat(direction[done:end], size, axis=0))
+        lowest[done:end] = np.minimum.reduceat(reach, first)
+        highest[done:end] = np.maximum.reduceat(reach, first)
+        done = end
+    return lowest, highest
+
+
+def separated_by_boxes(
+    bodies: Bodies, first: Ints, second: Ints, toward: Floats
+) -> tuple[Bools, Floats]:
+    """Whether the bounding boxes of pairs are apart, and who is in front.
+
+    Returns
+    -------
+    apart : (p,)
+    sign : (p,) +1 the second, -1 the first; 0 where two planes contradict: neither hides the other
+    """
+    size = np.minimum(bodies.size[first], bodies.size[second])[:, None]
+    room = -1e-6 * size
+    low, high = bodies.bounds[:, 0], bodies.bounds[:, 1]
+    beyond = low[second] - high[first] >= room
+    below = low[first] - high[second] >= room
+    facing = np.where(np.abs(toward) > 1e-9, np.sign(toward), 0.0)
+    vote = (beyond.astype(float) - below.astype(float)) * facing
+    agree = (vote >= 0.0).all(axis=1) | (vote <= 0.0).all(axis=1)
+    sign = np.where(agree, np.sign(vote.sum(axis=1)), 0.0)
+    # A pair of boxes apart along a direction in the paper does not overlap on it.
+    edge_on = ((beyond | below) & (facing == 0.0)).any(axis=1)
+    apart: Bools = np.any(beyond | below, axis=1)
+    return apart, np.where(edge_on, 0.0, sign)
+
+
+def separated_by_faces(
+    bodies: Bodies, first: Ints, second: Ints, toward: Floats
+) -> tuple[Bools, Floats]:
+    """As :func:`separated_by_boxes`, by the face of either block that lies best between them."""
+    gap = np.full(len(first), -np.inf)
+    sign = np.zeros(len(first))
+    for own, other, side in ((first, second, 1.0), (second, first, -1.0)):
+        count = np.diff(bodies.face_start)[own]
+        begin = np.cumsum(count) - count
+        if len(own) == 0:
+            continue
+        row = np.repeat(np.arange(len(own)), count)
+        face = np.repeat(bodies.face_start[own] - begin, count) + np.arange(count.sum())
+        lowest, _ = spans(bodies, other[row], bodies.normal[face])
+        distance = lowest - bodies.support[face]
+        order = np.lexsort((distance, row))
+        best = order[begin + count - 1]
+        facing = bodies.normal[face[best]] @ toward
+        better = distance[best] > gap
+        gap = np.where(better, distance[best], gap)
+        facing = np.where(np.abs(facing) > 1e-9, np.sign(facing), 0.0)
+        sign = np.where(better, side * facing, sign)
+    apart = gap >= -TOUCHING * np.minimum(bodies.size[first], bodies.size[second])
+    return apart, np.where(apart, sign, 0.0)

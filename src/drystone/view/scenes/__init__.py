@@ -1,0 +1,1 @@
+"""Values to scenes: what a picture shows, before anything is drawn."""

@@ -1,0 +1,50 @@
+"""Surfaces as they are drawn: edges of faces that bend, triangles, outward directions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.geometry.body.polyhedron import Faces
+from drystone.geometry.plane.polygon import area_vectors, following
+
+SMOOTH = 1e-6
+"""Faces of one block whose unit normals differ by less are one plane to the eye: the edge between
+them is not drawn (1 - cos 0.08 degrees, chosen: cuts of a flat face, not facets of a curve)."""
+
+
+def face_normals(faces: Faces) -> Floats:
+    """Outward unit normals (f, 3); zero for a face without area."""
+    area = area_vectors(faces.point[faces.loop], faces.start)
+    length = np.linalg.norm(area, axis=1, keepdims=True)
+    normal: Floats = np.divide(area, length, out=np.zeros_like(area), where=length > 0.0)
+    return normal
+
+
+def sharp_edges(faces: Faces, normal: Floats) -> tuple[Ints, Ints, Bools]:
+    """Edges between faces, without those inside a plane that a file cut into several faces.
+
+    Parameters
+    ----------
+    faces
+    normal : (f, 3)
+
+    Returns
+    -------
+    edge : (e, 2) positions in ``faces.point``
+    owner : (e,) block
+    drawn : (l,)
+        Whether the edge from each loop corner to the next one is among them.
+    """
+    a = faces.loop
+    b = faces.loop[following(faces.start)]
+    face = np.repeat(np.arange(faces.count), np.diff(faces.start))
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    order = np.lexsort((high, low))
+    first, second = order[0::2], order[1::2]
+    flat = (normal[face[first]] * normal[face[second]]).sum(axis=1) > 1.0 - SMOOTH
+    drawn = np.ones(len(a), dtype=bool)
+    drawn[first[flat]] = False
+    drawn[second[flat]] = False
+    kept = first[~flat]
+    return np.stack([low[kept], high[kept]], axis=1), faces.owner[face[kept]], drawn

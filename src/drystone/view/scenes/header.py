@@ -1,0 +1,104 @@
+"""What was asked and what was answered, in words for the head of a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import PurePath
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Floats, frozen
+from drystone.contacts import Contacts
+from drystone.loads import LoadCase
+from drystone.loads.case import STANDARD_GRAVITY
+from drystone.results import Result, Verdict
+from drystone.view.scenes.scene import UP
+
+NAMED = 4
+"""Supports named; more are counted."""
+
+
+def sentence(result: Result) -> str:
+    """The verdict as a person would say it."""
+    total = len(result.assembly)
+    if result.verdict is Verdict.UNSTABLE:
+        falling = len(result.falling)
+        if falling == 0:
+            return "Falls"
+        if falling == 1:
+            return f"Falls: block {result.falling_names[0]}"
+        return f"Falls: {falling} of {total} blocks"
+    if result.verdict is Verdict.UNDECIDED:
+        return "Not decided: neither standing nor falling was shown"
+    if result.verdict is Verdict.EQUILIBRIUM_EXISTS:
+        return "Some forces balance the loads; whether it stands was not asked"
+    tried, standing = result.samples.tried, result.samples.standing
+    if tried == 0:
+        return "Stands"
+    if standing == tried:
+        return "Stands, whichever joints press more"
+    return f"Stands only if the right joints press more: in {standing} of {tried} cases tried"
+
+
+def facts_of(
+    assembly: Assembly,
+    contacts: Contacts,
+    load: LoadCase | None = None,
+    source: str = "",
+) -> Mapping[str, str]:
+    """What was asked, by name; empty entries are left out."""
+    density = np.array([block.density for block in assembly.blocks])
+    free = ~assembly.fixed
+    facts = {
+        "File": PurePath(source).name,
+        "Blocks": f"{len(assembly):,}",
+        "Interfaces": f"{contacts.count:,}",
+        "Supports": _supports(assembly),
+        "Free mass": mass_text(float(assembly.mass[free].sum())),
+        "Density": _range(density, " kg/m³"),
+        "Friction": _range(contacts.friction, "") if contacts.count else "",
+        "Load": "" if load is None else load.name,
+        "Notes": "" if load is None else "; ".join(load.notes),
+    }
+    return {name: text for name, text in facts.items() if text}
+
+
+def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
+    """Where up is in the picture and where the masses are pulled, both (3,) unit.
+
+    Where all free masses are pulled alike and as strongly as standard gravity does, gravity is
+    turned: the picture is tilted until it points down. Otherwise up is along z.
+    """
+    free = ~assembly.fixed
+    force, mass = load.wrench[free, :3], assembly.mass[free]
+    total = force.sum(axis=0)
+    size = float(np.linalg.norm(total))
+    if size == 0.0:
+        return UP, -UP
+    pull = total / size
+    mean = total / mass.sum()
+    alike = np.abs(force - mass[:, None] * mean).max() <= 1e-6 * np.abs(force).max()
+    turned = alike and abs(size / mass.sum() / STANDARD_GRAVITY - 1.0) < 1e-3
+    return (frozen(-pull) if turned else UP), frozen(pull)
+
+
+def mass_text(mass: float) -> str:
+    """Kilograms up to ten tonnes, then tonnes."""
+    return f"{mass:,.4g} kg" if mass < 1e4 else f"{mass / 1e3:,.4g} t"
+
+
+def _supports(assembly: Assembly) -> str:
+    fixed = [assembly.names[i] for i in np.flatnonzero(assembly.fixed)]
+    if not fixed:
+        return "none"
+    return ", ".join(fixed) if len(fixed) <= NAMED else f"{len(fixed):,} blocks"
+
+
+def _range(values: Floats, unit: str) -> str:
+    low, high = float(values.min()), float(values.max())
+    text = f"{low:.4g}" if high - low <= 1e-9 * abs(high) else f"{low:.4g} to {high:.4g}"
+    return text + unit
+
+
+__all__ = ["directions", "facts_of", "mass_text", "sentence"]

@@ -1,0 +1,169 @@
+"""What the contact search found and what it missed, as a scene."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from dataclasses import replace
+from os import PathLike
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Floats
+from drystone.base.errors import counted
+from drystone.base.files import write_bytes
+from drystone.detection import ContactReport, Detection, GapSweep
+from drystone.view.scenes.header import facts_of
+from drystone.view.scenes.palette import State
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.staging import interface_layers
+from drystone.view.scenes.tolerance_sweep import sweep_panel
+from drystone.view.web.page import page_text
+
+
+def inspection_scene(
+    assembly: Assembly, found: Detection, bare: Sequence[Floats] = (), source: str = ""
+) -> Scene:
+    """A scene with the interfaces, and near misses between blocks that do not touch in orange.
+
+    Parameters
+    ----------
+    assembly
+    found
+        Its contacts and their report.
+    bare
+        Faces (c, 3) [m] of open meshes, at their holes.
+    source
+        The file that the model came from.
+
+    Examples
+    --------
+    >>> from drystone.detection import find_contacts
+    >>> from drystone.models import tower
+    >>> assembly = tower(3)
+    >>> inspection_scene(assembly, find_contacts(assembly)).title
+    'drystone: 3 blocks, 2 interfaces'
+    """
+    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    count = f"{len(assembly)} blocks, {found.contacts.count} interfaces"
+    layers = (
+        *interface_layers(found.contacts),
+        *_edge_layers(found),
+        *missed_layers(found.report),
+        *_polygon_layer("defects", "faces at holes", "help", bare),
+    )
+    count_line, *rest = found.report.summary()
+    advice = [f"suggestion: {text}" for text in found.report.suggestions()]
+    message = "; ".join([count_line, *advice, *(line for line in rest if line not in advice)])
+    missed = sum(not miss.joined for miss in found.report.missed)
+    near = f", {counted(missed, 'near miss', 'near misses')}" if missed else ""
+    headline = (
+        f"{counted(len(assembly), 'block')}, {counted(found.contacts.count, 'interface')}{near}"
+    )
+    stage = Stage("contacts", headline, message, state, layers=layers)
+    facts = facts_of(assembly, found.contacts, source=source)
+    return Scene(assembly, found.contacts, (stage,), f"drystone: {count}", facts)
+
+
+def save_inspection(
+    assembly: Assembly,
+    found: Detection,
+    path: str | PathLike[str],
+    sweep: GapSweep | None = None,
+    bare: Sequence[Floats] = (),
+    source: str = "",
+) -> None:
+    """Write the page of :func:`inspection_scene`, with the report and a sweep's curve beside it.
+
+    Parameters
+    ----------
+    assembly
+    found
+    path
+        Written to a temporary name beside it and renamed.
+    sweep
+        Number of pairs against the gap tolerance.
+    bare
+        Faces (c, 3) [m] of open meshes, at their holes.
+    source
+        The file that the model came from.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from drystone.detection import find_contacts, gap_sweep
+    >>> from drystone.models import tower
+    >>> page = pathlib.Path(tempfile.mkdtemp()) / "tower.html"
+    >>> swept = gap_sweep(tower(3), [1e-5, 1e-3])
+    >>> save_inspection(tower(3), find_contacts(tower(3)), page, swept)
+    >>> "plateau from 1e-05 to 0.001" in page.read_text(encoding="utf-8")
+    True
+    """
+    panels = [_report_panel(found.report)]
+    if sweep is not None:
+        panels.append(sweep_panel(sweep, found.report.options.gap))
+    scene = replace(inspection_scene(assembly, found, bare, source), panels=tuple(panels))
+    text = page_text(scene)
+    write_bytes(path, text.encode("utf-8"))
+
+
+def _report_panel(report: ContactReport) -> str:
+    """HTML with the whole report: the line above the picture is cut where it is long."""
+    lines = "".join(f"<p>{html.escape(line)}</p>" for line in report.summary())
+    return f"    <fieldset><legend>Contact search</legend>{lines}</fieldset>"
+
+
+def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
+    """What pairs of blocks nearly share, where they touch nowhere else."""
+    missed = [miss.polygon for miss in report.missed if not miss.joined]
+    areas = [polygon for polygon in missed if len(polygon) > 2]
+    points = np.array([polygon for polygon in missed if len(polygon) == 2]).reshape(-1, 2, 3)
+    layers = list(_polygon_layer("missed", "near misses", "missed", areas))
+    if len(points):
+        layers.append(
+            Layer(
+                "missed-points",
+                "near misses of corners",
+                LayerKind.LINES,
+                "missed",
+                points[:, 0],
+                points[:, 1] - points[:, 0],
+                width=2.0,
+            )
+        )
+    return tuple(layers)
+
+
+def _polygon_layer(
+    key: str, label: str, colour: str, polygons: Sequence[Floats]
+) -> tuple[Layer, ...]:
+    """Polygons (c, 3) in one colour; no layer where there are none."""
+    if not polygons:
+        return ()
+    start = np.concatenate([[0], np.cumsum([len(polygon) for polygon in polygons])])
+    corner = np.concatenate(polygons)
+    return (Layer(key, label, LayerKind.POLYGONS, colour, corner, start=start.astype(np.intp)),)
+
+
+def _edge_layers(found: Detection) -> tuple[Layer, ...]:
+    """Contacts along a line."""
+    contacts = found.contacts
+    lines = contacts.start[:-1][np.diff(contacts.start) == 2]
+    if len(lines) == 0:
+        return ()
+    position = contacts.point[lines]
+    return (
+        Layer(
+            "lines",
+            "line contacts",
+            LayerKind.LINES,
+            "interface",
+            position,
+            contacts.point[lines + 1] - position,
+            width=2.0,
+        ),
+    )
+
+
+__all__ = ["inspection_scene", "missed_layers", "save_inspection"]

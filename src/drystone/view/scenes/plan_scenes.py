@@ -1,0 +1,189 @@
+"""A plan as a scene that plays block by block."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import counted
+from drystone.model import Model
+from drystone.results import Result, Verdict
+from drystone.sequence.plans import Plan, Status
+from drystone.sequence.stage.stages import Answer, members
+from drystone.view.scenes.header import directions, facts_of
+from drystone.view.scenes.palette import State
+from drystone.view.scenes.scene import Scene, Stage
+from drystone.view.scenes.staging import force_layers, help_layer, interface_layers
+
+MOST_ARROWS = 200_000
+"""Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
+stays below 20 MB."""
+
+WAY = 1.0
+"""Length of the way in that is shown, by the size of the block; chosen by eye."""
+
+STATE_OF = {
+    Status.SUPPORT: State.SUPPORT,
+    Status.IMPOSSIBLE: State.SUPPORT,
+    Status.FREE: State.FREE,
+    Status.HELD: State.HELD,
+    Status.PROPPED: State.PROPPED,
+}
+
+
+def plan_scene(plan: Plan, source: str = "") -> Scene:
+    """A scene with a stage for every block that is placed; the last shows the status of all.
+
+    The block that is placed comes in along its path. Orange blocks are held by a hand, vermilion
+    ones are propped at that stage, hatched ones will be propped later.
+    """
+    model = plan.model
+    arrows = sum(len(a.corner) for step in plan.steps for a in (*step.during, step.answer))
+    forces = arrows <= MOST_ARROWS
+    stages = [stage for i in range(len(plan.steps)) for stage in _stages(plan, i, forces)]
+    stages.append(summary_stage(plan))
+    title = f"drystone plan: {counts_text(plan)}"
+    asked = model.model
+    facts = facts_of(asked.assembly, asked.contacts, asked.load, source)
+    number = np.zeros(len(model.assembly), dtype=np.intp)
+    for block, position in block_numbers(plan).items():
+        number[block] = position
+    return Scene(
+        model.assembly,
+        model.contacts,
+        tuple(stages),
+        title,
+        facts,
+        number,
+        still=-1,
+        preset="stages" if len(stages) > 1 else "solid",
+    )
+
+
+def block_numbers(plan: Plan) -> dict[int, int]:
+    """The number of each planned block, from 1 in the order of assembly."""
+    order = [block for step in plan.steps for block in step.blocks]
+    return {block: number for number, block in enumerate(order, 1)}
+
+
+def _stages(plan: Plan, number: int, forces: bool) -> list[Stage]:
+    """One stage for each block of a step."""
+    step = plan.steps[number]
+    names = plan.model.assembly.names
+    numbers, count = block_numbers(plan), sum(len(one.blocks) for one in plan.steps)
+    placed = step.placed & ~sum(1 << b for b in step.blocks)
+    out = []
+    for k, (block, answer) in enumerate(zip(step.blocks, (*step.during, step.answer), strict=True)):
+        placed |= 1 << block
+        held = step.blocks[: k + 1] if k < len(step.during) else ()
+        parts = [f"step {number + 1} of {len(plan.steps)}"]
+        if held:
+            parts.append(f"{', '.join(names[b] for b in held)} held while the next is placed")
+        elif len(step.blocks) > 1:
+            parts.append(f"stands together with {', '.join(names[b] for b in step.blocks[:k])}")
+        if step.props:
+            parts.append(f"propped: {', '.join(names[b] for b in step.props)}")
+        state = _state(plan, placed, number, held)
+        if state[block] in (State.FREE, State.LATER):
+            state[block] = State.COMING
+        label = f"block {numbers[block]} of {count}, {names[block]}"
+        stage = _stage(plan, label, "; ".join(parts), state, answer, forces)
+        out.append(replace(stage, motion=_way_in(plan, block, step.motion[k])))
+    return out
+
+
+def _way_in(plan: Plan, block: int, direction: Floats) -> Floats:
+    """The motion (n, 6) that takes a block out of its place: the way in, backwards."""
+    motion = np.zeros((len(plan.model.assembly), 6))
+    motion[block, :3] = -WAY * plan.model.assembly.size[block] * direction
+    return motion
+
+
+def _state(plan: Plan, placed: int, number: int, held: tuple[int, ...]) -> Ints:
+    """State (n,) of the blocks at the end of a step."""
+    state = np.full(len(plan.model.assembly), State.ABSENT, dtype=np.intp)
+    for block in members(placed):
+        state[block] = STATE_OF[plan.status[block]]
+    for prop in plan.props:
+        if placed >> prop.block & 1:
+            state[prop.block] = State.LATER if prop.first > number else State.FREE
+    state[[b for b in held if placed >> b & 1]] = State.HELD
+    state[[b for b in plan.steps[number].props if placed >> b & 1]] = State.PROPPED
+    state[plan.model.assembly.fixed] = State.SUPPORT
+    return state
+
+
+def _stage(
+    plan: Plan, label: str, message: str, state: Ints, answer: Answer, forces: bool
+) -> Stage:
+    model = plan.model
+    here = state != State.ABSENT
+    contacts = model.contacts
+    shown = here[contacts.block_a] & here[contacts.block_b]
+    prop = np.zeros((len(model.assembly), 6))
+    for block, wrench in answer.reaction.items():
+        prop[block] = wrench
+    up, gravity = directions(model.assembly, model.model.load)
+    help_needed = help_layer(model.assembly, prop, "props and hands")
+    stage = Stage(
+        label, _sentence(answer, state), message, state, answer.verdict,
+        motion_name="Way in", arrives=True, prop=prop, up=up, gravity=gravity,
+        layers=interface_layers(contacts, shown) + help_needed,
+    )  # fmt: skip
+    if not forces or not len(answer.corner):
+        return stage
+    force = np.zeros((contacts.corner_count, 3))
+    force[answer.corner] = answer.force
+    asked = Model(model.assembly, contacts, model.model.load)
+    whole = Result("plan", answer.verdict, asked, force=force)
+    resultants = whole.resultants
+    return replace(
+        stage, force=force, normal=resultants.normal, tangential=resultants.tangential,
+        utilisation=whole.utilisation, pressure_centre=resultants.position,
+        layers=stage.layers + force_layers(whole, shown),
+    )  # fmt: skip
+
+
+def _sentence(answer: Answer, state: Ints) -> str:
+    """What holds the blocks at a stage."""
+    if not answer.stands:
+        return "Not known to stand" if answer.verdict is Verdict.UNDECIDED else "Falls"
+    propped, held = int((state == State.PROPPED).sum()), int((state == State.HELD).sum())
+    helped = [counted(propped, "prop")] if propped else []
+    helped += [f"a hand on {counted(held, 'block')}"] if held else []
+    return f"Stands with {' and '.join(helped)}" if helped else "Stands by itself"
+
+
+def summary_stage(plan: Plan) -> Stage:
+    """The complete structure, each block in the colour of its status."""
+    state = np.array([STATE_OF[one] for one in plan.status], dtype=np.intp)
+    impossible = [plan.model.assembly.names[b] for b in plan.impossible]
+    message = plan.message
+    if impossible:
+        message += f"; cannot be put in: {', '.join(impossible)}"
+    layers = interface_layers(plan.model.contacts)
+    verdict = plan.verdict
+    up, gravity = directions(plan.model.assembly, plan.model.model.load)
+    return Stage(
+        "all blocks",
+        counts_text(plan),
+        message,
+        state,
+        verdict,
+        up=up,
+        gravity=gravity,
+        layers=layers,
+    )
+
+
+def counts_text(plan: Plan) -> str:
+    """How many steps there are, and how many blocks of each status."""
+    counts = plan.counts
+    kinds = ("free", "held", "propped", "impossible")
+    said = ", ".join(f"{counts[k]} {k}" for k in kinds if counts[k] or k != "impossible")
+    return f"{len(plan.steps)} steps: {said}"
+
+
+__all__ = ["block_numbers", "counts_text", "plan_scene", "summary_stage"]

@@ -1,0 +1,74 @@
+"""Which layers are shown together: pictures with a name, the same on the page and on paper."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from drystone.base.display import OneLine
+from drystone.view.scenes.scene import Layer, Scene
+
+
+@dataclass(frozen=True)
+class Preset(OneLine):
+    """A picture with a name.
+
+    Attributes
+    ----------
+    label
+    layers
+        Keys of the layers that are shown.
+    opacity
+        Of the blocks.
+    numbers
+        Whether blocks carry their numbers.
+    ghost
+        Whether outlines show where the motion begins or leads.
+    """
+
+    label: str
+    layers: frozenset[str]
+    opacity: float = 0.22
+    numbers: bool = False
+    ghost: bool = False
+
+
+MARKS = frozenset({"hinges", "sliding", "help", "tension"})
+ASKED = frozenset({"missed", "missed-points", "defects", "lines", "opening"})
+
+PRESETS: Mapping[str, Preset] = MappingProxyType(
+    {
+        "forces": Preset("Forces", MARKS | {"joint-force", "network", "opening"}),
+        "solid": Preset("Solid", MARKS | {"opening"}, opacity=1.0, ghost=True),
+        "contacts": Preset("Contacts", ASKED | {"interfaces"}, opacity=0.3),
+        "utilisation": Preset("Utilisation", frozenset({"joint-use", "sliding"})),
+        "stages": Preset("Stages", frozenset({"help"}), opacity=1.0, numbers=True, ghost=True),
+    }
+)
+"""Pictures by key."""
+
+KNOWN = frozenset(
+    {"joint-pressure", "pressure", "resultants"}.union(*(one.layers for one in PRESETS.values()))
+)
+"""Layers that presets decide upon."""
+
+
+def first_preset(scene: Scene) -> str:
+    """The picture that suits a scene: forces where there are some."""
+    if scene.preset:
+        return scene.preset
+    keys = {layer.key for layer in scene.stages[0].layers}
+    if "network" in keys:
+        return "forces"
+    if scene.stages[0].motion is not None:
+        return "solid"
+    return "contacts"
+
+
+def is_shown(layer: Layer, preset: str) -> bool:
+    """Whether a picture shows a layer; one that no preset names decides by itself."""
+    return layer.key in PRESETS[preset].layers or (layer.key not in KNOWN and layer.visible)
+
+
+__all__ = ["PRESETS", "Preset", "first_preset", "is_shown"]

@@ -1,0 +1,331 @@
+"""What a picture shows, before anything is drawn: one model, one or more stages, layers on top."""
+
+from __future__ import annotations
+
+import datetime as dt
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+import drystone
+from drystone.assembly import Assembly
+from drystone.base.arrays import Floats, Ints, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.contacts import Contacts
+from drystone.results import Verdict
+from drystone.view.scenes.palette import ROLE_COLOUR
+
+UP = frozen(np.array([0.0, 0.0, 1.0]))
+"""Up in a picture, unless gravity is turned."""
+
+COMMON = 0.97
+"""Share of the values that colours tell apart where few are far above all others; chosen by eye."""
+
+THIN = 0.25
+"""A model whose plan is narrower than this share of its length is shown almost from the front."""
+
+
+def now() -> str:
+    """The time and the version of drystone."""
+    day = dt.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
+    return f"{day}, drystone {drystone.__version__}"
+
+
+def round_up(value: float) -> float:
+    """The next number with two digits."""
+    step = 10.0 ** (np.floor(np.log10(value)) - 1.0)
+    return float(np.ceil(value / step - 1e-9) * step)
+
+
+class LayerKind(enum.Enum):
+    """How the entries of a layer are drawn."""
+
+    ARROWS = "arrows"
+    """A pair of opposite arrows about ``position``, ``vector`` long in all: action and reaction."""
+    LINES = "lines"
+    """From ``position`` to ``position + vector``."""
+    POLYGONS = "polygons"
+    """Loops of ``position``, filled."""
+    MARKERS = "markers"
+    """A mark of constant size on the screen at each ``position``."""
+
+
+class Shape(enum.Enum):
+    """Of markers: told apart without their colour."""
+
+    DISC = "disc"
+    DIAMOND = "diamond"
+
+
+@dataclass(frozen=True, eq=False)
+class Layer(OneLine):
+    """Something drawn over the blocks that can be switched on and off.
+
+    Attributes
+    ----------
+    key
+        Names the layer; the same layer of another stage has the same key.
+    label
+        For the legend.
+    kind
+    colour
+        A role of :mod:`drystone.view.scenes.palette`.
+    position : (p, 3) [m]
+    vector : (p, 3), arrows [N] or lines [m]
+    start : (f + 1,) loops of polygons
+    value : (p,), not below zero
+        Fills polygons with the colours of forces, corner by corner; makes lines thin or wide.
+    unit
+        Of the value, for the colour bar; empty for a share.
+    interface : (f,) or (p,)
+        Interface that each polygon, line, arrow or marker belongs to: it moves with its blocks.
+    block : (p,)
+        Block that each entry belongs to, where that is not an interface.
+    visible
+        At first, for layers that no preset names.
+    inward
+        Arrows point to ``position`` instead of away from it: a pull.
+    single
+        Arrows act on one block: they are not in pairs, and end at ``position``.
+    width
+        Of lines and arrows, relative to the usual one.
+    group
+        Arrows of one group have one scale: ``forces``, or ``help`` for what is needed to stand.
+    shape
+        Of markers.
+    """
+
+    key: str
+    label: str
+    kind: LayerKind
+    colour: str
+    position: Floats
+    vector: Floats | None = None
+    start: Ints | None = None
+    value: Floats | None = None
+    unit: str = "N"
+    interface: Ints | None = None
+    block: Ints | None = None
+    visible: bool = True
+    inward: bool = False
+    single: bool = False
+    width: float = 1.0
+    group: str = "forces"
+    shape: Shape = Shape.DISC
+
+    def __post_init__(self) -> None:
+        if self.colour not in ROLE_COLOUR["light"]:
+            raise InputError(
+                f"layer '{self.key}' has the colour '{self.colour}'",
+                remedy=f"choose one of {', '.join(ROLE_COLOUR['light'])}",
+            )
+        if (self.start is None) == (self.kind is LayerKind.POLYGONS):
+            raise InputError(f"layer '{self.key}': polygons have a start, nothing else has one")
+        if (self.vector is None) != (self.kind in (LayerKind.POLYGONS, LayerKind.MARKERS)):
+            raise InputError(
+                f"layer '{self.key}': arrows and lines have a vector, polygons and markers none"
+            )
+        if self.vector is not None and self.vector.shape != self.position.shape:
+            raise InputError(f"layer '{self.key}': position and vector differ in shape")
+        if self.value is not None and len(self.value) != len(self.position):
+            raise InputError(f"layer '{self.key}': position and value differ in length")
+        for name, owner in (("interface", self.interface), ("block", self.block)):
+            if owner is not None and len(owner) != self.count:
+                raise InputError(f"layer '{self.key}': {name} has not {self.count} entries")
+
+    @property
+    def count(self) -> int:
+        """Number of entries: polygons, lines, arrows or markers."""
+        return len(self.position) if self.start is None else len(self.start) - 1
+
+    @property
+    def largest(self) -> float:
+        """Largest value; where there are none, length of the longest vector."""
+        if self.value is not None:
+            return float(self.value.max(initial=0.0))
+        if self.vector is None:
+            return 0.0
+        return float(np.linalg.norm(self.vector, axis=1).max(initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Stage(OneLine):
+    """One state of the model: a result, a step of an assembly sequence, a case to compare.
+
+    Attributes
+    ----------
+    label
+        Names the stage on its slider.
+    headline
+        The answer in a sentence that a person understands.
+    message
+        What stands behind it.
+    verdict
+        None where nothing was computed.
+    state : (n,) values of :class:`State`
+    motion : (n, 6) [m, rad], translation of the centroid and rotation vector about it
+    motion_name
+        What the motion is, for its slider.
+    plays
+        Whether the page plays the motion once by itself.
+    arrives
+        The motion leads into the places of the blocks and not out of them.
+    prop : (n, 6) [N, N m]
+    force : (k, 3) [N], at the corners of the interfaces, local n, u, v, on block b
+    normal, tangential, utilisation : (m,) [N, N, 1] of each interface
+    pressure_centre : (m, 3) [m]
+    up : (3,) unit, up in the picture
+    gravity : (3,) unit, where the masses are pulled
+    facts
+        What was asked, by name, where it differs from that of the scene.
+    layers
+    """
+
+    label: str
+    headline: str
+    message: str
+    state: Ints
+    verdict: Verdict | None = None
+    motion: Floats | None = None
+    motion_name: str = "First motion"
+    plays: bool = False
+    arrives: bool = False
+    prop: Floats | None = None
+    force: Floats | None = None
+    normal: Floats | None = None
+    tangential: Floats | None = None
+    utilisation: Floats | None = None
+    pressure_centre: Floats | None = None
+    up: Floats = field(default_factory=lambda: UP)
+    gravity: Floats = field(default_factory=lambda: -UP)
+    facts: Mapping[str, str] = field(default_factory=dict)
+    layers: tuple[Layer, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Scene(OneLine):
+    """A model and what is to be shown of it.
+
+    Attributes
+    ----------
+    assembly
+    contacts
+    stages
+        One or more; several are played one after the other.
+    title
+    facts
+        What was asked, by name: file, blocks, mass, friction, density, load, supports.
+    number : (n,)
+        A number to write on each block, 0 for none: the order of assembly.
+    panels
+        HTML for the panel beside the model, put there as it is.
+    made
+        When and with what it was made.
+    still
+        The stage that a figure shows.
+    preset
+        The picture that is shown at first: a key of
+        :data:`drystone.view.scenes.presets.PRESETS`; left empty, one that suits the first stage.
+    """
+
+    assembly: Assembly
+    contacts: Contacts
+    stages: tuple[Stage, ...] = field(default_factory=tuple)
+    title: str = "drystone"
+    facts: Mapping[str, str] = field(default_factory=dict)
+    number: Ints | None = None
+    panels: tuple[str, ...] = ()
+    made: str = field(default_factory=now)
+    still: int = 0
+    preset: str = ""
+
+    def __post_init__(self) -> None:
+        n, m = len(self.assembly), self.contacts.count
+        if not self.stages:
+            raise InputError("a scene needs a stage")
+        if m and max(self.contacts.block_a.max(), self.contacts.block_b.max()) >= n:
+            raise InputError(
+                "the contacts name blocks that the assembly does not have",
+                remedy="pass the contacts that were found on this assembly",
+            )
+        for stage in self.stages:
+            for name, length in (
+                ("state", n), ("motion", n), ("prop", n), ("force", self.contacts.corner_count),
+                ("normal", m), ("tangential", m), ("utilisation", m), ("pressure_centre", m),
+            ):  # fmt: skip
+                value = getattr(stage, name)
+                if value is not None and len(value) != length:
+                    raise InputError(f"stage '{stage.label}': {name} has not {length} rows")
+
+    def _summary(self) -> str:
+        return f"'{self.title}', {counted(len(self.stages), 'stage')}, {self.assembly!r}"
+
+    @cached_property
+    def bounds(self) -> Floats:
+        """(2, 3) [m], box around all blocks."""
+        each = self.assembly.bounds
+        return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+
+    @cached_property
+    def toward(self) -> Floats:
+        """(3,) unit, from the model to the eye at first: across its longer side, from above."""
+        x, y, z = self.bounds[1] - self.bounds[0]
+        azimuth = np.deg2rad(-60.0 if x >= y else -30.0)
+        if min(x, y) < THIN * max(x, y):
+            azimuth = np.deg2rad(-75.0 if x >= y else -15.0)
+        elevation = np.deg2rad(35.0 if z < 0.4 * max(x, y) else 15.0)
+        level = np.cos(elevation)
+        return np.array([level * np.cos(azimuth), level * np.sin(azimuth), np.sin(elevation)])
+
+    @property
+    def centre(self) -> Floats:
+        """(3,) [m], middle of the box."""
+        middle: Floats = self.bounds.mean(axis=0)
+        return middle
+
+    @cached_property
+    def block_size(self) -> float:
+        """[m], median bounding box diagonal of the blocks."""
+        return float(np.median(self.assembly.size))
+
+    @cached_property
+    def force_scale(self) -> float:
+        """[m/N] at which the longest arrow of forces of any stage is as long as a block."""
+        return self.arrow_scale("forces")
+
+    def arrow_scale(self, group: str) -> float:
+        """[m/N] at which the longest arrow of a group, in any stage, is as long as a block."""
+        largest = max(
+            (
+                layer.largest
+                for stage in self.stages
+                for layer in stage.layers
+                if layer.kind is LayerKind.ARROWS and layer.group == group
+            ),
+            default=0.0,
+        )
+        return self.block_size / largest if largest > 0.0 else 0.0
+
+    def top(self, key: str) -> float:
+        """The end of the colour bar of a layer in all stages.
+
+        It is the largest value, unless a few are far above all others: those have the last colour.
+        """
+        found = [
+            x.value if x.value is not None else np.array([x.largest])
+            for stage in self.stages
+            for x in stage.layers
+            if x.key == key
+        ]
+        if not found:
+            return 0.0
+        value = np.concatenate(found)
+        value = value[value > 0.0]
+        if len(value) == 0:
+            return 0.0
+        most, common = float(value.max()), float(np.quantile(value, COMMON))
+        return most if most < 1.5 * common else round_up(common)

@@ -1,0 +1,77 @@
+"""One self-contained HTML page: opens from disk, asks nothing of the network."""
+
+from __future__ import annotations
+
+import html
+from importlib import resources
+from os import PathLike
+
+from drystone.base.files import write_bytes
+from drystone.contacts import Contacts
+from drystone.view.scenes.scene import Scene
+from drystone.view.scenes.subjects import Subject, scene_of
+from drystone.view.web.encode import encode, to_text
+
+SCRIPTS = (
+    "linear.js", "data.js", "shaders.js", "shadow.js", "renderer.js", "camera.js", "pointers.js",
+    "legend.js", "panel.js", "overlay.js", "export.js", "main.js",
+)  # fmt: skip
+"""In the order in which they are put into the page; one scope, so that later ones use earlier."""
+
+
+def save_page(
+    subject: Subject,
+    path: str | PathLike[str],
+    contacts: Contacts | None = None,
+    *,
+    source: str = "",
+) -> None:
+    """Write a page on which the model can be turned, taken apart into layers and asked.
+
+    Parameters
+    ----------
+    subject
+        A result, a model, an assembly, a limit, a plan, a settlement, or a scene put together by
+        hand.
+    path
+        Written to a temporary name beside it and renamed.
+    contacts
+        Of an assembly; a result has its own.
+    source
+        The file that the model came from, for the head of the page.
+
+    Raises
+    ------
+    InputError
+        The contacts belong to another model, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from drystone.models import tower
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> save_page(tower(3), folder / "tower.html")
+    >>> (folder / "tower.html").read_text(encoding="utf-8")[:15]
+    '<!doctype html>'
+    """
+    write_bytes(path, page_text(scene_of(subject, contacts, source)).encode("utf-8"))
+
+
+def page_text(scene: Scene) -> str:
+    """The page as text: HTML with its style, its script and its data inside."""
+    static = resources.files("drystone.view.web").joinpath("static")
+
+    def read(name: str) -> str:
+        return static.joinpath(name).read_text(encoding="utf-8")
+
+    page = read("page.html")
+    for mark, text in (
+        ("/*STYLE*/", read("page.css")),
+        ("/*SCRIPT*/", "\n".join(read(name) for name in SCRIPTS)),
+        ("TITLE", html.escape(scene.title)),
+        ("ASIDE", "\n".join(scene.panels)),
+        ("DATA", to_text(encode(scene))),  # last: what it holds is never searched for marks
+    ):
+        before, after = page.split("{{" + mark + "}}")
+        page = before + text + after
+    return page
