@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from drystone.base.errors import MissingDependency as MissingDependency
     from drystone.base.errors import SolverError as SolverError
     from drystone.contacts import Contacts as Contacts
+    from drystone.joint_capacity import JointCapacity as JointCapacity
     from drystone.design import diagnose as diagnose
     from drystone.detection import DetectionOptions as DetectionOptions
     from drystone.detection import find_contacts as find_contacts
@@ -59,6 +60,7 @@ _HOME = {
     "Block": "assembly",
     "CheckOptions": "stability",
     "Contacts": "contacts",
+    "JointCapacity": "joint_capacity",
     "DetectionOptions": "detection",
     "DrystoneError": "base.errors",
     "FormatError": "base.errors",

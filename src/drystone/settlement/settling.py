@@ -85,6 +85,7 @@ def settle(
     """
     chosen = SettlementOptions.of(options)
     model = as_model(given, **how)
+    model.require_dry("settlement")
     clock = Clock(chosen.time_limit_s, stop)
     moving = _support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))

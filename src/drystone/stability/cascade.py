@@ -77,10 +77,12 @@ class Cascade:
                 break
             self._report("stiffness samples", 2 + number)
             attempts.attempt(sample)
-        decided = not self.options.settle or len(attempts.standing) == attempts.tried
+        # settlement and the search know dry joints only
+        settle = self.options.settle and problem.statics.dry
+        decided = not settle or len(attempts.standing) == attempts.tried
         if attempts.standing and (decided or self.clock.late()):
             return self._stable(uniform)
-        if self.options.settle and not self.clock.late():
+        if settle and not self.clock.late():
             return self._followed()
         self._report("search", 2 + self.options.samples)
         found = self._search()
@@ -103,7 +105,7 @@ class Cascade:
         falling = unpressed(assembly, contacts, acceleration)
         if not falling.any():
             return None
-        if self.options.settle:
+        if self.options.settle and problem.statics.dry:
             surely = unpressed(assembly, contacts, acceleration, NO_APPROACH)
             followed = None if surely.all(where=falling) else self._follow()
             if followed is not None and followed.outcome is Outcome.RESTS:
@@ -210,7 +212,7 @@ class Cascade:
         Without a bound on how much they may differ, forces that only prestress brings about would
         hold almost every wedge.
         """
-        if not self.options.search or self.clock.late():
+        if not self.options.search or self.clock.late() or not self.problem.statics.dry:
             return None
         look = Search(
             self.problem,
