@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from drystone.stability import solve_cra as solve_cra
     from drystone.stability import solve_cra_penalty as solve_cra_penalty
     from drystone.stability import solve_rbe as solve_rbe
+    from drystone.view import save_cad as save_cad
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
 
@@ -85,6 +86,7 @@ _HOME = {
     "limit_tilt": "limits",
     "plan": "sequence",
     "read": "io",
+    "save_cad": "view",
     "save_figure": "view",
     "save_page": "view",
     "settle": "settlement",

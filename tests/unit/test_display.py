@@ -189,6 +189,7 @@ def cards() -> list[Card]:
         limits.limit_friction(stack, options=limits.LimitOptions(width=0.2)),
         drystone.plan(stack),
         drystone.find_contacts(tower(3)),
+        drystone.JointCapacity.of(drystone.find_contacts(tower(3)).contacts, tension=1.0),
         drystone.find_contacts(tower(3)).report,
     ]
 

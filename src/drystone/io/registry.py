@@ -12,7 +12,7 @@ from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import jsontext
 from drystone.io.build import Built, build, try_blocks
-from drystone.io.cad import rhino
+from drystone.io.cad import rhino, rhino_write
 from drystone.io.compas import compas_json, compas_json_write
 from drystone.io.draft import Contents, Draft
 from drystone.io.formats import Format
@@ -59,7 +59,7 @@ FORMATS: tuple[Format, ...] = (
         "stl", "STL", (".stl",), stl.read, stl.write, f"polygons, {MATERIAL}", axes_unknown=True
     ),
     Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS, axes_unknown=True),
-    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino.write, CONTACTS, layers=True),
+    Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino_write.write, CONTACTS, layers=True),
     Format(
         "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
     ),

@@ -139,8 +139,8 @@ def _hardest(result: Result, by: Any) -> dict[str, Any] | None:
 
 def _diagnose(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
-    options = DiagnosisOptions(needs=given.get("needs", True), time_limit_s=_left(end))
-    told = diagnose(model, options=options).to_dict()
+    options = DiagnosisOptions(needs=given.get("needs", True))
+    told = diagnose(model, options=options, time_limit_s=_left(end)).to_dict()
     kept = ("prop", "support", "friction", "ballast", "glue_holds")
     return {
         "verdict": told["verdict"],

@@ -56,8 +56,6 @@ class SettlementOptions(Options):
         Length of the steps by the default.
     step_limit
         Steps after which it is given up.
-    time_limit_s
-        After it the answer is given from what is known by then.
     """
 
     rest_within: float = 0.02
@@ -67,7 +65,6 @@ class SettlementOptions(Options):
     tangential: float = 0.2
     pace: float = 1.0
     step_limit: int = 5000
-    time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -86,7 +83,6 @@ class SettlementOptions(Options):
                 f"overlap is {self.overlap:g}", remedy="give a number between 1e-9 and 1e-2"
             )
         self._refuse_below(1, "step_limit")
-        self._refuse_below(0, "time_limit_s")
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,6 +43,7 @@ def settle(
     options: SettlementOptions | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Settlement:
     """Where the blocks go when they are left to themselves, step by step, to rest or into a fall.
@@ -63,7 +64,9 @@ def settle(
     options
     progress
     stop
-        Asked before every step; True ends it with what is known, like the time limit.
+        Asked before every step; True ends it with what is known by then.
+    time_limit_s
+        After it the answer is given from what is known by then.
 
     Raises
     ------
@@ -86,7 +89,7 @@ def settle(
     chosen = SettlementOptions.of(options)
     model = as_model(given, **how)
     model.require_dry("settlement")
-    clock = Clock(chosen.time_limit_s, stop)
+    clock = Clock(time_limit_s, stop)
     moving = _support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):

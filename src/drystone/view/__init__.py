@@ -1,5 +1,6 @@
 """Results to pictures: one self-contained page, static figures."""
 
+from drystone.view.cad.save_cad import save_cad
 from drystone.view.paper.figure import save_figure
 from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
@@ -24,6 +25,7 @@ __all__ = [
     "State",
     "inspection_scene",
     "page_text",
+    "save_cad",
     "save_figure",
     "save_inspection",
     "save_page",

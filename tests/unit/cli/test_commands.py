@@ -366,3 +366,18 @@ def test_angle_and_edges_of_the_search_are_options(tmp_path: Path, capsys: Capsy
     for wrong, remedy in ((("--angle", "90"), "give 0 to 45"), (("--edges", "x"), "always")):
         assert main(["inspect", model, *wrong]) == 2
         assert remedy in capsys.readouterr().err
+
+
+def test_an_answer_is_written_for_cad_programs(
+    tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, target = file(tmp_path, tower(3)), tmp_path / "answer.glb"
+    for command in ("check", "plan"):
+        assert main([command, model, "--friction", "0.7", "--cad", str(target)]) == 0
+        assert f"wrote {target}" in capsys.readouterr().out
+        assert target.read_bytes()[:4] == b"glTF"
+        target.unlink()
+    monkeypatch.setattr("importlib.util.find_spec", lambda name, package=None: None)
+    for command in ("check", "plan"):
+        assert main([command, model, "--cad", str(tmp_path / "answer.3dm")]) == 3
+        assert "rhino3dm" in capsys.readouterr().err

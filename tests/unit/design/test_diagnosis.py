@@ -153,6 +153,13 @@ def test_regions_beyond_the_number_asked_for_are_named_only() -> None:
     assert found.regions[0].needs.friction is None
 
 
+def test_without_time_it_tells_what_falls_and_why_it_ended() -> None:
+    found = diagnose(h_model(), friction=0.9, time_limit_s=0.0)
+    assert found.stopped == "the time was up"
+    with pytest.raises(InputError, match="the time limit is -1"):
+        diagnose(h_model(), time_limit_s=-1.0)
+
+
 def test_a_result_of_another_model_is_refused() -> None:
     result = drystone.check(tower(2))
     with pytest.raises(InputError, match="another model"):

@@ -164,7 +164,7 @@ def test_a_fall_tells_who_moves_and_how_it_ended_early_is_told() -> None:
     fall = tilted(tower(3), X, 40.0)
     assert "it falls: 'block-2'" in fall.message
     assert fall.path.moving[-1] == 2
-    late = settle(tower(3), options=SettlementOptions(time_limit_s=0.0))
+    late = settle(tower(3), time_limit_s=0.0)
     assert late.outcome is Outcome.UNKNOWN
     assert late.stopped == "the time was up"
     stopped = settle(tower(3), stop=lambda: True)

@@ -67,6 +67,7 @@ def settle(
 
 def _files(found: SupportResponse, wanted: Written, source: str) -> Files:
     tables, said = wanted.tables(found.result)
+    tables = [*wanted.for_cad(found, source), *tables]
     if wanted.html is None and wanted.png is None:
         return tables, said
     from drystone import view  # as above

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
     from drystone.limits import Limit
     from drystone.results import Result
+    from drystone.sequence import Plan
+    from drystone.settlement import SupportResponse
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,9 @@ class Pictures:
 
 @dataclass(frozen=True)
 class Written(Pictures):
-    """The page, the figure and the tables of joints."""
+    """The page, the figure, the file for CAD programs and the tables of joints."""
 
+    cad: options.Cad = None
     joints: Annotated[
         tuple[Path, ...],
         Option(
@@ -71,13 +74,18 @@ class Written(Pictures):
     ] = None
 
     def __post_init__(self) -> None:
-        apart([self.html, self.png, *self.joints])
+        apart([self.html, self.png, self.cad, *self.joints])
+        refuse_missing(self.cad)
 
     def all_of(self, result: Result, source: str) -> Files:
         """The pictures and the tables of a result, and remarks."""
         jobs, _ = self.of(result, source)
         more, said = self.tables(result)
-        return [*jobs, *more], said
+        return [*jobs, *self.for_cad(result, source), *more], said
+
+    def for_cad(self, subject: Result | SupportResponse, source: str) -> list[Job]:
+        """The file for CAD programs, where one is asked for."""
+        return cad_jobs(self.cad, subject, source)
 
     def tables(self, result: Result) -> Files:
         """The tables of joints, and remarks."""
@@ -105,6 +113,28 @@ class Written(Pictures):
         return jobs, [
             f"the peak pressure exceeds {self.strength:g} MPa at {over} of {len(table)} joints"
         ]
+
+
+def refuse_missing(cad: Path | None) -> None:
+    """Say before any work is done that a file for CAD programs cannot be written.
+
+    Raises
+    ------
+    MissingDependency
+    """
+    if cad is not None and cad.suffix.lower() == ".3dm":
+        from drystone.io.cad.rhino import require
+
+        require("writing 3dm")
+
+
+def cad_jobs(path: Path | None, subject: Result | SupportResponse | Plan, source: str) -> list[Job]:
+    """The file for CAD programs, where one is asked for."""
+    if path is None:
+        return []
+    from drystone.view import save_cad  # as above
+
+    return [(path, partial(save_cad, subject, source=source))]
 
 
 def apart(paths: Sequence[Path | None]) -> None:

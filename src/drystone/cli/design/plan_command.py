@@ -15,7 +15,7 @@ from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.base.written import apart
+from drystone.cli.base.written import apart, cad_jobs, refuse_missing
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
 
@@ -107,6 +107,7 @@ def plan(
         Option("File to go on from after an interruption.", kind=kinds.FILE, expert=True),
     ] = None,
     html: options.Html = None,
+    cad: options.Cad = None,
     instructions: Annotated[
         Path | None,
         Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
@@ -122,7 +123,8 @@ def plan(
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be put in, or
     the complete model does not stand. 2: bad input.
     """
-    apart([html, instructions, csv])
+    apart([html, cad, instructions, csv])
+    refuse_missing(cad)
     rules = _rules(order, hands, payload, before, reach)
     executor = _executor(workers, dask)
     waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
@@ -152,7 +154,7 @@ def plan(
     }
     helped = found.counts["propped"] + found.counts["impossible"]
     code = 0 if found.steps and found.verdict == "stable" and not helped else 1
-    files = partial(_files, found, measured, html, instructions, csv, subject.model)
+    files = partial(_files, found, measured, html, cad, instructions, csv, subject.model)
     return Answer(data, partial(_show, data, found), code, model.notes, files)
 
 
@@ -160,14 +162,15 @@ def _files(
     plan: Plan,
     margins: Margins | None,
     html: Path | None,
+    cad: Path | None,
     steps: Path | None,
     csv: Path | None,
     source: str,
 ) -> Files:
-    wanted = [str(path) for path in (html, steps, csv) if path is not None]
+    wanted = [str(path) for path in (html, cad, steps, csv) if path is not None]
     if not plan.steps:
         return [], [f"not written: {', '.join(wanted)}"] if wanted else []
-    jobs: list[Job] = []
+    jobs: list[Job] = cad_jobs(cad, plan, source)
     if html is not None or steps is not None:
         from drystone.view import save_page
         from drystone.view.paper.instructions import save_instructions

@@ -107,9 +107,18 @@ Html: TypeAlias = Annotated[
 Png: TypeAlias = Annotated[
     Path | None, Option("Write a figure, .png or .svg.", OUTPUT, kind=kinds.target(".png", ".svg"))
 ]
+Cad: TypeAlias = Annotated[
+    Path | None,
+    Option("Write the answer for CAD programs, .3dm or .glb.", OUTPUT,
+           kind=kinds.target(".3dm", ".glb")),
+]  # fmt: skip
 TimeLimit: TypeAlias = Annotated[
     float | None,
-    Option("Seconds after which the search stops with what it knows.", kind=kinds.POSITIVE),
+    Option(
+        "Seconds after which the search stops with what it knows.",
+        kind=kinds.POSITIVE,
+        expert=True,
+    ),
 ]
 
 

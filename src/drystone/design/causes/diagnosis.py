@@ -43,18 +43,14 @@ class DiagnosisOptions(Options):
         without it only what falls, how, and the force that is missing are told.
     regions
         How many are looked at, the heaviest first.
-    time_limit_s
-        After it regions are told without what would hold them.
     """
 
     needs: bool = True
     regions: int = 20
-    time_limit_s: float = float("inf")
 
     def __post_init__(self) -> None:
         super().__post_init__()
         self._refuse_below(1, "regions")
-        self._refuse_below(0.0, "time_limit_s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +163,7 @@ def diagnose(
     result: Result | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Diagnosis:
     """Why a model falls, block by block, and what would hold it.
@@ -185,6 +182,8 @@ def diagnose(
     progress
     stop
         Asked often; True ends the search for what would hold the regions.
+    time_limit_s
+        After it regions are told without what would hold them.
 
     Returns
     -------
@@ -209,7 +208,7 @@ def diagnose(
     model = as_model(given, **how)
     if result is not None and result.model is not model:
         raise InputError("the result is of another model", remedy="leave it out")
-    clock = Clock(chosen.time_limit_s, stop)
+    clock = Clock(time_limit_s, stop)
     if progress is not None:
         progress("check", 0, 2)
     answer = check(model, stop=clock.late) if result is None else result

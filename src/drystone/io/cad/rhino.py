@@ -7,7 +7,6 @@ where the file has one, and that is told. Needs rhino3dm (extra ``cad``).
 
 from __future__ import annotations
 
-import importlib
 import importlib.util
 import json
 import subprocess
@@ -19,14 +18,12 @@ from typing import Any
 
 import numpy as np
 
-from drystone.assembly import DEFAULT_DENSITY, Block
+from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, MissingDependency, counted
-from drystone.base.files import write_through
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.holes import faces_with_holes
-from drystone.geometry.plane.triangulate import triangulate
-from drystone.io.draft import Contents, Draft, Shape
+from drystone.io.draft import Draft, Shape
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh.heap import Heap, moved, named_apart, shapes_of
 
@@ -46,7 +43,7 @@ EXACT, SINGLE = 1e-9, 1e-6
 
 def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = False) -> Draft:
     """Blocks of a 3dm file: all that is visible, what is on ``layers``, or hidden things too."""
-    _require("reading 3dm")
+    require("reading 3dm")
     top = _extracted(data, path, {"layers": list(layers), "hidden": hidden})
     units = UNITS.get(top["units"].text())
     notes = [f"{count.integer()} x {kind} left out" for kind, count in top["skipped"].items()]
@@ -81,7 +78,8 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
     return Draft(tuple(shapes), units=units, notes=(*dict.fromkeys(notes), *renamed))
 
 
-def _require(purpose: str) -> None:
+def require(purpose: str) -> None:
+    """Refuse where rhino3dm is not installed."""
     if importlib.util.find_spec("rhino3dm") is None:
         raise MissingDependency("rhino3dm", extra="cad", purpose=purpose)
 
@@ -220,62 +218,3 @@ def _our_own(told: _Told, kept: Field) -> None:
             raise face.error("names a vertex that does not exist")
         told.polygons.append(corners)
     told.metadata.update(kept.get("metadata", {}).object().value)
-
-
-def write(model: Contents, path: Path) -> None:
-    """Meshes in metres, in double precision, with names, layers, supports and densities.
-
-    Polygons with more than four corners are cut into triangles for Rhino; they are kept in the user
-    text, so that reading the file gives the same block.
-    """
-    _require("writing 3dm")
-    rhino3dm: Any = importlib.import_module("rhino3dm")
-    file = rhino3dm.File3dm()
-    file.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Meters
-    layers: dict[str, int] = {}
-    for block, fixed in zip(model.assembly.blocks, model.assembly.fixed.tolist(), strict=True):
-        kept = dict(block.metadata)
-        layer = str(kept.pop("layer", "supports" if fixed else "blocks"))
-        if layer not in layers:
-            made = rhino3dm.Layer()
-            made.Name = layer.rpartition("::")[2]
-            layers[layer] = file.Layers.Add(made)
-        attributes = rhino3dm.ObjectAttributes()
-        if any(character < " " for character in block.name):
-            raise FormatError(
-                f"block '{block.name}' has a control character in its name, for which 3dm has no"
-                " place",
-                where=str(path),
-                remedy="rename it without tabs and line ends",
-            )
-        attributes.Name = block.name
-        attributes.LayerIndex = layers[layer]
-        attributes.SetUserString("support", "true" if fixed else "false")
-        attributes.SetUserString("density", repr(block.density))
-        own = {"vertices": len(block.vertices), "faces": block.faces, "metadata": kept}
-        try:
-            attributes.SetUserString(TEXT, json.dumps(own, allow_nan=False))
-        except (TypeError, ValueError) as error:
-            raise FormatError(
-                f"metadata of block '{block.name}' is no JSON value", where=str(path)
-            ) from error
-        file.Objects.AddMesh(_mesh(block), attributes)
-    write_through(path, lambda name: bool(file.Write(name, 0)))
-
-
-def _mesh(block: Block) -> Any:
-    rhino3dm: Any = importlib.import_module("rhino3dm")
-    mesh = rhino3dm.Mesh()
-    mesh.Vertices.UseDoublePrecisionVertices = True
-    for point in block.vertices.tolist():
-        mesh.Vertices.AddPoint3d(*point)
-    large = [face for face in block.faces if len(face) > 4]
-    for face in block.faces:
-        if len(face) <= 4:
-            mesh.Faces.AddFace(*face)
-    if large:
-        corners = np.array([corner for face in large for corner in face], dtype=np.intp)
-        start = np.concatenate([[0], np.cumsum([len(face) for face in large])])
-        for triangle in corners[triangulate(block.vertices[corners], start)[0]].tolist():
-            mesh.Faces.AddFace(*triangle)
-    return mesh

@@ -13,6 +13,8 @@ MEMORY = 2 * 2**30
 """[bytes], chosen: enough for large models, and no more for a file that lies about its size."""
 DEPTH = 16
 """Nesting of block definitions, chosen."""
+PICTURE = "drystone-picture"
+"""User text of what drystone drew of a result: forces, joints, a motion. It is no block."""
 
 
 def limit(cpu_s: int) -> None:
@@ -61,7 +63,7 @@ class _Found:
         geometry, attributes = item.Geometry, item.Attributes
         kind = type(geometry).__name__
         layer = self.layers.get(attributes.LayerIndex)
-        if not self._wants(attributes, layer, depth):
+        if attributes.GetUserString(PICTURE) or not self._wants(attributes, layer, depth):
             return
         if kind == "InstanceReference":
             self._instance(geometry, placed, depth)

@@ -51,8 +51,9 @@ def read(data: bytes, path: Path) -> Draft:
     triangles = 0
     known: dict[int, tuple[Floats, Ints]] = {}
     for number, (node, matrix) in enumerate(_placed_nodes(top)):
-        if not node.has("mesh"):
-            continue
+        ours = _ours(node)
+        if not node.has("mesh") or (ours is not None and ours.has("picture")):
+            continue  # what drystone drew of a result is no block
         mesh = _item(top, "meshes", node["mesh"])
         name = node.get("name", mesh.get("name", f"node-{number}").text()).text()
         index = node["mesh"].integer()
@@ -65,7 +66,6 @@ def read(data: bytes, path: Path) -> Draft:
         vertices, mirrored = moved(vertices, matrix)
         if mirrored:
             faces = faces[:, ::-1]
-        ours = _ours(node)
         where = f"node {number}"
         told[where] = ours
         heaps.append(Heap(vertices @ Z_UP.T, faces.tolist(), name, where, split=ours is None))

@@ -83,7 +83,7 @@ def write(model: Contents, path: Path) -> None:
         text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
     except (TypeError, ValueError) as error:
         raise FormatError("metadata of a block is no JSON value", where=str(path)) from error
-    write_bytes(path, _glb(text, points.tobytes() + index.tobytes()))
+    write_bytes(path, container(text, points.tobytes() + index.tobytes()))
 
 
 def _told(model: Contents, i: int) -> dict[str, Any]:
@@ -92,7 +92,8 @@ def _told(model: Contents, i: int) -> dict[str, Any]:
     return told | ({"metadata": dict(block.metadata)} if block.metadata else {})
 
 
-def _glb(text: bytes, binary: bytes) -> bytes:
+def container(text: bytes, binary: bytes) -> bytes:
+    """A GLB file of its two parts."""
     text += b" " * (-len(text) % 4)
     binary += b"\0" * (-len(binary) % 4)
     total = 12 + 8 + len(text) + 8 + len(binary)

@@ -1,0 +1,133 @@
+"""Lines, arrows and marks as small solids, for programs whose lines have no width."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+from drystone.geometry.frames import frames_from_normals
+from drystone.view.scenes.scene import Layer, Shape
+
+Triangles: TypeAlias = tuple[Floats, Ints]
+"""Points (p, 3) [m] and triangles (t, 3) of points, counter-clockwise from outside."""
+
+SIDES = 8
+"""Of a tube, chosen: it looks round at the width of a force line."""
+HEAD = 2.6
+"""Radius of the head of an arrow by that of its shaft, chosen by eye."""
+
+
+def tubes(start: Floats, end: Floats, radius: Floats) -> Triangles:
+    """Prisms from (p, 3) to (p, 3) [m] with the radii (p,) [m]; closed at both ends."""
+    ring = _ring(end - start) * radius[None, :, None]
+    points = np.concatenate([start + ring, end + ring], axis=0)  # (2 SIDES, p, 3)
+    k = np.arange(SIDES)
+    after = (k + 1) % SIDES
+    sides = [
+        np.stack([k, after, SIDES + after], axis=1),
+        np.stack([k, SIDES + after, SIDES + k], axis=1),
+    ]
+    fan = np.stack([np.zeros(SIDES - 2, dtype=np.intp), k[1:-1], k[2:]], axis=1)
+    return _repeated(points, np.concatenate([*sides, fan[:, ::-1], fan + SIDES]))
+
+
+def cones(start: Floats, end: Floats, radius: Floats) -> Triangles:
+    """Cones whose bases lie at (p, 3) and whose tips lie at (p, 3) [m]."""
+    ring = start + _ring(end - start) * radius[None, :, None]
+    points = np.concatenate([ring, end[None]], axis=0)
+    k = np.arange(SIDES)
+    side = np.stack([k, (k + 1) % SIDES, np.full(SIDES, SIDES)], axis=1)
+    fan = np.stack([np.zeros(SIDES - 2, dtype=np.intp), k[1:-1], k[2:]], axis=1)
+    return _repeated(points, np.concatenate([side, fan[:, ::-1]]))
+
+
+def arrows(start: Floats, end: Floats, radius: float) -> Triangles:
+    """Arrows from (p, 3) to (p, 3) [m]; a head is at most half of its arrow."""
+    length = np.linalg.norm(end - start, axis=1)
+    head = np.minimum(2.0 * HEAD * radius, 0.5 * length)
+    neck = (
+        end - (end - start) * np.divide(head, length, where=length > 0.0, out=head * 0.0)[:, None]
+    )
+    thick = np.full(len(start), radius)
+    return joined(tubes(start, neck, thick), cones(neck, end, HEAD * thick))
+
+
+def arrow_ends(layer: Layer, scale: float) -> tuple[Floats, Floats]:
+    """Where the arrows of a layer begin and end, (p, 3) [m] each; ``scale`` in m/N.
+
+    An arrow that acts on one block ends at its point; others are in pairs, action and reaction.
+    """
+    if layer.vector is None:
+        return np.zeros((0, 3)), np.zeros((0, 3))
+    way, at = scale * layer.vector, layer.position
+    if layer.single:
+        start, end = at - way, at
+    else:
+        start, end = np.concatenate([at, at]), np.concatenate([at + 0.5 * way, at - 0.5 * way])
+    return (end, start) if layer.inward else (start, end)
+
+
+def marks(position: Floats, radius: float, shape: Shape) -> Triangles:
+    """Spheres or octahedra about (p, 3) [m]."""
+    points, corners = _octahedron()
+    if shape is Shape.DISC:
+        for _ in range(2):
+            points, corners = _rounded(points, corners)
+    return _repeated(radius * points[:, None] + position[None], corners)
+
+
+def joined(*parts: Triangles) -> Triangles:
+    """Several sets of triangles as one."""
+    first = np.cumsum([0, *(len(points) for points, _ in parts[:-1])])
+    points = np.concatenate([points for points, _ in parts])
+    return points, np.concatenate([c + f for (_, c), f in zip(parts, first, strict=True)])
+
+
+def _ring(along: Floats) -> Floats:
+    """(SIDES, p, 3), unit vectors square to directions (p, 3), counter-clockwise about them."""
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    unit = np.divide(along, length, out=np.tile([0.0, 0.0, 1.0], (len(along), 1)), where=length > 0)
+    frame = frames_from_normals(unit)
+    turn = 2.0 * np.pi * np.arange(SIDES)[:, None, None] / SIDES
+    ring: Floats = np.cos(turn) * frame[:, 1] + np.sin(turn) * frame[:, 2]
+    return ring
+
+
+def _repeated(points: Floats, corners: Ints) -> Triangles:
+    """Copies of one set of triangles: points (q, p, 3) of p copies with q points each."""
+    each, copies = points.shape[:2]
+    shift = each * np.arange(copies)[:, None, None]
+    return points.swapaxes(0, 1).reshape(-1, 3), (corners[None] + shift).reshape(-1, 3)
+
+
+def _octahedron() -> Triangles:
+    points = np.concatenate([np.eye(3), -np.eye(3)])
+    corners = [
+        (0, 1, 2),
+        (1, 3, 2),
+        (3, 4, 2),
+        (4, 0, 2),
+        (1, 0, 5),
+        (3, 1, 5),
+        (4, 3, 5),
+        (0, 4, 5),
+    ]
+    return points, np.array(corners)
+
+
+def _rounded(points: Floats, corners: Ints) -> Triangles:
+    """Each triangle cut into four, its new corners on the unit sphere."""
+    sides = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]))
+    side, number = np.unique(sides, axis=0, return_inverse=True)
+    new = points[side].sum(axis=1)
+    new /= np.linalg.norm(new, axis=1, keepdims=True)
+    ab, bc, ca = (len(points) + number.reshape(-1)).reshape(3, -1)
+    i, j, k = corners.T
+    cut = [(i, ab, ca), (ab, j, bc), (ca, bc, k), (ab, bc, ca)]
+    parts = [np.stack(part, axis=1) for part in cut]
+    return np.concatenate([points, new]), np.concatenate(parts)
+
+
+__all__ = ["Triangles", "arrow_ends", "arrows", "cones", "joined", "marks", "tubes"]
