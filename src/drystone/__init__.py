@@ -24,12 +24,12 @@ if TYPE_CHECKING:
     from drystone.base.errors import MissingDependency as MissingDependency
     from drystone.base.errors import SolverError as SolverError
     from drystone.contacts import Contacts as Contacts
-    from drystone.joint_capacity import JointCapacity as JointCapacity
     from drystone.design import diagnose as diagnose
     from drystone.detection import DetectionOptions as DetectionOptions
     from drystone.detection import find_contacts as find_contacts
     from drystone.io import read as read
     from drystone.io import write as write
+    from drystone.joint_capacity import JointCapacity as JointCapacity
     from drystone.limits import limit_friction as limit_friction
     from drystone.limits import limit_load as limit_load
     from drystone.limits import limit_shrink as limit_shrink

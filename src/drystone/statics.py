@@ -23,7 +23,6 @@ from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.solvers.program import Entries
 
-
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
@@ -81,9 +80,7 @@ class Statics:
     @property
     def dry(self) -> bool:
         """Whether no joint pulls, coheres or has a limit of shear."""
-        return not (
-            self.tension.any() or self.cohesion.any() or (self.shear < UNLIMITED).any()
-        )
+        return not (self.tension.any() or self.cohesion.any() or (self.shear < UNLIMITED).any())
 
     @property
     def corner_count(self) -> int:

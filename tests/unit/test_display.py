@@ -70,6 +70,7 @@ def values(folder: Path) -> Iterator[object]:
     rare = Model.of(tower(2), friction=0.0).with_load((1.0, 0.0, -9.81))
     yield from (design.find_mends(rare, options=few), few)
     yield design.mend(tower(2))
+    yield drystone.JointCapacity.of(drystone.find_contacts(tower(3)).contacts, tension=1.0)
     apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))
@@ -189,7 +190,6 @@ def cards() -> list[Card]:
         limits.limit_friction(stack, options=limits.LimitOptions(width=0.2)),
         drystone.plan(stack),
         drystone.find_contacts(tower(3)),
-        drystone.JointCapacity.of(drystone.find_contacts(tower(3)).contacts, tension=1.0),
         drystone.find_contacts(tower(3)).report,
     ]
 

@@ -9,7 +9,6 @@ from drystone.checks import check_forces, mechanism_defects
 from drystone.models import box as box_of_size
 
 
-
 def box(low, high, name):
     """A box between two corners."""
     size = np.subtract(high, low)

@@ -168,7 +168,14 @@ def add_contact_rows(
     if limited.any():
         rows, most = one[limited], statics.shear[limited]
         _bounded(
-            program, "shear", unknowns.force, rows, np.zeros(len(most)), bearing, cone, constant=most
+            program,
+            "shear",
+            unknowns.force,
+            rows,
+            np.zeros(len(most)),
+            bearing,
+            cone,
+            constant=most,
         )
     if cone.local is not None and k:
         joints, first = np.unique(statics.interface, return_index=True)

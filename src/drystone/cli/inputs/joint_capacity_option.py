@@ -21,8 +21,8 @@ EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
 JointCapacities: TypeAlias = Annotated[
     str | None,
     Option(
-        "What joints carry beyond friction: tension, cohesion and a limit of shear of all joints, in "
-        f"Pa or N such as {EXAMPLE}, or a CSV file with block_a,block_b,tension,cohesion,shear in N.",
+        "What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N, "
+        f"such as {EXAMPLE}; or a table block_a,block_b,tension,cohesion,shear in N.",
         CONTACTS,
         metavar="WHAT|FILE.csv",
         expert=True,

@@ -39,7 +39,9 @@ def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
 def _joined_capacity(one: Contacts, other: Contacts) -> JointCapacity | None:
     if one.capacity is None and other.capacity is None:
         return None
-    parts = [c.capacity or JointCapacity(np.zeros(c.count), np.zeros(c.count)) for c in (one, other)]
+    parts = [
+        c.capacity or JointCapacity(np.zeros(c.count), np.zeros(c.count)) for c in (one, other)
+    ]
     tension, cohesion, shear = (
         np.concatenate([getattr(part, name) for part in parts])
         for name in ("tension", "cohesion", "shear")

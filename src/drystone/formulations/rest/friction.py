@@ -63,7 +63,7 @@ class Bound:
     shear: Floats | float = np.inf
 
     def __call__(self, normal: Floats) -> tuple[Floats, Floats]:
-        """b (k,), and its derivative by the normal force (k,), negative where the joint pulls."""
+        """B (k,), and its derivative by the normal force (k,), negative where the joint pulls."""
         bound = self.friction * normal + self.cohesion
         within = (bound > 0.0) & (bound < self.shear)
         return np.clip(bound, 0.0, self.shear), np.where(within, self.friction, 0.0)

@@ -19,8 +19,8 @@ from drystone.io.draft import Draft, Extras, Shape
 from drystone.io.jsontext import Field
 from drystone.io.own import npz
 from drystone.io.own.load_parts import load_of_parts
-from drystone.loads import LoadCase
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
+from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 
@@ -147,7 +147,7 @@ def _contacts(field: Field, assembly: Assembly) -> Contacts:
 
 
 def _capacity(field: Field, count: int) -> JointCapacity | None:
-    """What joints carry beyond friction, where the file says so; what it leaves out is not there."""
+    """What joints carry beyond friction, where the file says so."""
     if not any(field.has(name) for name in CAPACITY):
         return None
     none = {"tension": 0.0, "cohesion": 0.0, "shear": NO_LIMIT}
