@@ -197,7 +197,7 @@ def real(path: str) -> list[str]:
         spent, busy = time.perf_counter() - began, time.process_time() - cpu
         lines.append(
             f"- {name}: balances {shown(limit.equilibrium)}, uniform stiffness "
-            f"{shown(limit.uniform)}, some stiffness {shown(limit.rest)}; {spent:.1f} s "
+            f"{shown(limit.uniform)}, stands {shown(limit.rest)}; {spent:.1f} s "
             f"({busy:.1f} CPU s), {len(limit.evaluations)} verdicts"
         )
     return lines
@@ -208,36 +208,33 @@ INTRODUCTION = """# Limits
 This page is written by `python -m benchmarks.limits`.
 
 `drystone limit` asks how far a structure is from falling: the largest tilt or load, the least
-friction, thickness or size of its joints. Every limit is found by three definitions. Each is at
-most the one before:
+friction, thickness or size of its joints. A limit is found by these definitions:
 
 - **balances**: some contact forces balance the loads, with associative friction. This is a convex
   problem and a necessary condition. It is the figure of rigid-block limit analysis.
-- **some stiffness**: the full verdict. The forces arise without prestress for some contact
-  stiffness. Stiffnesses are sampled and searched for.
-- **uniform**: the same for uniform contact stiffness, as a discrete-element program computes it.
+- **stands**: the verdict of `drystone check` on both sides. Where contact stiffness decides, the
+  blocks are followed by [finite steps](settlement.md), and the limit is where they no longer come
+  to rest. This is the answer.
+- **every stiffness**: it stands for every contact stiffness that is tried. It is searched where it
+  ends before the verdict changes.
+- **uniform**: it stands for uniform contact stiffness, as a discrete-element program computes it to
+  first order.
 
-The effort depends on the number of interface corners:
-
-- Up to 200 corners: uniform stiffness is one rest state at every value. For some stiffness, samples
-  and a search by convex steps are used at every value. Brackets have the default width.
-- Up to 500 corners: for some stiffness, samples are used at every value, and the search only at the
-  first value that falls. That bracket is 1 % of the limit of equilibrium wide.
-- More corners: rest is tried with two friction laws for uniform stiffness (sticking, and a slip
-  length of one overlap) and two more for some stiffness (slip lengths of ten overlaps and of a
-  tenth). Both brackets are 1 % of the limit of equilibrium wide.
-
-`--width` overrides the width.
-
-Above 500 corners, uniform stiffness counts as falling where no rest state is found. For some
-stiffness only a proof counts as falling. Its bracket may therefore reach to the limit of
-equilibrium. The same holds from 200 corners on, where the search finds a rest state beyond the
-samples.
+Where these differ, the answer tells the values between which the joints decide, in words, in JSON
+(`sensitive_between`, `undecided_between`, `remarks`) and on the page. Undecided values are those
+where it depends on which block carries the ends of the joints.
 
 The convex limit comes first. A checked state on either side confirms it: forces below, a mechanism
-above. The verdict is then computed at the steps of a scan and bisected inside. Nothing is known
-between the two ends of a bracket. A wide bracket contains values that no search could decide.
-Values beyond the first fall at which the structure stands again are reported as islands.
+above. Uniform stiffness is cheap: it is computed at the steps of a scan and bisected inside. Then
+the verdict is computed on both sides of that limit. If it stands and falls there, it is the limit.
+Else values are tried by growing steps from there, and bisected. So blocks are followed only where
+the stiffness decides, and no value far beyond the limit is tried. Nothing is known between the two
+ends of a bracket.
+
+Models of more than 500 corners have brackets of 1 % of the limit of equilibrium, and uniform
+stiffness is tried with two friction laws (sticking, and a slip length of one overlap). `--width`
+overrides the width. Values beyond the first fall at which the structure stands again are reported
+as islands.
 
     drystone limit tilt model.obj --axis y --html fall.html
     drystone limit tilt model.obj --polar 16 --workers 2 --png polar.png
@@ -278,7 +275,7 @@ def main() -> int:
         INTRODUCTION,
         "## Known limits",
         "",
-        f"| limit | source | known | balances | apart | uniform | some stiffness | {CPU_NOTE} |",
+        f"| limit | source | known | balances | apart | uniform | stands | {CPU_NOTE} |",
         "|---|---|---|---|---|---|---|---|",
     ]
     failed = []

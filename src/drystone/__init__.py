@@ -15,6 +15,8 @@ gives it.
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from drystone.base.display import draw_with
+
 if TYPE_CHECKING:
     from drystone.assembly import Assembly as Assembly
     from drystone.assembly import Block as Block
@@ -101,6 +103,16 @@ _ROOMS = ("design", "limits", "models", "sequence", "settlement", "shells", "vie
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)
+
+
+def _thumbnail(value: object) -> str:
+    """A small picture of a value as HTML; drawing is loaded when one is asked for."""
+    from drystone.view.web.notebook import thumbnail
+
+    return thumbnail(value)
+
+
+draw_with(_thumbnail)
 
 
 def __getattr__(name: str) -> Any:

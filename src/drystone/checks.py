@@ -207,19 +207,18 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
         return np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), np.zeros((0, 3))
     moved = corner_motion(model.assembly, contacts, motion)
     reach, interface = np.linalg.norm(moved, axis=1), contacts.interface
-    first = contacts.start[:-1]
-    most = np.maximum.reduceat(reach, first)
+    corners = contacts.corners
+    most = corners.max(reach)
     moving = most > MOVING * float(most.max())
     small = MOVING * most[interface]
     still = reach < small
-    hinge = moving & np.logical_or.reduceat(still, first)
+    hinge = moving & corners.any(still)
     sliding = np.linalg.norm(moved[:, 1:], axis=1)
     friction = contacts.friction[interface]
     along = (sliding > small) & (np.abs(moved[:, 0]) < friction * sliding + small)
-    slide = moving & ~hinge & np.logical_or.reduceat(along, first)
+    slide = moving & ~hinge & corners.any(along)
     kept = np.where(hinge[interface], still, True).astype(float)
-    total = np.add.reduceat(kept[:, None] * contacts.point, first, axis=0)
-    place: Floats = total / np.add.reduceat(kept, first)[:, None]
+    place: Floats = corners.sum(kept[:, None] * contacts.point) / corners.sum(kept)[:, None]
     return hinge, slide, place
 
 

@@ -168,6 +168,11 @@ class Contacts(OneLine):
         return len(self.interface)
 
     @cached_property
+    def highest_block(self) -> int:
+        """Largest block index that occurs; -1 without contacts."""
+        return max(int(end.max(initial=-1)) for end in (self.block_a, self.block_b))
+
+    @cached_property
     def corners(self) -> Ragged:
         """Which corners belong to which interface."""
         return Ragged.from_owners(self.interface, self.count)

@@ -69,8 +69,7 @@ class Model(Card):
         count = len(of_type(self.assembly, Assembly, "the assembly of a model"))
         remedy = "give the .contacts of what find_contacts found, or use Model.of(assembly)"
         of_type(self.contacts, Contacts, "the value of contacts", remedy)
-        ends = (self.contacts.block_a, self.contacts.block_b)
-        if max(int(end.max(initial=-1)) for end in ends) >= count:
+        if self.contacts.highest_block >= count:
             raise InputError(
                 "the contacts name blocks that the assembly does not have",
                 remedy="pass the contacts that were found on this assembly",

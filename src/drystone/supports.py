@@ -181,7 +181,7 @@ def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:
     direction = np.asarray(up, dtype=np.float64)
     size = np.linalg.norm(area, axis=1)
     down = -(area @ direction) >= LEVEL * size
-    least = np.minimum.reduceat(faces.point[faces.loop] @ direction, faces.start[:-1])
+    least = faces.corners.min(faces.point[faces.loop] @ direction)
     reach = np.array([block.size for block in assembly.blocks])
     down &= least <= bottom[faces.owner] + 1e-3 * reach[faces.owner]
     out = np.zeros(len(assembly), dtype=bool)

@@ -107,7 +107,7 @@ def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice 
         )
     plane /= np.where(length > 0.0, length, 1.0)[:, None]
     along = np.einsum("ki,ki->k", contacts.point, plane[contacts.interface])
-    far = np.maximum.reduceat(along, contacts.start[:-1])[contacts.interface]
+    far = contacts.corners.spread(contacts.corners.max(along))
     moved = contacts.point + ((1.0 - scale) * (far - along))[:, None] * plane[contacts.interface]
     return _reshaped(contacts, moved, mask)
 

@@ -117,8 +117,9 @@ app = _group(
 def _version(ctx: click.Context, _: click.Parameter, asked: bool) -> None:
     if asked:
         from drystone import __version__
+        from drystone.base.version import commit
 
-        output.say(f"drystone {__version__}")
+        output.say(f"drystone {__version__}" + (f" ({commit()})" if commit() else ""))
         ctx.exit()
 
 
@@ -136,7 +137,7 @@ app.params += [
     click.Option(
         ["--version"],
         is_flag=True, is_eager=True, expose_value=False, callback=_version,
-        help="Show the version and exit.",
+        help="Show the version and the commit, and exit.",
     ),
     click.Option(
         ["--completion"],

@@ -1,6 +1,7 @@
 """Stability-aware design: why a structure falls, and what to change until it stands."""
 
-from drystone.design.causes.diagnosis import Diagnosis, DiagnosisOptions, Region, diagnose
+from drystone.design.causes.diagnosed import Diagnosis, Region
+from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose
 from drystone.design.causes.joint_motion import JointMotion, JointState
 from drystone.design.causes.missing import Ballast, Needs, Pull
 from drystone.design.causes.prop_forces import PropForce

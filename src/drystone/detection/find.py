@@ -247,7 +247,7 @@ def _overlaps(
 ) -> tuple[Overlap, ...]:
     """See :func:`block_overlaps`; ``joined`` are pairs as ``a * number + b``."""
     a, b = pairs
-    most = np.maximum.reduceat(most_slack(patches, options), patches.first_patch[:-1])
+    most = patches.of_block.max(most_slack(patches, options))
     tolerance = options.gap * np.minimum(patches.size[a], patches.size[b]) + most[a] + most[b]
     together = np.flatnonzero(np.isin(a * len(assembly) + b, joined))
     return block_overlaps(assembly, patches, pairs, together, tolerance)

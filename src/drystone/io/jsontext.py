@@ -21,12 +21,12 @@ LARGEST_WHOLE = 2**53
 
 
 def parse(data: bytes, path: Path) -> Field:
-    """The top-level object of a JSON file.
+    """The top-level object or list of a JSON file.
 
     Raises
     ------
     FormatError
-        Not JSON (the line is named), not an object, or a key given twice.
+        Not JSON (the line is named), a bare value, or a key given twice.
     """
     text = decode(data, path)
     try:
@@ -46,7 +46,8 @@ def parse(data: bytes, path: Path) -> Field:
         elif not isinstance(error, _TwiceError):  # the only other one: too long for an integer
             what = "a whole number has thousands of digits"
         raise FormatError(f"is no JSON that can be used: {what}", where=str(path)) from error
-    return Field(value, "", path).object()
+    top = Field(value, "", path)
+    return top if isinstance(value, list) else top.object()
 
 
 class _TwiceError(ValueError):

@@ -26,7 +26,7 @@ from drystone.results import Result
 def _read_json(data: bytes, path: Path) -> Draft:
     """Any of the JSON formats, told apart by what the file says."""
     top = jsontext.parse(data, path)
-    if "dtype" in top.value:
+    if compas_json.is_compas(top):
         return compas_json.read(top)
     return drystone_json.read(top)
 

@@ -16,7 +16,6 @@ from drystone.limits.bounds import bisected_bound
 from drystone.limits.limit_families import Family
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import (
-    CONVEX_SEARCH,
     SEARCHED,
     STANDS,
     STANDS_OR_NOT,
@@ -26,9 +25,9 @@ from drystone.limits.search import (
     Search,
     Stop,
     Stopped,
-    any_stiffness,
+    every_stiffness,
     one_stiffness,
-    some_stiffness,
+    verdict,
 )
 from drystone.results import Result, Verdict
 from drystone.stability.problem import Clock
@@ -111,6 +110,7 @@ def searched(
     between = time.perf_counter()
     uniform: Found | None = None
     rest: Found | None = None
+    robust: Bracket | None = None
     if means.options.full and not means.clock.late():
         means.tell("limit of rest", 1)
         if outer.stands is None:
@@ -120,7 +120,9 @@ def searched(
             search = Search(family, means.check, means.executor, stop=means.clock.late)
             rest = search.run(start, outer.stands, width=width, scan=scan, beyond=outer)
         else:
-            uniform, rest = _in_two_steps(family, (start, outer.stands), outer, width, means)
+            uniform, rest, robust = _in_two_steps(
+                family, (start, outer.stands), outer, width, means
+            )
     means.tell("done", 3)
     tried = {one.value: one for found in (uniform, rest) if found for one in found.evaluations}
     return Limit(
@@ -131,6 +133,7 @@ def searched(
         outer,
         None if rest is None else rest.bracket,
         None if uniform is None else uniform.bracket,
+        robust,
         () if rest is None else rest.islands,
         tuple(tried[value] for value in sorted(tried)),
         {"equilibrium": between - began, "rest": time.perf_counter() - between},
@@ -140,89 +143,58 @@ def searched(
 
 def _in_two_steps(
     family: Family, span: tuple[float, float], outer: Bracket, width: float, means: Means
-) -> tuple[Found, Found]:
-    """Limits for uniform stiffness and for some stiffness.
+) -> tuple[Found, Found, Bracket | None]:
+    """Limits for uniform stiffness, of the verdict, and of standing for every stiffness.
 
-    The scan and the bisection use uniform stiffness, which is cheap. The cascade is computed at the
-    first value where uniform stiffness falls. Where that stands, the range beyond is searched too.
+    The scan and the first bisection use uniform stiffness, which is cheap. The verdict is computed
+    on both sides of that limit, and beyond them only where those do not close the bracket. The last
+    limit is searched only where contact stiffness decides before the limit of the verdict.
     """
     (start, last), scan = span, means.options.scan
-    corners = family(start).contacts.corner_count
-    large, coarse = corners > SEARCHED, width
-    if corners > CONVEX_SEARCH and means.options.width is None:
-        coarse = max(width, COARSE * abs(last - start))
-    width = coarse if large else width
+    if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
+        width = max(width, COARSE * abs(last - start))
     search = means.search(family, one_stiffness, STANDS_OR_NOT)
     uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
-    edge = uniform.bracket.stands
-    if edge == last:
-        return uniform, replace(uniform, evaluations=())
-    means.tell("other stiffnesses", 2)
-    falls = uniform.bracket.falls
-    first = start if falls is None else falls
-    full = means.search(family, some_stiffness, STANDS_OR_NOT if large else STANDS)
+    edge, falls = uniform.bracket.stands, uniform.bracket.falls
+    means.tell("verdict where stiffness decides", 2)
+    full = means.search(family, verdict)
+    near = start if edge is None else edge
+    far = last if falls is None or falls == outer.falls else falls
     try:
-        if large:
-            farther = _farther(full, first, last, width)
-        elif full.stands(first) is True:
-            some = full.run(first, last, width=coarse, scan=scan, beyond=outer)
-            return uniform, _searched_once(family, some, outer, means)
-        else:
-            farther = None
+        rest = full.around(near, far, span, width=width, beyond=outer)
+        stands_again = [all(full.stands(end) is True for end in run) for run in uniform.islands]
+        islands = tuple(run for run, yes in zip(uniform.islands, stands_again, strict=True) if yes)
+        rest = replace(rest, islands=islands, evaluations=full.evaluations())
+        return uniform, rest, _robust(family, full, rest.bracket, start, width, means)
     except Stopped:
-        so_far = full.so_far(first).bracket
+        so_far = full.so_far(start).bracket
         inside = uniform.bracket if so_far.stands is None else so_far
         bracket = Bracket(inside.stands, outer.falls, inside.standing, outer.falling)
-        return uniform, Found(bracket, uniform.islands, full.evaluations())
-    if farther is None:
-        inside = uniform.bracket
-        bracket = Bracket(inside.stands, first, inside.standing, full.results[first])
-    else:
-        bracket = farther
-    if bracket.falling is None or bracket.falling.verdict is not Verdict.UNSTABLE:
-        bracket = replace(bracket, falls=outer.falls, falling=outer.falling)
-    found = Found(bracket, uniform.islands, full.evaluations())
-    return uniform, found if large else _searched_once(family, found, outer, means)
+        return uniform, Found(bracket, uniform.islands, full.evaluations()), None
 
 
-def _searched_once(family: Family, found: Found, outer: Bracket, means: Means) -> Found:
-    """Confirm the first falling value by a search, where only samples were tried."""
-    bracket = found.bracket
-    value = bracket.falls
-    if value is None or value == outer.falls:
-        return found
-    if family(value).contacts.corner_count <= CONVEX_SEARCH:
-        return found
-    search = means.search(family, any_stiffness)
+def _robust(
+    family: Family, full: Search, rest: Bracket, start: float, width: float, means: Means
+) -> Bracket | None:
+    """Where standing for every stiffness ends, of which the verdict knows some values."""
+    search = means.search(family, every_stiffness, STANDS_OR_NOT)
+    for value, result in full.results.items():
+        robust = _is_robust(result)
+        search.results[value] = result if robust else replace(result, verdict=Verdict.UNDECIDED)
+    if rest.stands is None or _is_robust(full.results[rest.stands]):
+        return search.so_far(start).bracket
+    by_way = sorted(search.results, key=lambda value: abs(value - start))
+    sensitive = next(value for value in by_way if search.stands(value) is False)
     try:
-        stands = search.stands(value)
+        return search.around(by_way[0], sensitive, (start, rest.stands), width=width).bracket
     except Stopped:
-        stands = None
-    if stands is True:
-        bracket = replace(outer, computed=None, stands=value, standing=search.results[value])
-    elif stands is None:
-        bracket = replace(bracket, falls=outer.falls, falling=outer.falling)
-    else:
-        bracket = replace(bracket, falling=search.results[value])
-    tried = {one.value: one for one in (*found.evaluations, *search.evaluations())}
-    return replace(found, bracket=bracket, evaluations=tuple(tried[v] for v in sorted(tried)))
+        return search.so_far(start).bracket
 
 
-def _farther(search: Search, first: float, last: float, width: float) -> Bracket | None:
-    """The limit from ``first`` on by growing steps; ``None`` where that does not stand.
-
-    A check of a large model that falls is slow, so no value far beyond the limit is tried.
-    """
-    if not search.stands(first):
-        return None
-    inside, step = first, width if last > first else -width
-    while inside != last:
-        there = inside + step
-        there = last if (last - there) * step <= 0.0 else there
-        if not search.stands(there):
-            return search.run(inside, there, width=width, scan=1).bracket
-        inside, step = there, 2.0 * step
-    return Bracket(last, standing=search.results[last])
+def _is_robust(result: Result) -> bool:
+    """Whether it stands for every stiffness that was tried."""
+    samples = result.samples
+    return result.stable and result.settlement is None and samples.standing == samples.tried
 
 
 def _refuse_nothing_to_do(family: Family, start: float) -> None:

@@ -12,6 +12,8 @@ from drystone.base.settings import Options
 from drystone.base.table import Table
 from drystone.formulations.equilibrium import FrictionCone
 from drystone.limits.search import Bracket, Evaluation, plain
+from drystone.results import Verdict
+from drystone.settlement import Outcome
 
 
 @dataclass(frozen=True)
@@ -56,10 +58,14 @@ class Limit(Card):
     equilibrium
         Some forces balance the loads (associative friction).
     rest
-        The full verdict: stands for some contact stiffness. ``None`` where it was not asked for.
+        The verdict of :func:`drystone.check` on both sides. Where contact stiffness decides, the
+        blocks were followed by finite steps. ``None`` where it was not asked for.
     uniform
-        Stands for uniform contact stiffness, as a discrete-element program would see it; never
-        beyond ``rest``. ``None`` with a check of one's own.
+        Stands for uniform contact stiffness, as a discrete-element program sees it to first order.
+        ``None`` with a check of one's own.
+    robust
+        Stands for every contact stiffness that is tried. ``None`` with a check of one's own, and
+        where it was not searched.
     islands
         Values beyond the first fall at which it stands again, as far as they were tried.
     evaluations
@@ -76,13 +82,19 @@ class Limit(Card):
     equilibrium: Bracket
     rest: Bracket | None = None
     uniform: Bracket | None = None
+    robust: Bracket | None = None
     islands: tuple[tuple[float, float], ...] = ()
     evaluations: tuple[Evaluation, ...] = ()
     time_s: Mapping[str, float] = field(default_factory=dict)
     stopped: str = ""
 
     def _facts(self) -> tuple[str, Mapping[str, object]]:
-        kinds = {"equilibrium": self.equilibrium, "rest": self.rest, "uniform": self.uniform}
+        kinds = {
+            "equilibrium": self.equilibrium,
+            "rest": self.rest,
+            "uniform": self.uniform,
+            "robust": self.robust,
+        }
         falling = self.best.falling
         return self._summary(), {
             **{
@@ -92,6 +104,7 @@ class Limit(Card):
             },
             "falls then": "" if falling is None else ", ".join(falling.falling_names),
             "tried": counted(len(self.evaluations), "value"),
+            "depends on joints": "; ".join(self.remarks),
         }
 
     def _summary(self) -> str:
@@ -106,11 +119,64 @@ class Limit(Card):
         return self.equilibrium if self.rest is None else self.rest
 
     @property
+    def sensitive_between(self) -> tuple[float, float] | None:
+        """Values between which contact stiffness decides whether it stands.
+
+        From the last at which it stands for every stiffness that was tried, to where it falls by
+        the verdict and for uniform stiffness. ``None`` where the verdict changes at one value.
+        """
+        if self.robust is None or self.rest is None:
+            return None
+        low = self.start if self.robust.stands is None else self.robust.stands
+        known = (
+            self.rest.stands,
+            self.rest.falls,
+            None if self.uniform is None else self.uniform.falls,
+        )
+        high = max((v for v in known if v is not None), key=lambda v: abs(v - self.start))
+        return None if (low, high) == (self.rest.stands, self.rest.falls) else (low, high)
+
+    @property
     def is_sensitive(self) -> bool:
-        """Whether it stands farther for some contact stiffnesses than for a uniform one."""
-        if self.rest is None or self.uniform is None:
-            return False
-        return self.rest.stands != self.uniform.stands
+        """Whether contact stiffness decides somewhere before the limit, or a little beyond it."""
+        return self.sensitive_between is not None
+
+    @property
+    def undecided_between(self) -> tuple[float, float] | None:
+        """The first and last value between the two sides of the limit that are undecided."""
+        inside, outside = self.best.stands, self.best.falls
+        if inside is None:
+            return None
+        low = abs(inside - self.start)
+        high = float("inf") if outside is None else abs(outside - self.start)
+        within = [
+            one.value
+            for one in self.evaluations
+            if low < abs(one.value - self.start) < high and one.verdict is Verdict.UNDECIDED
+        ]
+        within.sort(key=lambda value: abs(value - self.start))
+        return (within[0], within[-1]) if within else None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences that tell where the answer depends on the joints."""
+        unit = f" {self.unit}" if self.unit else ""
+        told = []
+        if self.sensitive_between is not None:
+            low, high = sorted(self.sensitive_between)
+            told.append(
+                f"between {_told(low)} and {_told(high)}{unit} the answer depends on the stiffness "
+                "of the joints: there the blocks were followed by finite steps, and the limit is "
+                "where they no longer come to rest"
+            )
+        if self.undecided_between is not None:
+            low, high = sorted(self.undecided_between)
+            ends = [one.settled for one in self.evaluations if one.value in self.undecided_between]
+            because = ""
+            if all(one is Outcome.ENDS_DECIDE for one in ends):
+                because = ": it depends on which block carries the ends of the joints"
+            told.append(f"between {_told(low)} and {_told(high)}{unit} it is undecided{because}")
+        return tuple(told)
 
     def table(self) -> Table:
         """The values that were tried, in ascending order, and what stands there."""
@@ -120,6 +186,7 @@ class Limit(Card):
             "verdict": [one.verdict.value for one in tried],
             "stiffnesses_tried": [one.samples.tried for one in tried],
             "stiffnesses_standing": [one.samples.standing for one in tried],
+            "settled": ["" if one.settled is None else one.settled.value for one in tried],
         }
         return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
 
@@ -133,10 +200,14 @@ class Limit(Card):
             "equilibrium": plain(self.equilibrium),
             "rest": plain(self.rest),
             "uniform": plain(self.uniform),
+            "robust": plain(self.robust),
             "islands": [list(run) for run in self.islands],
             "falling": [] if falling is None else list(falling.falling_names),
             "message": "" if falling is None else falling.message,
             "sensitive": self.is_sensitive,
+            "sensitive_between": _listed(self.sensitive_between),
+            "undecided_between": _listed(self.undecided_between),
+            "remarks": list(self.remarks),
             "stopped": self.stopped,
             "evaluations": [
                 {
@@ -144,11 +215,16 @@ class Limit(Card):
                     "verdict": one.verdict.value,
                     "tried": one.samples.tried,
                     "standing": one.samples.standing,
+                    "settled": None if one.settled is None else one.settled.value,
                 }
                 for one in self.evaluations
             ],
             "time_s": dict(self.time_s),
         }
+
+
+def _listed(pair: tuple[float, float] | None) -> list[float] | None:
+    return None if pair is None else list(pair)
 
 
 def _told(value: float | None) -> str:

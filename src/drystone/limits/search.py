@@ -16,6 +16,7 @@ from drystone.base.display import OneLine
 from drystone.limits.limit_families import Family
 from drystone.model import Model
 from drystone.results import Result, Samples, Verdict
+from drystone.settlement import Outcome, SettlementOptions
 
 Check: TypeAlias = Callable[[Model], Result]
 """Any function that answers whether a model stands."""
@@ -24,22 +25,18 @@ Stop: TypeAlias = Callable[[], bool]
 """Whether to stop. Once True, it must stay True."""
 
 SEARCHED = 500
-"""Corners up to which every value is checked by the cascade. Chosen: for larger models that fall
-one check takes seconds. For those only rest with a few friction laws is tried, and the limit of
-equilibrium bounds the result."""
+"""Corners up to which uniform stiffness is followed as patiently as by :func:`drystone.check`.
+Chosen: for larger models that fall one such try takes seconds, and two quick ones are made."""
 
 ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
-SOME_STIFFNESS = stability.CheckOptions()
-SAMPLED = stability.CheckOptions(settle=False)
-
-CONVEX_SEARCH = 200
-"""Corners up to which blocks are also followed by steps at every value where the stiffness decides.
-Beyond, they are followed only where the samples fall first: a limit asks often."""
+STIFFNESSES = stability.CheckOptions(settle=False)
+FOLLOWED = stability.CheckOptions(settlement=SettlementOptions(fall=0.05))
+"""The verdict of :func:`drystone.check`. A block that went by a twentieth of its size is not
+followed farther: it is beyond what stands."""
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
-OTHER = stability.QUICK.with_slip_lengths(10.0, 0.1)
-"""Screening of large models, for the limits of uniform and of some contact stiffness. Measured on
-the Armadillo vault: the quick level gives the limits of the patient one in half of the time."""
+"""Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
+the quick level gives the limits of the patient one in half of the time."""
 
 
 def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
@@ -49,29 +46,17 @@ def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     return stability.check(model, options=ONE_STIFFNESS, stop=stop)
 
 
-def some_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """The cascade of :func:`drystone.check`, less of it on larger models."""
-    corners = model.contacts.corner_count
-    if corners > SEARCHED:
-        return stability.try_rest(model, screening=OTHER, stop=stop)
-    if corners > CONVEX_SEARCH:
-        return stability.check(model, options=SAMPLED, stop=stop)
-    return any_stiffness(model, stop=stop)
+def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+    """Whether it stands with every contact stiffness that is tried: robust."""
+    found = stability.check(model, options=STIFFNESSES, stop=stop)
+    if found.stable and found.samples.standing < found.samples.tried:
+        return replace(found, verdict=Verdict.UNDECIDED)
+    return found
 
 
-def any_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """The cascade of :func:`drystone.check` with its search, whatever it takes."""
-    return stability.check(model, options=SOME_STIFFNESS, stop=stop)
-
-
-def verdict(model: Model) -> Result:
-    """Whether it stands for some contact stiffness.
-
-    Uniform contact stiffness is tried first, others only where that falls. The number of
-    stiffnesses for which it stands is not counted.
-    """
-    first = one_stiffness(model)
-    return first if first.verdict is Verdict.STABLE else some_stiffness(model)
+def verdict(model: Model, *, stop: Stop | None = None) -> Result:
+    """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
+    return stability.check(model, options=FOLLOWED, stop=stop)
 
 
 STANDS: Mapping[Verdict, bool | None] = {
@@ -90,11 +75,22 @@ STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One value that was tried."""
+    """One value that was tried.
+
+    Attributes
+    ----------
+    value
+    verdict
+    samples
+    settled
+        How it ended where the blocks were followed by finite steps, because contact stiffness
+        decides; else ``None``.
+    """
 
     value: float
     verdict: Verdict
     samples: Samples = field(default_factory=Samples)
+    settled: Outcome | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,6 +254,53 @@ class Search:
             bracket = replace(bracket, falls=beyond.falls, falling=beyond.falling)
         return self._found(bracket, _runs(tried, held, first))
 
+    def around(
+        self,
+        near: float,
+        far: float,
+        span: tuple[float, float],
+        *,
+        width: float,
+        beyond: Bracket | None = None,
+    ) -> Found:
+        """Bracket the change of the verdict by growing steps from two guesses.
+
+        No value far from the change is tried: a check that falls is slow.
+
+        Parameters
+        ----------
+        near, far
+            Where it should stand, and where it should fall.
+        span
+            The start, from where it should stand, and the end.
+        width, beyond
+            As for :meth:`run`.
+
+        Raises
+        ------
+        Stopped
+            The search was asked to stop.
+        """
+        start, end = span
+        self._walk(near, start, width, True)
+        self._walk(far, end, width, False)
+        bracket = self.so_far(start, beyond).bracket
+        inside, outside = bracket.stands, bracket.falls
+        if inside is not None and inside != end:
+            ends = abs(inside - start), np.inf if outside is None else abs(outside - start)
+            by_way = sorted(self.results, key=lambda value: abs(value - start))
+            doubtful = [value for value in by_way if ends[0] < abs(value - start) < ends[1]]
+            self._close(inside, outside, doubtful, width)
+        return self.so_far(start, beyond)
+
+    def _walk(self, guess: float, towards: float, step: float, stands: bool) -> None:
+        """Growing steps from a guess to the first value that stands, or that falls."""
+        here = guess
+        while self.stands(here) is not stands and here != towards:
+            left = towards - here
+            here = towards if abs(left) <= step else here + float(np.copysign(step, left))
+            step *= 2.0
+
     def _run(
         self, start: float, end: float, width: float, scan: int, beyond: Bracket | None
     ) -> Found:
@@ -325,7 +368,12 @@ class Search:
     def evaluations(self) -> tuple[Evaluation, ...]:
         """What was tried, in ascending order."""
         return tuple(
-            Evaluation(value, result.verdict, result.samples)
+            Evaluation(
+                value,
+                result.verdict,
+                result.samples,
+                None if result.settlement is None else result.settlement.outcome,
+            )
             for value, result in sorted(self.results.items(), key=itemgetter(0))
         )
 

@@ -182,7 +182,7 @@ def _limit(given: Given, folder: Folder, end: float) -> dict[str, Any]:
 
 def _bracket(found: Limit, notes: Sequence[str]) -> dict[str, Any]:
     told = found.to_dict()
-    kinds = ("equilibrium", "rest", "uniform")
+    kinds = ("equilibrium", "rest", "robust", "uniform")
     return {
         "parameter": found.parameter,
         "unit": found.unit,
@@ -193,6 +193,7 @@ def _bracket(found: Limit, notes: Sequence[str]) -> dict[str, Any]:
         "falling": _few(told["falling"]),
         "message": told["message"],
         "sensitive": found.is_sensitive,
+        "remarks": told["remarks"],
         "stopped": UP if found.stopped else "",
         "notes": list(notes)[:MOST],
     }

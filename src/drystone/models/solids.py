@@ -12,6 +12,7 @@ from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import body_mass_properties
 from drystone.geometry.body.surface import closed_surface
+from drystone.geometry.mend.coincidence import distinct
 
 WELD = 1e-9
 """Corners closer than this share of the block's extent are one: far above the rounding of
@@ -83,7 +84,7 @@ def welded(
     Raises
     ------
     InputError
-        The faces do not close; corners are numbered in the order of their coordinates.
+        The faces do not close; corners are numbered as they come.
 
     Examples
     --------
@@ -95,11 +96,10 @@ def welded(
     faces = [np.asarray(loop, dtype=np.float64).reshape(-1, 3) for loop in loops]
     points = np.concatenate(faces)
     extent = float(np.ptp(points, axis=0).max())
-    key = np.round(points / (WELD * extent)) + 0.0
-    _, first, member = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    first, member = distinct(points, WELD * extent)
     ends = np.cumsum([len(face) for face in faces])[:-1]
-    distinct = (tuple(dict.fromkeys(part.tolist())) for part in np.split(member.ravel(), ends))
-    surface = closed_surface([loop for loop in distinct if len(loop) > 2], len(first))
+    rounds = (tuple(dict.fromkeys(part.tolist())) for part in np.split(member, ends))
+    surface = closed_surface([loop for loop in rounds if len(loop) > 2], len(first))
     vertices = surface.select(points[first])
     volume, _ = body_mass_properties(vertices, surface.fan)
     outward = surface if volume > 0.0 else surface.turned()

@@ -6,6 +6,7 @@ import enum
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
 
@@ -210,33 +211,16 @@ def _after(rules: Rules, model: Structure) -> tuple[int, ...]:
                 remedy="supports are there from the beginning",
             )
         after[first] |= (1 << then) & model.everything
-    cycle = _cycle(after, model.everything)
-    if cycle:
-        names = " before ".join(f"'{assembly.names[b]}'" for b in cycle)
+    try:
+        TopologicalSorter({b: members(later) for b, later in enumerate(after)}).prepare()
+    except CycleError as error:
+        names = " before ".join(f"'{assembly.names[b]}'" for b in reversed(error.args[1]))
         raise InputError(
             f"the precedence contradicts itself: {names}",
             where="before",
             remedy="drop one of these",
-        )
+        ) from error
     return tuple(after)
-
-
-def _cycle(after: Sequence[int], blocks: int) -> list[int]:
-    """A cycle of "comes before", first block repeated at its end; empty where there is none."""
-    left = blocks
-    while True:
-        last = mask_of(b for b in members(left) if not after[b] & left)
-        if not last:
-            break
-        left &= ~last
-    if not left:
-        return []
-    path = [next(members(left))]
-    while True:
-        following = next(members(after[path[-1]] & left))
-        if following in path:
-            return [*path[path.index(following) :], following]
-        path.append(following)
 
 
 def _locked(

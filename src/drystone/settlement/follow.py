@@ -60,6 +60,9 @@ SUPPORT_STEP = 1e-3
 """Largest part of a motion of supports, by the mean size of a block."""
 MOST_DRAG = 1e12
 """By the drag at the beginning, beyond which no increment can be solved."""
+LEFT_STEPS = 250
+"""Increments after which what clearly moves on is followed no farther: it does not stand, and a
+fall without obstacles takes 135."""
 FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
 
@@ -136,7 +139,8 @@ class Follower:
         self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
         self.drag = self.first
         self.guess: tuple[Floats, float] | None = None
-        self.steps = self.iterations = 0
+        self.steps = self.iterations = self.beyond = 0
+        self.left_steps = step_limit
         self.placed = place_corners(bodies, self.pose)
         nothing = np.zeros((len(bodies.block_a), 3))
         self.response = respond(bodies, self.placed.gap, self.friction, nothing)
@@ -144,6 +148,8 @@ class Follower:
 
     def run(self, supports: Floats | None = None) -> Track:
         """Until they rest or fall; then, where they rest, with supports that move by (n, 6)."""
+        # blocks that follow their supports go far without falling
+        self.left_steps = LEFT_STEPS if supports is None else self.step_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             ended = self._to_rest()
             if supports is not None and ended == "rests":
@@ -260,6 +266,7 @@ class Follower:
         self.response = found.response
         self.placed = place_corners(bodies, self.pose)
         self.steps += 1
+        self.beyond += float(self._way().max(initial=0.0)) > FAR
         self.since += 1
         if self.since >= self.stride:
             self.frames.append(self.pose)
@@ -286,7 +293,7 @@ class Follower:
         return self.pace * size * (LONG_STEP if clear else STEP)
 
     def _late(self) -> bool:
-        if self.steps >= self.step_limit:
+        if self.steps >= self.step_limit or self.beyond >= self.left_steps:
             return True
         return self.stop is not None and self.stop()
 

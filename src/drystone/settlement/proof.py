@@ -2,29 +2,33 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.base.arrays import Floats
 from drystone.checks import check_forces
 from drystone.contacts import Contacts
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.springs import rotations
 
-if TYPE_CHECKING:
-    from drystone.settlement.settlement_types import SettlementPath
-
 PROVEN = 1e-8
 """Largest residual of a rest, dimensionless: that of every claim of equilibrium."""
 
 
-def moved_model(path: SettlementPath) -> Model:
-    """The blocks where they end, and each corner as an interface of its own."""
-    model = path.model
+def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Model:
+    """The blocks where they end, and each corner as an interface of its own.
+
+    Parameters
+    ----------
+    model
+        Before the motion.
+    motion : (n, 6) [m, rad]
+    axes : (k, 3, 3), rows n, u, v
+    point : (k, 3) [m]
+        Where the force of each corner acts.
+    """
     assembly, contacts = model.assembly, model.contacts
-    motion = path.displacement
     turn = rotations(motion[:, 3:])
     moved = assembly.centroid + motion[:, :3]
     blocks = [
@@ -37,22 +41,30 @@ def moved_model(path: SettlementPath) -> Model:
     corners = Contacts(
         contacts.block_a[joint],
         contacts.block_b[joint],
-        path.axes,
+        axes,
         contacts.tributary,
         contacts.friction[joint],
-        path.point,
+        point,
         np.arange(len(joint)),
     )
     return Model(Assembly(tuple(blocks), assembly.fixed), corners, model.load)
 
 
-def rest_residuals(path: SettlementPath) -> Residuals:
-    """Equilibrium, pull and friction of the forces at the end, from points and cross products."""
-    found = check_forces(moved_model(path), path.force)
-    # a force where the faces do not overlap
-    open_ = (path.gap > 0.0) & (np.abs(path.force).max(axis=1, initial=0.0) > 0.0)
-    apart = float(np.linalg.norm(path.force[open_], axis=1).max(initial=0.0))
-    weight = float(np.linalg.norm(path.model.load.wrench[:, :3], axis=1).max(initial=0.0))
+def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:
+    """Equilibrium, pull and friction of the forces at the end, from points and cross products.
+
+    Parameters
+    ----------
+    moved
+        What :func:`moved_model` gives.
+    force : (k, 3) [N]
+    gap : (k,) [m]
+        Between the faces; a force where it is positive is a fault.
+    """
+    found = check_forces(moved, force)
+    open_ = (gap > 0.0) & (np.abs(force).max(axis=1, initial=0.0) > 0.0)
+    apart = float(np.linalg.norm(force[open_], axis=1).max(initial=0.0))
+    weight = float(np.linalg.norm(moved.load.wrench[:, :3], axis=1).max(initial=0.0))
     return Residuals(
         found.equilibrium, found.tension, found.cone, apart / weight if weight else 0.0
     )

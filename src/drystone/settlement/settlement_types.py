@@ -17,6 +17,7 @@ from drystone.contacts import Contacts
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.corners import Carrier
+from drystone.settlement.proof import moved_model
 
 
 class Outcome(enum.Enum):
@@ -142,9 +143,7 @@ class SettlementPath(OneLine):
 
     def moved_model(self) -> Model:
         """The blocks at the end, with an interface for each corner where its force acts."""
-        from drystone.settlement.proof import moved_model  # builds on the types of this module
-
-        return moved_model(self)
+        return moved_model(self.model, self.displacement, self.axes, self.point)
 
 
 @dataclass(frozen=True, eq=False)

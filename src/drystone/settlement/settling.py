@@ -192,13 +192,16 @@ def _path(
     if progress is not None:
         progress(stage, 100, 100)
     path = _physical(model, bodies, track, carrier)
+    way = float(track.way.max(initial=0.0))
     if track.ended != "rests":
-        return path
-    residuals = rest_residuals(path)
+        # out of steps: where a block is beyond what stands and still moves, it does not stand
+        moved_on = motion is None and not clock.reason and way > chosen.rest_within
+        return replace(path, outcome=Outcome.FALLS) if moved_on else path
+    residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks that follow their supports go as far as those
-    near = motion is not None or float(track.way.max(initial=0.0)) <= chosen.rest_within
+    near = motion is not None or way <= chosen.rest_within
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
@@ -253,9 +256,7 @@ def _judged(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, s
     first = paths[0]
     for one in paths:
         if one.outcome is Outcome.UNKNOWN:
-            why = clock.reason
-            if not why:
-                why = f"no further step was found, {one.share:.1e} of the load is not carried"
+            why = clock.reason or f"not at rest, {one.share:.1e} of the load is not carried"
             return Outcome.UNKNOWN, f"{why} after {one.steps} steps"
     stands = [one.outcome is Outcome.RESTS for one in paths]
     if any(stands) and not all(stands):

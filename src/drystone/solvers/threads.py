@@ -38,7 +38,7 @@ def one_blas_thread() -> Iterator[None]:
     global _inside
     with _lock:
         if _inside == 0:
-            _before[:] = [(pool, pool.num_threads) for pool in _pools()]
+            _before[:] = [(pool, n) for pool in _pools() if (n := pool.num_threads) > 1]
             for pool, _ in _before:
                 pool.set_num_threads(1)
         _inside += 1

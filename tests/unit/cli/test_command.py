@@ -147,3 +147,19 @@ def test_an_option_without_its_value_and_a_flag_with_one_are_told(capsys: Capsys
         assert out == ""
         assert err.startswith(f"drystone: {told}")
         assert err.count("\n") == 1
+
+
+def every_command(group: click.Group = app, path: str = "") -> list[tuple[str, click.Command]]:
+    found: list[tuple[str, click.Command]] = []
+    for name, one in group.commands.items():
+        at = f"{path} {name}".strip()
+        found += every_command(one, at) if isinstance(one, click.Group) else [(at, one)]
+    return found
+
+
+@pytest.mark.parametrize(("path", "one"), every_command())
+def test_the_help_of_a_command_shows_about_a_dozen_options(path: str, one: click.Command) -> None:
+    text = one.get_help(click.Context(one, info_name=path))
+    shown = [line.split()[0] for line in text.splitlines() if line.startswith("  --")]
+    assert len([name for name in shown if not name.startswith("--help")]) <= 13
+    assert text.count(f"\n  drystone {path}") >= 2, "two examples"

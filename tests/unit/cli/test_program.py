@@ -4,12 +4,14 @@ import io as text_io
 import json
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import drystone
 from drystone.base.errors import MissingDependency
+from drystone.base.version import commit
 from drystone.cli import application, main
 from drystone.cli.base import output
 from drystone.cli.base.waiting import Waiting
@@ -53,7 +55,7 @@ def test_drystone_runs_as_a_module() -> None:
     run = subprocess.run(
         [sys.executable, "-m", "drystone", "--version"], capture_output=True, text=True, check=True
     )
-    assert run.stdout.strip() == f"drystone {drystone.__version__}"
+    assert run.stdout.split()[:2] == ["drystone", drystone.__version__]
 
 
 def test_without_arguments_the_help_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
@@ -139,3 +141,17 @@ def test_the_time_of_a_stage_that_fails_is_kept() -> None:
     with pytest.raises(KeyboardInterrupt):
         work()
     assert set(waiting.time_s) == {"solve"}
+
+
+def test_the_version_is_told_with_the_commit(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    record = tmp_path / "_commit.txt"
+    record.write_text("0123456789\n", encoding="ascii")
+    monkeypatch.setattr("drystone.base.version.RECORD", record)
+    commit.cache_clear()
+    try:
+        assert main(["--version"]) == 0
+    finally:
+        commit.cache_clear()
+    assert capsys.readouterr().out == f"drystone {drystone.__version__} (0123456789)\n"

@@ -10,7 +10,7 @@ import drystone
 from drystone import Assembly, InputError, Model
 from drystone.cli import main
 from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
-from drystone.design.surgery.surgery import still_edge, turn_joint
+from drystone.design.surgery import still_edge, turn_joint
 from drystone.models import box, h_model, shelf, tower
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase, Model, find_contacts
-from drystone.design.surgery.surgery import (
+from drystone.design.surgery import (
     cut_block,
     faces_toward,
     hook_joint,

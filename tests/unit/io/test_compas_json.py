@@ -121,6 +121,70 @@ def test_files_of_compas_1_say_value_for_data(tmp_path: Path) -> None:
     assert len(load(tmp_path, json.loads(text)).assembly) == 2
 
 
+def untyped_mesh(block: Block, name: str | None = None) -> dict[str, Any]:
+    """As COMPAS wrote a mesh before it wrote types: each corner of a face names the next one."""
+    data: dict[str, Any] = mesh(block)["data"]
+    loops = data["face"].values()
+    following = [
+        dict(zip(map(str, loop), map(str, [*loop[1:], loop[0]]), strict=True)) for loop in loops
+    ]
+    return data | {"face": dict(enumerate(following)), "attributes": {"name": name}}
+
+
+UPPER = CUBE.transformed(translation=(0.0, 0.0, 1.0))
+
+
+def test_an_assembly_from_before_types_is_read(tmp_path: Path) -> None:
+    network = {"dva": {"is_support": False}, "vertex": {"0": {"is_support": True}, "1": {}}}
+    blocks = {"1": untyped_mesh(UPPER), "0": untyped_mesh(CUBE)}
+    read = load(tmp_path, {"assembly": network, "blocks": blocks}).assembly
+    assert read.names == ("0", "1")
+    assert read.fixed.tolist() == [True, False]
+    assert [block.centroid[2] for block in read.blocks] == pytest.approx([0.5, 1.5])
+    assert [block.volume for block in read.blocks] == pytest.approx([1.0, 1.0])
+
+
+@pytest.mark.parametrize("make", [untyped_mesh, mesh])
+def test_a_list_of_meshes_is_read(tmp_path: Path, make: Any) -> None:
+    read = load(tmp_path, [make(CUBE), make(UPPER)]).assembly
+    assert [block.volume for block in read.blocks] == pytest.approx([1.0, 1.0])
+    assert read.names == ("block-0", "block-1")
+
+
+def test_meshes_of_a_list_keep_names_that_differ(tmp_path: Path) -> None:
+    read = load(tmp_path, [untyped_mesh(CUBE, "base"), untyped_mesh(UPPER, "top")]).assembly
+    assert read.names == ("base", "top")
+
+
+def test_elements_of_a_model_may_be_a_list(tmp_path: Path) -> None:
+    content = block_model_file()
+    elements = content["data"]["elements"]
+    content["data"]["elements"] = [one | {"guid": guid} for guid, one in elements.items()]
+    assert load(tmp_path, content).assembly.names == ("base", "Block-2", "Block-10")
+
+
+@pytest.mark.parametrize(
+    ("face", "words"),
+    [
+        ({"10": "11", "11": "10", "12": "13", "13": "12"}, "one closed loop"),
+        ({"10": "11", "11": "12"}, "one closed loop"),
+    ],
+)
+def test_an_untyped_face_that_is_no_loop_is_refused(
+    tmp_path: Path, face: dict[str, str], words: str
+) -> None:
+    broken = untyped_mesh(CUBE)
+    broken["face"] = {"x": face} | broken["face"]
+    with pytest.raises(FormatError, match=words):
+        load(tmp_path, [broken])
+
+
+@pytest.mark.parametrize("content", [[], [3], [{"dtype": "compas.geometry/Box", "data": {}}]])
+def test_a_list_of_other_things_is_refused(tmp_path: Path, content: Any) -> None:
+    with pytest.raises(FormatError):
+        load(tmp_path, content)
+
+
 @pytest.mark.parametrize(("units", "scale"), [("m", 1.0), ("cm", 0.01)])
 def test_stored_interfaces_become_contacts(tmp_path: Path, units: str, scale: float) -> None:
     model = load(tmp_path, assembly_file(interfaces=[interface()]), units=units)

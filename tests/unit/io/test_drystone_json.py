@@ -287,7 +287,7 @@ def test_what_is_wrong_with_contacts_loads_and_results_is_named(
     [
         ('{"blocks": [', ["ends too early", "line 1"]),
         ('{"blocks": [}', ["is not JSON", "line 1, column 13"]),
-        ("[]", ["must be an object", "a list"]),
+        ("[]", ["holds no block"]),
         ("[" * 100_000, ["nested too deeply"]),
         ('{"blocks": [], "blocks": []}', ["'blocks' is given twice"]),
         ("9" * 5000, ["no JSON that can be used"]),

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drystone import Assembly, InputError, LoadCase, Result, Verdict, solve_rbe
+from drystone import Assembly, InputError, LoadCase, Result, Verdict, check, solve_rbe
 from drystone.limits import (
     Imperfections,
     Limit,
     LimitOptions,
+    LoadFactor,
     Tilt,
     imperfect,
     imperfections,
@@ -26,7 +27,8 @@ from drystone.limits import (
     tilt_sweep,
 )
 from drystone.model import Model
-from drystone.models import arch, h_model, incline, tower
+from drystone.models import arch, h_model, incline, tower, wedge
+from drystone.results import Samples
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
 
@@ -259,37 +261,57 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
     assert limit.equilibrium.value == pytest.approx(47.0, abs=6.0)
 
 
+def stands_up_to(degrees: float, standing: int) -> Callable[..., Result]:
+    """A check of the tower: at larger angles it falls."""
+
+    def check(model: Model, *, stop: object = None) -> Result:
+        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
+        stands = lean < degrees
+        count = 5 if stands and lean < 8.0 else standing if stands else 0
+        verdict = Verdict.STABLE if stands else Verdict.UNSTABLE
+        return Result("given", verdict, model, samples=Samples(5, count))
+
+    return check
+
+
 @pytest.mark.parametrize("searched", [0, 500])
-def test_large_models_are_searched_by_growing_steps_to_the_same_limit(
-    searched: int, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("verdict", [9.0, 15.0])
+def test_a_limit_where_stiffness_decides_is_that_of_the_verdict(
+    searched: int, verdict: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from drystone.limits import inside
 
-    def some(model):  # type: ignore[no-untyped-def]
-        # stands for some stiffness until the load leans by 15 degrees, then nobody knows
-        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
-        verdict = Verdict.STABLE if lean < 15.0 else Verdict.UNDECIDED
-        return solve_result(model, verdict)
-
-    def one(model):  # type: ignore[no-untyped-def]
-        lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
-        verdict = Verdict.STABLE if lean < 10.0 else Verdict.UNDECIDED
-        return solve_result(model, verdict)
-
-    monkeypatch.setattr(inside, "some_stiffness", some)
-    monkeypatch.setattr(inside, "one_stiffness", one)
+    # robust up to 8 degrees; uniform stiffness stands up to 10
+    monkeypatch.setattr(inside, "one_stiffness", stands_up_to(10.0, 1))
+    monkeypatch.setattr(inside, "verdict", stands_up_to(verdict, 2))
+    monkeypatch.setattr(inside, "every_stiffness", stands_up_to(8.0, 5))
     monkeypatch.setattr(inside, "SEARCHED", searched)
     limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
-    assert limit.uniform is not None
-    assert limit.rest is not None
-    assert limit.uniform.value == pytest.approx(10.0, abs=0.1)
-    assert limit.rest.stands == pytest.approx(15.0, abs=0.1)
-    assert limit.rest.falls == limit.equilibrium.falls
+    for bracket, value in ((limit.uniform, 10.0), (limit.rest, verdict), (limit.robust, 8.0)):
+        assert bracket is not None
+        assert bracket.value == pytest.approx(value, abs=0.1)
     assert limit.is_sensitive
+    assert limit.sensitive_between == pytest.approx((8.0, max(verdict, 10.0)), abs=0.1)
+    assert "depends on the stiffness of the joints" in limit.remarks[0]
+    assert limit.to_dict()["sensitive_between"] == list(limit.sensitive_between)
 
 
-def solve_result(model, verdict):  # type: ignore[no-untyped-def]
-    return Result("given", verdict, model)
+def test_a_robust_limit_needs_two_verdicts_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    from drystone.limits import inside
+
+    asked: list[float] = []
+    check = stands_up_to(7.0, 5)
+
+    def verdict(model: Model, *, stop: object = None) -> Result:
+        asked.append(1.0)
+        return check(model)
+
+    monkeypatch.setattr(inside, "one_stiffness", check)
+    monkeypatch.setattr(inside, "verdict", verdict)
+    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
+    assert len(asked) == 2
+    assert limit.sensitive_between is None
+    assert limit.remarks == ()
 
 
 def after(calls: int) -> Callable[[], bool]:
@@ -379,3 +401,29 @@ def test_stopped_draws_are_those_made() -> None:
     some = imperfections(Model(TOWER, JOINTS), kinds, draws=50, stop=after(2))
     assert (len(some.verdicts), some.share) == (3, 1.0)
     assert some.verdicts == imperfections(Model(TOWER, JOINTS), kinds, draws=3).verdicts
+
+
+@pytest.mark.parametrize(
+    ("family", "start", "guess"),
+    [
+        (Tilt(Model.of(wedge("c", longer=0.2), friction=0.84), np.array([1.0, 0.0, 0.0])), 0, 60.0),
+        (Tilt(Model.of(wedge("a"), friction=0.3), np.array([0.0, 1.0, 0.0])), 0, 90.0),
+        (LoadFactor(Model.of(tower(2), friction=0.4), LoadCase.seismic(tower(2), 1.0)), 0, 1.0),
+    ],
+)
+def test_check_says_the_same_on_both_sides_of_a_limit(
+    family: Tilt | LoadFactor, start: float, guess: float
+) -> None:
+    options = LimitOptions(scan=2, width=0.01 * guess)
+    if isinstance(family, Tilt):
+        limit = limit_tilt(family.model, family.axis, upper=guess, options=options)
+    else:
+        limit = limit_load(family.model, family.live, upper=guess, options=options)
+    stands, falls = limit.best.stands, limit.best.falls
+    assert stands is not None
+    assert falls is not None
+    margin = 0.01 * guess
+    assert check(family(max(stands - margin, start))).stable
+    assert check(family(stands)).stable
+    assert check(family(falls)).falls
+    assert check(family(falls + margin)).falls

@@ -26,7 +26,8 @@ def check(
     seismic: loading.Seismic = None,
     finding: Finding,
     strict: Annotated[
-        bool, Option("Only stable if it stands whatever the stiffness of the contacts.")
+        bool,
+        Option("Only stable if it stands whatever the stiffness of the contacts.", expert=True),
     ] = False,
     time_limit: options.TimeLimit = None,
     wanted: Written,

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 TITLES = {
     "equilibrium": "some forces balance the loads",
-    "rest": "stands for some contact stiffness",
+    "rest": "stands, as 'drystone check' tells",
+    "robust": "stands for every contact stiffness tried",
     "uniform": "stands for uniform contact stiffness",
 }
 NOTHING: Mapping[str, float] = MappingProxyType({})
@@ -81,11 +82,13 @@ def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> No
     rows = [
         (title, _value(data[key]["stands"], "nowhere"), _value(data[key]["falls"], "-"))
         for key, title in TITLES.items()
-        if data[key] is not None
+        if data[key] is not None and (key != "robust" or data["sensitive"])
     ]
     screen.table(("", "stands at", "falls at"), rows)
     for name, figure in more.items():
         screen.line(f"{name}: {figure:.4g}")
+    for remark in data["remarks"]:
+        screen.line(remark, "joints decide:", "yellow", " ")
     for low, high in data["islands"]:
         screen.line(f"it stands again from {low:.6g} to {high:.6g}", "island:", "yellow", " ")
     if data["falling"]:
@@ -100,6 +103,7 @@ def _show_sweep(data: dict[str, Any], screen: Screen) -> None:
     for azimuth, limit in zip(data["azimuth"], data["limits"], strict=True):
         rest = limit["rest"] or limit["equilibrium"]
         mark = "  weakest" if azimuth == data["weakest_azimuth"] else ""
+        mark += "  joints decide" if limit["remarks"] else ""
         balances = _value(limit["equilibrium"]["stands"], "nowhere")
         rows.append((f"{azimuth:g}", balances, _value(rest["stands"], "nowhere") + mark))
     screen.table(("direction", "balances up to", "stands up to"), rows, listed=len(rows))

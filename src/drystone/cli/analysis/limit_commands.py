@@ -44,7 +44,7 @@ def tilt(
     polar: Annotated[
         int | None, Option("Number of directions to lean towards, instead of an axis.")
     ] = None,
-    upper: Annotated[float, Option("Angle at which the search ends (180).")] = 180.0,
+    upper: Annotated[float, Option("Angle at which the search ends (180).", expert=True)] = 180.0,
     subject: Subject,
     search: Search,
     pictures: Pictures,
@@ -79,7 +79,11 @@ def friction(
     *,
     upper: Annotated[
         float | None,
-        Option("Coefficient at which the search starts (--friction).", kind=kinds.COEFFICIENT),
+        Option(
+            "Coefficient at which the search starts (--friction).",
+            kind=kinds.COEFFICIENT,
+            expert=True,
+        ),
     ] = None,
     scaled: Annotated[bool, Option("Search the share of each joint's own coefficient.")] = False,
     subject: Subject,

@@ -105,7 +105,10 @@ def imperfections(
         Option("Friction of each joint, uniform.", kind=kinds.Kind("LOW,HIGH", _pair)),
     ] = None,
     corner_loss: Annotated[
-        float, Option("Probability that a corner of a joint has broken off.", kind=ZERO_OR_MORE)
+        float,
+        Option(
+            "Probability that a corner of a joint has broken off.", kind=ZERO_OR_MORE, expert=True
+        ),
     ] = 0.0,
     offset: Annotated[
         float,

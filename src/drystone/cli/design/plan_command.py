@@ -111,7 +111,7 @@ def plan(
     instructions: Annotated[
         Path | None,
         Option("Write numbered instructions for printing, .html.", OUTPUT, ("--print",),
-               kinds.target(".html", ".htm")),
+               kinds.target(".html", ".htm"), expert=True),
     ] = None,
     csv: Annotated[
         Path | None, Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"))

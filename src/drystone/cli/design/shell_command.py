@@ -78,7 +78,8 @@ def shell(
         Option("Write the blocks: .json or .obj.", OUTPUT, kind=kinds.target(".json", ".obj")),
     ] = None,
     schedule: Annotated[
-        Path | None, Option("Write the schedule: .csv.", OUTPUT, kind=kinds.target(".csv"))
+        Path | None,
+        Option("Write the schedule: .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
     ] = None,
     unrolled: Annotated[
         Path | None,

@@ -26,7 +26,9 @@ class Search:
 
     width: Annotated[
         float | None,
-        Option("Width of the brackets, in the unit of the limit.", kind=kinds.POSITIVE),
+        Option(
+            "Width of the brackets, in the unit of the limit.", kind=kinds.POSITIVE, expert=True
+        ),
     ] = None
     scan: Annotated[
         int,

@@ -27,7 +27,12 @@ Loads: TypeAlias = Annotated[
 ]
 Seismic: TypeAlias = Annotated[
     str | None,
-    Option("Horizontal forces as shares of the weight, along x and y.", LOADS, metavar="KX,KY"),
+    Option(
+        "Horizontal forces as shares of the weight, along x and y.",
+        LOADS,
+        metavar="KX,KY",
+        expert=True,
+    ),
 ]
 Cases: TypeAlias = Annotated[
     tuple[str, ...],

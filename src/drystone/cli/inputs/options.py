@@ -37,7 +37,9 @@ Units: TypeAlias = Annotated[
 ]
 Up: TypeAlias = Annotated[
     str,
-    Option("Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z"))),
+    Option(
+        "Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z")), expert=True
+    ),
 ]
 SkipDefects: TypeAlias = Annotated[
     bool, Option("Leave out blocks that cannot be used.", MODEL, expert=True)
@@ -97,6 +99,7 @@ Anyway: TypeAlias = Annotated[
         "Go on where blocks overlap by more than a tenth of the smaller one; plan also where the "
         "complete model does not stand.",
         CONTACTS,
+        expert=True,
     ),
 ]
 Html: TypeAlias = Annotated[

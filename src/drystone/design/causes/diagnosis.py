@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 
 from drystone.base.arrays import Floats, frozen
-from drystone.base.display import OneLine
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
 from drystone.design.causes import diagnosis_words
-from drystone.design.causes.joint_motion import JointState, joint_states
+from drystone.design.causes.diagnosed import Diagnosis, Region
+from drystone.design.causes.joint_motion import joint_states
 from drystone.design.causes.missing import (
     SEARCHED,
     Needs,
@@ -27,7 +27,7 @@ from drystone.design.causes.prop_forces import QUICK, least_prop
 from drystone.design.causes.regions import first_motion_of, interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 from drystone.stability import check, solve_cra_penalty
 from drystone.stability.problem import Clock
 
@@ -51,108 +51,6 @@ class DiagnosisOptions(Options):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._refuse_below(1, "regions")
-
-
-@dataclass(frozen=True, eq=False)
-class Region(OneLine):
-    """Connected blocks that fall or need help.
-
-    Attributes
-    ----------
-    blocks
-        Positions of the blocks in the model.
-    neighbours
-        Positions of the blocks that touch them, which are fixed in the local model.
-    local
-        The model of the region alone: its blocks, free, then its neighbours.
-    verdict
-        Of the local model.
-    joints
-        How each block begins to move at each of its interfaces.
-    needs
-        What would hold it.
-    sentence
-        What happens, and what to do.
-    """
-
-    blocks: tuple[int, ...]
-    neighbours: tuple[int, ...]
-    local: Model
-    verdict: Verdict
-    joints: tuple[JointState, ...]
-    needs: Needs
-    sentence: str
-
-    def _summary(self) -> str:
-        return f"{counted(len(self.blocks), 'block')}, '{self.sentence}'"
-
-
-@dataclass(frozen=True, eq=False)
-class Diagnosis(OneLine):
-    """Where a model falls, why, and what is missing.
-
-    Attributes
-    ----------
-    result
-        Of the check, or of the penalty form where the check was undecided.
-    regions
-        The heaviest first; empty where it stands.
-    motion : (n, 6) [m, rad]
-        How the blocks begin to move; the fastest one moves by about its size.
-    friction
-        One coefficient for all joints at which the whole model was found to stand; ``None`` where
-        it stands already or none was found.
-    others
-        Blocks of regions that were not looked at.
-    stopped
-        Why regions were told without what would hold them; empty where nothing was left out.
-    """
-
-    result: Result
-    regions: tuple[Region, ...]
-    motion: Floats
-    friction: float | None = None
-    others: tuple[int, ...] = ()
-    stopped: str = ""
-
-    def _summary(self) -> str:
-        told = counted(len(self.regions), "region")
-        return f"{self.result.verdict.value}, {told}, '{'; '.join(self.sentences)}'"
-
-    @property
-    def model(self) -> Model:
-        """What was asked about."""
-        return self.result.model
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """One for each region; one that says so where it stands."""
-        if not self.regions:
-            return (diagnosis_words.nothing(self.result),)
-        said = [region.sentence for region in self.regions]
-        if self.others:
-            more = counted(len(self.others), "more block falls", "more blocks fall")
-            said.append(f"{more}: {diagnosis_words.names_of(self.model, self.others)}")
-        if self.friction is not None:
-            said.append(diagnosis_words.friction_of_all(self.friction))
-        return tuple(said)
-
-    @property
-    def props(self) -> tuple[Floats, Floats]:
-        """Points (p, 3) [m] and forces (p, 3) [N] of one prop for each region.
-
-        The support from below where one holds, else the force that is missing.
-        """
-        points, forces = [], []
-        for region in self.regions:
-            needs = region.needs
-            points.append(needs.point if needs.support is None else needs.support.point)
-            forces.append(needs.force if needs.support is None else needs.support.force)
-        return np.array(points).reshape(-1, 3), np.array(forces).reshape(-1, 3)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values: forces in N, moments in N m, lengths in m."""
-        return diagnosis_words.plain(self)
 
 
 @checked_call

@@ -1,9 +1,8 @@
-"""A diagnosis in words, and as plain values."""
+"""A diagnosis in words."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,9 +12,6 @@ from drystone.design.causes.joint_motion import JointMotion, JointState
 from drystone.design.causes.missing import Needs
 from drystone.model import Model
 from drystone.results import Result, Verdict
-
-if TYPE_CHECKING:
-    from drystone.design.causes.diagnosis import Diagnosis, Region
 
 NAMED = 4
 """Blocks of a region that are named, chosen; the others are counted."""
@@ -165,73 +161,4 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     return "; ".join(part for part in (missing, hold) if part)
 
 
-def plain(diagnosis: Diagnosis) -> dict[str, Any]:
-    """A diagnosis as plain values."""
-    model = diagnosis.model
-    return {
-        "verdict": diagnosis.result.verdict.value,
-        "message": diagnosis.result.message,
-        "sentences": list(diagnosis.sentences),
-        "friction_of_all": diagnosis.friction,
-        "others": [model.assembly.names[i] for i in diagnosis.others],
-        "stopped": diagnosis.stopped,
-        "regions": [_plain_region(model, region) for region in diagnosis.regions],
-    }
-
-
-def _plain_region(model: Model, region: Region) -> dict[str, Any]:
-    names, needs = model.assembly.names, region.needs
-    return {
-        "blocks": [names[i] for i in region.blocks],
-        "neighbours": [names[i] for i in region.neighbours],
-        "verdict": region.verdict.value,
-        "sentence": region.sentence,
-        "joints": [
-            {
-                "interface": j.interface,
-                "block": names[j.block],
-                "neighbour": names[j.neighbour],
-                "motion": j.motion.name.lower(),
-                "direction": j.direction.tolist(),
-                "edge": None if j.edge is None else j.edge.tolist(),
-                "normal": j.normal,
-                "friction_use": j.friction_use,
-                "idle": j.idle,
-                "friction_spent": j.spent,
-                "hinge": j.hinge,
-            }
-            for j in region.joints
-        ],
-        "needs": {
-            "prop": {"force": needs.force.tolist(), "point": needs.point.tolist()},
-            "wrench": dict(
-                zip([names[i] for i in region.blocks], needs.wrench.tolist(), strict=True)
-            ),
-            "support": None
-            if needs.support is None
-            else {
-                "block": names[needs.support.block],
-                "force": needs.support.force.tolist(),
-                "point": needs.support.point.tolist(),
-            },
-            "friction": needs.friction,
-            "ballast": None
-            if needs.ballast is None
-            else {"block": names[needs.ballast.block], "force": needs.ballast.force},
-            "glue_holds": needs.glue_holds,
-            "tension": [
-                {
-                    "interface": p.interface,
-                    "blocks": [names[model.contacts.block_a[p.interface]],
-                               names[model.contacts.block_b[p.interface]]],
-                    "force": p.force,
-                    "point": p.point.tolist(),
-                    "stress": p.stress,
-                }
-                for p in needs.pulls
-            ],
-        },
-    }  # fmt: skip
-
-
-__all__ = ["friction_of_all", "names_of", "newtons", "nothing", "place", "plain", "sentence"]
+__all__ = ["friction_of_all", "names_of", "newtons", "nothing", "place", "sentence"]

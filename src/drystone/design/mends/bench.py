@@ -11,12 +11,13 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.design.causes.diagnosis import Region
+from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import names_of, newtons, place
 from drystone.design.causes.missing import HEAVIEST, ROUGHEST, ballasted
 from drystone.design.causes.prop_forces import least_prop, propped
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
+from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import (
     Change,
     change_of,
@@ -25,7 +26,6 @@ from drystone.design.surgery.joint_changes import (
     words_of,
 )
 from drystone.design.surgery.struts import struts
-from drystone.design.surgery.surgery import merge_blocks, thicken_blocks
 from drystone.model import Model
 
 TURNS = (5.0, 15.0, 35.0)

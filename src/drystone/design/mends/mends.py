@@ -12,7 +12,8 @@ from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
-from drystone.design.causes.diagnosis import Diagnosis, diagnose
+from drystone.design.causes.diagnosed import Diagnosis
+from drystone.design.causes.diagnosis import diagnose
 from drystone.design.mends.bench import KINDS, Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.io.opening import Given, How, as_model

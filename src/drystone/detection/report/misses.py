@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import granted_to
@@ -58,12 +59,10 @@ def judge(patches: Patches, planes: Planes, shared: Pieces, options: DetectionOp
     limit = np.deg2rad(options.angle) + turned
     corner_row = shared.corner_row
     gap = planes.gap_at(shared.corner, corner_row)
-    if shared.count:
-        least = np.minimum.reduceat(gap - tolerance[corner_row], shared.start[:-1])
-        most = np.maximum.reduceat(gap + tolerance[corner_row], shared.start[:-1])
-        over = np.maximum.reduceat(np.abs(gap) - tolerance[corner_row], shared.start[:-1])
-    else:
-        least = most = over = np.zeros(0)
+    corners = Ragged(shared.start)
+    least = corners.min(gap - tolerance[corner_row])
+    most = corners.max(gap + tolerance[corner_row])
+    over = corners.max(np.abs(gap) - tolerance[corner_row])
     row = shared.row
     too_far, too_deep = least > 0.0, most < 0.0
     too_steep = (angle > limit)[row]

@@ -68,8 +68,7 @@ def reach(options: DetectionOptions) -> float:
 
 def near_blocks(patches: Patches, options: DetectionOptions) -> Pairs:
     """Blocks (a < b) whose boxes come within reach of each other."""
-    start = patches.first_patch[:-1]
-    most = np.maximum.reduceat(most_slack(patches, options), start)
+    most = patches.of_block.max(most_slack(patches, options))
     margin = (0.5 * reach(options) * patches.size + most)[:, None]
     low, high = block_boxes(patches)
     return boxes.overlapping(low - margin, high + margin)
@@ -77,10 +76,7 @@ def near_blocks(patches: Patches, options: DetectionOptions) -> Pairs:
 
 def block_boxes(patches: Patches) -> tuple[Floats, Floats]:
     """Lowest and highest corner (n, 3) of each block [m], relative to the patches' origin."""
-    start = patches.first_patch[:-1]
-    low: Floats = np.minimum.reduceat(patches.low, start, axis=0)
-    high: Floats = np.maximum.reduceat(patches.high, start, axis=0)
-    return low, high
+    return patches.of_block.min(patches.low), patches.of_block.max(patches.high)
 
 
 def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) -> Pairs:
@@ -91,7 +87,7 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     a, b = pairs
     reach_of_pair = reach(options) * np.minimum(patches.size[a], patches.size[b])
     granted = most_slack(patches, options)
-    most = np.maximum.reduceat(granted, patches.first_patch[:-1])
+    most = patches.of_block.max(granted)
     one = _patches_near(patches, a, b, reach_of_pair + most[a] + most[b])
     other = _patches_near(patches, b, a, reach_of_pair + most[a] + most[b])
     f, g = _products(patches, one, other, len(a), reach_of_pair + most[a] + most[b])

@@ -8,11 +8,10 @@ import numpy as np
 import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.ragged import expand
+from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
 from drystone.geometry.plane import clip, planar
-from drystone.geometry.plane.polygon import following
 
 NEGLIGIBLE = 0.02
 """Overlaps narrower than this share of another of the same patch and blocks are noise; chosen, so
@@ -99,11 +98,11 @@ def _regions(rings: Rings, rows: Ints) -> planar.Regions:
 
 
 def _is_convex(corner: Floats, start: Ints) -> Bools:
-    edge = corner[following(start)] - corner
-    after = edge[following(start)]
+    loops = Ragged(start)
+    edge = corner[loops.following] - corner
+    after = edge[loops.following]
     turn = edge[:, 0] * after[:, 1] - edge[:, 1] * after[:, 0]
-    convex: Bools = np.logical_and.reduceat(turn >= 0.0, start[:-1])
-    return convex
+    return loops.all(turn >= 0.0)
 
 
 def negligible(patches: Patches, planes: Planes, pieces: Pieces) -> Bools:

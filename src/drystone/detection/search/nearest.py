@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.ragged import expand
+from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
 from drystone.geometry.plane import planar
@@ -61,11 +61,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
 
 def gaps(planes: Planes, pieces: Pieces) -> Floats:
     """Gap (s,) [m] at the mean of the corners of each piece."""
-    if pieces.count == 0:
-        return np.zeros(0)
-    at = planes.gap_at(pieces.corner, pieces.corner_row)
-    gap: Floats = np.add.reduceat(at, pieces.start[:-1]) / np.diff(pieces.start)
-    return gap
+    return Ragged(pieces.start).mean(planes.gap_at(pieces.corner, pieces.corner_row))
 
 
 def _sharing(planes: Planes, pieces: Pieces, loose: Bools, gap: Floats) -> tuple[Ints, Ints]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.detection.freeform.curvature import curvature
 from drystone.detection.search.coplanar import (
     STRAIGHT,
@@ -89,6 +91,11 @@ class Patches:
         """Number of patches."""
         return len(self.owner)
 
+    @cached_property
+    def of_block(self) -> Ragged:
+        """Which patches belong to which block."""
+        return Ragged(self.first_patch)
+
     @property
     def corner_start(self) -> Ints:
         """(p + 1,) corners of each patch, all its rings together."""
@@ -121,16 +128,15 @@ def patches_of(assembly: Assembly) -> Patches:
         )
     first_ring = np.searchsorted(ring_patch, np.arange(len(face) + 1)).astype(np.intp)
     if len(face) < faces.count:
-        vectors = np.add.reduceat(area_vectors(corner, ring_start), first_ring[:-1], axis=0)
+        vectors = Ragged(first_ring).sum(area_vectors(corner, ring_start))
         area = np.sqrt(dot(vectors, vectors))
         normal = unit_rows(vectors, area)
     owner = faces.owner[face]
     centre = loop_means(corner, ring_start)[first_ring[:-1]]
-    start = ring_start[first_ring]
-    of_corner = np.repeat(np.arange(len(face), dtype=np.intp), np.diff(start))
-    height = np.abs(dot(corner - centre[of_corner], normal[of_corner]))
-    warp = np.maximum.reduceat(height, start[:-1])
-    curved = curvature(faces, edges, turn, group, area, np.diff(start) == 3)
+    corners = Ragged(ring_start[first_ring])
+    height = np.abs(dot(corner - corners.spread(centre), corners.spread(normal)))
+    warp = corners.max(height)
+    curved = curvature(faces, edges, turn, group, area, corners.counts == 3)
     width = np.sqrt(np.where(area > 0.0, area, 1.0))
     first_face = np.searchsorted(faces.owner, np.arange(len(assembly)))
     return Patches(
@@ -149,8 +155,8 @@ def patches_of(assembly: Assembly) -> Patches:
         bulges=curved.bulges,
         hollow=curved.hollow,
         convex=_convex_patches(corner, ring_start, ring_patch, normal, len(face)),
-        low=np.minimum.reduceat(corner, start[:-1], axis=0),
-        high=np.maximum.reduceat(corner, start[:-1], axis=0),
+        low=corners.min(corner),
+        high=corners.max(corner),
         first_patch=np.searchsorted(owner, np.arange(len(assembly) + 1)).astype(np.intp),
         size=size,
         block_convex=block_convex,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors, following, loop_means
+from drystone.geometry.plane.polygon import area_vectors, loop_means
 
 
 def fan_warped(faces: Faces, tolerance: float) -> Faces:
@@ -42,7 +43,7 @@ def fan_warped(faces: Faces, tolerance: float) -> Faces:
         return faces
     body = point_owners(faces)
     corner = faces.point[faces.loop]
-    chosen = _warped(faces, body, corner, tolerance) & (np.diff(faces.start) > 3)
+    chosen = _warped(faces, body, corner, tolerance) & (faces.corners.counts > 3)
     if not chosen.any():
         return faces
     added = np.flatnonzero(chosen)
@@ -52,22 +53,23 @@ def fan_warped(faces: Faces, tolerance: float) -> Faces:
     place[order] = np.arange(len(order))
     middle_at = np.full(faces.count, -1, dtype=np.intp)
     middle_at[added] = place[len(body) :]
-    face = np.repeat(np.arange(faces.count), np.diff(faces.start))
+    face = faces.corners.owner
     fanned = chosen[face]
     row = np.empty((len(face), 3), dtype=np.intp)
     row[:, 0] = place[faces.loop]
-    row[:, 1] = row[following(faces.start), 0]
+    row[:, 1] = row[faces.corners.following, 0]
     row[:, 2] = middle_at[face]
     kept = np.ones((len(face), 3), dtype=bool)
     kept[:, 1:] = fanned[:, None]
     first = np.zeros(len(face), dtype=bool)
     first[faces.start[:-1]] = True
     begins = np.flatnonzero(first | fanned)
-    sizes = np.add.reduceat(kept.sum(axis=1), begins)
+    pieces = Ragged(np.append(begins, len(face)))
+    corners = Ragged.from_counts(pieces.sum(kept.sum(axis=1)))
     return Faces(
         np.concatenate([faces.point, middle[added]])[order],
         row[kept],
-        np.concatenate([[0], np.cumsum(sizes)]).astype(np.intp),
+        corners.start,
         faces.owner[face[begins]],
     )
 
@@ -75,7 +77,7 @@ def fan_warped(faces: Faces, tolerance: float) -> Faces:
 def point_owners(faces: Faces) -> Ints:
     """(v,) the body that each point belongs to; every point is a corner of a face."""
     owner = np.zeros(len(faces.point), dtype=np.intp)
-    owner[faces.loop] = np.repeat(faces.owner, np.diff(faces.start))
+    owner[faces.loop] = faces.corners.spread(faces.owner)
     return owner
 
 
@@ -83,10 +85,9 @@ def _warped(faces: Faces, body: Ints, corner: Floats, tolerance: float) -> Bools
     """(f,) whether a face is warped beyond the tolerance, and its mean sees all of its edges."""
     height, seen = warp_and_view(corner, faces.start)
     count = int(body.max()) + 1
-    low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, body, faces.point)
-    np.maximum.at(high, body, faces.point)
-    size = np.linalg.norm(high - low, axis=1)[faces.owner]
+    of_body = Ragged.from_owners(body, count)
+    extent = of_body.max(faces.point) - of_body.min(faces.point)
+    size = np.linalg.norm(extent, axis=1)[faces.owner]
     return (height > tolerance * size) & seen
 
 
@@ -105,12 +106,12 @@ def warp_and_view(corners: Floats, start: Ints) -> tuple[Floats, Bools]:
     seen : (f,)
         Every triangle of the fan about the mean turns the way of the polygon.
     """
-    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    loops = Ragged(start)
     area = area_vectors(corners, start)
     length = np.linalg.norm(area, axis=1)
-    normal = (area / np.where(length > 0.0, length, 1.0)[:, None])[loop]
-    local = corners - loop_means(corners, start)[loop]
-    turn = (cross(local, local[following(start)]) * normal).sum(axis=1)
-    height: Floats = np.maximum.reduceat(np.abs((local * normal).sum(axis=1)), start[:-1])
-    seen: Bools = np.minimum.reduceat(turn, start[:-1]) > 0.0
+    normal = (area / np.where(length > 0.0, length, 1.0)[:, None])[loops.owner]
+    local = corners - loops.spread(loops.mean(corners))
+    turn = (cross(local, local[loops.following]) * normal).sum(axis=1)
+    height: Floats = loops.max(np.abs((local * normal).sum(axis=1)))
+    seen: Bools = loops.min(turn) > 0.0
     return height, seen

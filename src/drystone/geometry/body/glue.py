@@ -15,9 +15,9 @@ from drystone.geometry.body.split import (
     half_plane,
     parts_of,
     rings_of,
-    welded_points,
 )
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.mend.coincidence import distinct
 from drystone.geometry.mend.merge import merge_coplanar
 from drystone.geometry.mend.soup import split_solids
 from drystone.geometry.plane.polygon import area_vectors
@@ -156,7 +156,8 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
     """Faces in a plane, looking along its normal, that close a body: what open edges surround."""
     if not loops:
         return []
-    number, points = welded_points(np.concatenate(loops), TOUCH * extent)
+    corners = np.concatenate(loops)
+    kept, number = distinct(corners, TOUCH * extent)
     ends = np.cumsum([len(loop) for loop in loops])[:-1]
     open_edges: set[tuple[int, int]] = set()
     for part in np.split(number, ends):
@@ -167,7 +168,7 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
             else:
                 open_edges.add(edge)
     frame = frames_from_normals(normal[None])[0]
-    flat = points @ frame[1:].T
+    flat = corners[kept] @ frame[1:].T
     lines = [shapely.LineString(flat[list(edge)]) for edge in open_edges]
     section = shapely.Polygon()
     for ring in shapely.get_parts(shapely.polygonize(lines)):
@@ -190,7 +191,9 @@ def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
     if not loops:
         return []
     near = TOUCH * extent
-    number, vertices = welded_points(np.concatenate(loops), near)
+    corners = np.concatenate(loops)
+    kept, number = distinct(corners, near)
+    vertices = corners[kept]
     ends = np.cumsum([len(loop) for loop in loops])[:-1]
     rounds = [_simple(part.tolist()) for part in np.split(number, ends)]
     faces = [_simple(_with_points_between(face, vertices, near)) for face in rounds if face]

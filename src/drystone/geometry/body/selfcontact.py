@@ -11,9 +11,9 @@ import shapely
 from numpy.typing import NDArray
 
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.convexity import convex_bodies, planes
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
-from drystone.geometry.plane import polygon
 
 TOUCH = 1e-9
 """Distance, relative to the size of a body, at which parts of its surface touch."""
@@ -119,26 +119,26 @@ def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Su
         placed.append((points - low) / np.linalg.norm(high - low) + np.array([2.0 * i, 0.0, 0.0]))
     stacked = stack_faces(placed, faces)
     normal, middle = planes(stacked)
-    face = np.repeat(np.arange(stacked.count), np.diff(stacked.start))
+    face = stacked.corners.owner
     local = stacked.point[stacked.loop] - middle[face]
     height = np.abs((local * normal[face]).sum(axis=1))
     u = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
     u /= np.maximum(np.linalg.norm(u, axis=1), 1e-300)[:, None]
     axes = np.stack([u, np.cross(normal, u)], axis=1)
     plane = np.einsum("lj,lij->li", local, axes[face])
-    sizes = np.array([len(points) for points in vertices])
-    after = stacked.loop[polygon.following(stacked.start)]
+    of_body = Ragged.of(vertices)
+    after = stacked.loop[stacked.corners.following]
     sides = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)
     return _Surface(
         faces=stacked,
         normal=normal,
         middle=middle,
-        warp=np.maximum.reduceat(height, stacked.start[:-1]),
+        warp=stacked.corners.max(height),
         axes=axes,
         outline=shapely.polygons(shapely.linearrings(plane, indices=face)),
         edge=np.unique(sides, axis=0),
-        vertex_body=np.repeat(np.arange(len(vertices)), sizes),
-        first_vertex=np.cumsum(sizes) - sizes,
+        vertex_body=of_body.owner,
+        first_vertex=of_body.first,
         first_face=np.searchsorted(stacked.owner, np.arange(len(vertices))),
     )
 
@@ -175,8 +175,7 @@ def _boxes(low: Floats, high: Floats) -> NDArray[Any]:
 
 def _face_boxes(surface: _Surface) -> tuple[Floats, Floats]:
     corner = surface.faces.point[surface.faces.loop]
-    start = surface.faces.start[:-1]
-    return np.minimum.reduceat(corner, start, axis=0), np.maximum.reduceat(corner, start, axis=0)
+    return surface.faces.corners.min(corner), surface.faces.corners.max(corner)
 
 
 def _edge_boxes(surface: _Surface) -> tuple[Floats, Floats]:

@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.frames import frames_from_normals
+from drystone.geometry.mend.coincidence import distinct
 from drystone.geometry.mend.holes import faces_with_holes
 from drystone.geometry.mend.soup import split_solids
 from drystone.geometry.plane.polygon import area_vectors
@@ -127,8 +128,9 @@ def _caps(
     if not chords:
         return []
     frame = frames_from_normals(normal[None])[0]
-    ends = (np.array(chords) - point) @ frame[1:].T
-    number, places = welded_points(ends.reshape(-1, 2), SAME * extent)
+    ends = np.concatenate(chords)
+    kept, number = distinct(ends, SAME * extent)
+    places = (ends[kept] - point) @ frame[1:].T
     pairs = np.unique(np.sort(number.reshape(-1, 2), axis=1), axis=0)
     lines = [shapely.LineString(places[pair]) for pair in pairs if pair[0] != pair[1]]
     section = shapely.Polygon()
@@ -169,32 +171,17 @@ def rings_of(polygon: shapely.Polygon, least: float) -> list[Floats]:
     return [flat[list(loop)] for loop in faces_with_holes(raised, [loops])]
 
 
-def welded_points(points: Floats, tolerance: float) -> tuple[Ints, Floats]:
-    """Number of each point among the distinct ones, and those.
-
-    Points that rounding would part are joined through their neighbours within the tolerance.
-    """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import cKDTree
-
-    near = cKDTree(points).query_pairs(tolerance, output_type="ndarray").reshape(-1, 2)
-    count = len(points)
-    joined = coo_matrix((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=(count, count))
-    _, number = connected_components(joined, directed=False)
-    first = np.unique(number, return_index=True)[1]
-    return number.astype(np.intp), points[first]
-
-
 def _pieces(loops: Sequence[Floats], extent: float) -> list[Piece]:
     """Closed pieces from loose faces."""
     if not loops:
         return []
-    number, vertices = welded_points(np.concatenate(loops), SAME * extent)
+    corners = np.concatenate(loops)
+    kept, number = distinct(corners, SAME * extent)
+    vertices = corners[kept]
     ends = np.cumsum([len(loop) for loop in loops])[:-1]
     faces = [tuple(dict.fromkeys(part.tolist())) for part in np.split(number, ends)]
     faces = [face for face in faces if len(face) > 2]
     return [(vertices, [faces[i] for i in some]) for some in split_solids(vertices, faces)]
 
 
-__all__ = ["Piece", "half_plane", "parts_of", "rings_of", "split", "welded_points"]
+__all__ = ["Piece", "half_plane", "parts_of", "rings_of", "split"]

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 
 
@@ -41,6 +42,26 @@ def first_coincident(points: Floats, distance: float | Floats, body: Ints | None
     whole = np.arange(count, dtype=np.intp)
     whole[kept] = first
     return whole[same]
+
+
+def distinct(points: Floats, distance: float) -> tuple[Ints, Ints]:
+    """The points that remain when those that coincide are made one.
+
+    Parameters
+    ----------
+    points : (p, 3) [m]
+    distance : [m]
+        See :func:`first_coincident`.
+
+    Returns
+    -------
+    kept : (k,)
+        Ascending positions of the points that remain: the first of each group.
+    number : (p,)
+        Which of those each point coincides with.
+    """
+    kept, number = np.unique(first_coincident(points, distance), return_inverse=True)
+    return kept, number.astype(np.intp)
 
 
 def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
@@ -125,18 +146,12 @@ def weld_each(
     tolerance
         Relative to the bounding box diagonal of each body.
     """
-    count = np.array([len(points) for points in vertices], dtype=np.intp)
-    owner = np.repeat(np.arange(len(count)), count)
+    of_body = Ragged.of(vertices)
     every = np.concatenate([np.zeros((0, 3)), *vertices])
-    start = (np.cumsum(count) - count)[count > 0]
-    low, high = (np.zeros((len(count), 3)) for _ in range(2))
-    if len(start):
-        low[count > 0] = np.minimum.reduceat(every, start)
-        high[count > 0] = np.maximum.reduceat(every, start)
-    reach = tolerance * np.linalg.norm(high - low, axis=1)
-    first = first_coincident(every, reach[owner], owner).tolist()
+    reach = tolerance * np.linalg.norm(of_body.max(every, 0.0) - of_body.min(every, 0.0), axis=1)
+    first = first_coincident(every, of_body.spread(reach), of_body.owner).tolist()
     welded = []
-    for loops, begin in zip(faces, (np.cumsum(count) - count).tolist(), strict=True):
+    for loops, begin in zip(faces, of_body.first.tolist(), strict=True):
         welded.append(_on_first(loops, first, begin))
     return welded
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import (
     Faces,
     Loop,
@@ -213,9 +214,9 @@ def _with_cavities(
     stacked = _of_shells(vertices, faces, shells)
     lead = np.array([shell[0] for shell in shells])
     volume = mass_properties(stacked, len(shells))[0] * outwards[lead]
-    first = stacked.start[np.searchsorted(stacked.owner, np.arange(len(shells)))]
+    of_shell = Ragged.from_owners(stacked.corners.spread(stacked.owner), len(shells))
     corner = stacked.point[stacked.loop]
-    low, high = np.minimum.reduceat(corner, first), np.maximum.reduceat(corner, first)
+    low, high = of_shell.min(corner), of_shell.max(corner)
     home = list(range(len(shells)))
     closed = _closed(stacked, len(shells))
     for cavity in np.flatnonzero((volume < 0.0) & closed).tolist():

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.geometry.plane.polygon import following, loop_means
+from drystone.base.ragged import Ragged
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +58,12 @@ def sections(corners: Floats, start: Ints) -> Sections:
     m = len(start) - 1
     if m == 0:
         return Sections(np.zeros(0), np.zeros((0, 2)), np.zeros((0, 2, 2)), np.zeros((0, 2, 2)))
-    mean = loop_means(corners, start)
-    a = corners - np.repeat(mean, np.diff(start), axis=0)
-    b = a[following(start)]
+    loops = Ragged(start)
+    mean, total = loops.mean(corners), loops.sum
+    a = corners - loops.spread(mean)
+    b = a[loops.following]
     cross = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     both = a + b
-
-    def total(values: Floats) -> Floats:
-        return np.add.reduceat(values, start[:-1], axis=0)
-
     signed = total(0.5 * cross)
     flat = np.abs(signed) <= 1e-14 * total((a**2).sum(axis=1))
     safe = np.where(flat, 1.0, signed)
@@ -77,7 +74,7 @@ def sections(corners: Floats, start: Ints) -> Sections:
     second = total(outer * cross[:, None, None]) / (24.0 * safe[:, None, None])
     second -= shift[:, :, None] * shift[:, None, :]
     # a line: a uniform thread between its two ends
-    spread = total(a[:, :, None] * a[:, None, :]) / np.diff(start)[:, None, None] / 3.0
+    spread = total(a[:, :, None] * a[:, None, :]) / loops.counts[:, None, None] / 3.0
     inertia = np.where(flat[:, None, None], spread, second)
     return Sections(
         np.where(flat, 0.0, np.abs(signed)), mean + shift, inertia, _inverse(inertia, flat)
@@ -161,10 +158,10 @@ def kern_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -
     if len(start) < 2:
         return np.zeros(0)
     slope = np.einsum("mij,mj->mi", made.inverse, position - made.centroid)
-    each = np.diff(start)
-    arm = corners - np.repeat(made.centroid, each, axis=0)
-    relief = -(arm * np.repeat(slope, each, axis=0)).sum(axis=1)
-    return np.maximum(0.0, np.maximum.reduceat(relief, start[:-1]))
+    loops = Ragged(start)
+    arm = corners - loops.spread(made.centroid)
+    relief = -(arm * loops.spread(slope)).sum(axis=1)
+    return np.maximum(0.0, loops.max(relief))
 
 
 def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:

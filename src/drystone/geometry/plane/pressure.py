@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.plane.kern import Sections, edge_ratio, sections
-from drystone.geometry.plane.polygon import following
 
 EDGE = 1e-7
 """A force closer to the rim than this share of the way from the centroid stands on the rim."""
@@ -59,25 +59,21 @@ def peak_pressure(
     """
     away = position - made.centroid
     slope = np.einsum("mij,mj->mi", made.inverse, away)
-    arm = corners - np.repeat(made.centroid, np.diff(start), axis=0)
-    rise = (arm * np.repeat(slope, np.diff(start), axis=0)).sum(axis=1)
+    loops = Ragged(start)
+    arm = corners - loops.spread(made.centroid)
+    rise = (arm * loops.spread(slope)).sum(axis=1)
     pressed = normal > 0.0
     has_area = made.area > 0.0
     factor = np.full(len(normal), np.inf)
     if len(normal):
-        opened = np.minimum.reduceat(rise, start[:-1]) < -1.0
-        factor[has_area] = 1.0 + np.maximum.reduceat(rise, start[:-1])[has_area]
+        opened = loops.min(rise) < -1.0
+        factor[has_area] = 1.0 + loops.max(rise)[has_area]
         search = np.flatnonzero(pressed & has_area & opened)
         if len(search):
-            factor[search] = _opened(*_taken(corners, start, search), position[search])
+            part, row = loops.take(search)
+            factor[search] = _opened(corners[row], part.start, position[search])
     area = np.where(has_area, made.area, 1.0)
     return np.where(pressed, factor * normal / area, 0.0)
-
-
-def _taken(corners: Floats, start: Ints, chosen: Ints) -> tuple[Floats, Ints]:
-    """Some of the sections."""
-    parts = [corners[start[i] : start[i + 1]] for i in chosen]
-    return np.concatenate(parts), np.concatenate([[0], np.cumsum([len(part) for part in parts])])
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,20 +99,21 @@ def _opened(corners: Floats, start: Ints, position: Floats) -> Floats:
     """Peak pressure by mean pressure (m,) of sections with the force outside the kern."""
     made = sections(corners, start)
     inside = edge_ratio(made, corners, start, position) < 1.0 - EDGE
-    owner = np.repeat(np.arange(len(position)), np.diff(start))
+    loops = Ragged(start)
+    owner = loops.owner
     size = np.sqrt(made.area)
     local = (corners - position[owner]) / size[owner, None]  # unit area, the force at the origin
     away = (position - made.centroid) / size[:, None]
     slope = size[:, None] ** 2 * np.einsum("mij,mj->mi", made.inverse, away)
     plane = np.column_stack([1.0 + np.einsum("mi,mi->m", slope, away), slope])
-    state = _state(local, start, owner, plane)
+    state = _state(local, loops, plane)
     share = np.ones(len(plane))
     for _ in range(MOST_STEPS):
         active = inside & (state.decrement > CONVERGED * np.abs(state.value))
         if not active.any():
             break
         moved = plane + np.where(active, share, 0.0)[:, None] * state.step
-        trial = _state(local, start, owner, moved)
+        trial = _state(local, loops, moved)
         allowed = ROUNDING * np.abs(state.value) - DESCENT * share * state.decrement
         good = active & (trial.value <= state.value + allowed)
         plane = np.where(good[:, None], moved, plane)
@@ -127,17 +124,17 @@ def _opened(corners: Floats, start: Ints, position: Floats) -> Floats:
         )
         share = np.where(good, 1.0, np.where(active, 0.5 * share, share))
     pressure = plane[owner, 0] + (local * plane[owner, 1:]).sum(axis=1)
-    return np.where(inside, np.maximum.reduceat(pressure, start[:-1]), np.inf)
+    return np.where(inside, loops.max(pressure), np.inf)
 
 
-def _state(local: Floats, start: Ints, owner: Ints, plane: Floats) -> _State:
+def _state(local: Floats, loops: Ragged, plane: Floats) -> _State:
     """Value, Newton step and decrement at a trial plane (m, 3); unit force and area."""
     steepness = np.maximum(np.hypot(plane[:, 1], plane[:, 2]), 1e-300)
     across = plane[:, 1:] / steepness[:, None]
     along = np.stack([-across[:, 1], across[:, 0]], axis=1)
+    owner, after = loops.owner, loops.following
     height = (local * across[owner]).sum(axis=1) + (plane[:, 0] / steepness)[owner]
     side = (local * along[owner]).sum(axis=1)
-    after = following(start)
     ends = np.stack([height, height[after]])
     cut = (ends[0] > 0.0) != (ends[1] > 0.0)
     share = ends[0] / np.where(cut, ends[0] - ends[1], 1.0)
@@ -147,11 +144,11 @@ def _state(local: Floats, start: Ints, owner: Ints, plane: Floats) -> _State:
     # Each clipped edge spans a triangle with the point of the neutral line below the force.
     # The edges that clipping adds lie on the neutral line: their triangles are empty.
     whole = local[:, 0] * local[after, 1] - local[:, 1] * local[after, 0]
-    sign = np.sign(np.add.reduceat(whole, start[:-1]))
+    sign = np.sign(loops.sum(whole))
     twice = (h[0] * t[1] - t[0] * h[1]) * sign[owner]
 
     def total(values: Floats) -> Floats:
-        return np.add.reduceat(twice * values, start[:-1])
+        return loops.sum(twice * values)
 
     def product(a: Floats, b: Floats) -> Floats:
         return total((a[0] + a[1]) * (b[0] + b[1]) + a[0] * b[0] + a[1] * b[1]) / 24.0

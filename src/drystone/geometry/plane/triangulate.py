@@ -89,8 +89,8 @@ def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
     """Whether a polygon of more than three corners has a triangle that is next to nothing."""
     a, b, c = (flat[triangle[:, i]] for i in range(3))
     double = _cross(b - a, c - a)
-    whole = np.add.reduceat(double, first[:-1])
-    return (np.minimum.reduceat(double, first[:-1]) < THIN * whole) & (np.diff(first) > 1)
+    polygons = Ragged(first)
+    return (polygons.min(double) < THIN * polygons.sum(double)) & (polygons.counts > 1)
 
 
 def _fans(start: Ints) -> Ints:

@@ -2,7 +2,9 @@
 
 What the files hold was learned from files written with compas_assembly (COMPAS 2.0), compas_model
 0.9.3 and compas_dem 0.6.0. Objects are ``{"dtype": "package.module/Class", "data": {...}}``;
-COMPAS 1 wrote ``value`` for ``data``.
+COMPAS 1 wrote ``value`` for ``data``. Before that objects had no type: an assembly was
+``{"assembly": {"vertex": {...}}, "blocks": {...}}``, a list of blocks a list of meshes, and a face
+the corner that follows each of its corners.
 """
 
 from __future__ import annotations
@@ -23,8 +25,17 @@ from drystone.io.mesh.heap import moved
 MESHES = ("Mesh", "Block", "Polyhedron")
 
 
+def is_compas(top: Field) -> bool:
+    """Whether JSON is of COMPAS: typed objects, a list, or an assembly from before types."""
+    return isinstance(top.value, list) or not {"dtype", "assembly"}.isdisjoint(top.object().value)
+
+
 def read(top: Field) -> Draft:
     """The draft of a COMPAS file."""
+    if isinstance(top.value, list):
+        return _meshes(top)
+    if "assembly" in top.value:
+        return _untyped_assembly(top)
     kind = _class(top)
     if kind.endswith("Assembly"):
         return _assembly(_data(top))
@@ -36,6 +47,35 @@ def read(top: Field) -> Draft:
         f"is a COMPAS '{kind[:40]}'",
         "save an Assembly of compas_assembly or a BlockModel of compas_dem",
     )
+
+
+def _meshes(top: Field) -> Draft:
+    """A list of meshes: blocks with the names of their meshes, or their places in the list."""
+    shapes = []
+    for place, mesh in enumerate(top.elements()):
+        if "dtype" in mesh.object().value and _class(mesh) not in MESHES:
+            raise mesh.error(f"is a COMPAS '{_class(mesh)[:40]}'", "a list may hold meshes only")
+        shapes.append(_mesh(mesh, f"block-{place}"))
+    given = Counter(shape.metadata.get("label") for shape in shapes)
+    return Draft(
+        tuple(
+            replace(shape, name=str(label), metadata={})
+            if (label := shape.metadata.get("label")) and given[label] == 1
+            else shape
+            for shape in shapes
+        )
+    )
+
+
+def _untyped_assembly(top: Field) -> Draft:
+    """An assembly from before COMPAS 1: a network whose vertices are blocks, and their meshes."""
+    network = top["assembly"]
+    default = network.get("dva", {}).get("is_support", False).boolean()
+    shapes = []
+    for key, node in network["vertex"].items():
+        fixed = node.get("is_support", default).boolean()
+        shapes.append(replace(_mesh(top["blocks"][key], _name(key)), fixed=fixed))
+    return Draft(tuple(shapes))
 
 
 def _class(field: Field) -> str:
@@ -81,7 +121,7 @@ def _assembly(data: Field) -> Draft:
 def _model(data: Field) -> Draft:
     """A block model: elements, placed by a tree of transformations, in the order of the graph."""
     graph = _plain(data["graph"])
-    elements = data["elements"].object()
+    elements = _by_guid(data["elements"])
     densities = _densities(data)
     place = _placements(data, elements)
     shapes: list[Shape] = []
@@ -111,6 +151,14 @@ def _model(data: Field) -> Draft:
         nodes.append(key)
     finish = compas_contacts.reader(graph, "contacts", nodes)
     return Draft(tuple(shapes), finish=finish)
+
+
+def _by_guid(elements: Field) -> Field:
+    """Elements by their identifier; older files hold them as a list."""
+    if not isinstance(elements.value, list):
+        return elements.object()
+    named = {element["guid"].text(): element.value for element in elements.elements()}
+    return Field(named, elements.path, elements.file)
 
 
 def _densities(data: Field) -> dict[str, float]:
@@ -147,7 +195,7 @@ def _matrix(field: Field) -> Floats:
 
 def _mesh(field: Field, name: str) -> Shape:
     """A mesh with vertices by key, as COMPAS 1 and 2 write them, or by position (polyhedron)."""
-    data = _data(field)
+    data = _plain(field)
     attributes: Mapping[str, object] = data.get("attributes", {}).object().value
     if "vertices" in data.value:
         points = data["vertices"].floats(None, 3)
@@ -162,7 +210,7 @@ def _mesh(field: Field, name: str) -> Shape:
     ).reshape(-1, 3)
     loops = []
     for _, face in data["face"].items():
-        corners = [str(corner.value) for corner in face.elements()]
+        corners = _corners(face)
         if not all(corner in position for corner in corners):
             raise face.error("names a vertex that does not exist")
         loops.append([position[corner] for corner in corners])
@@ -177,3 +225,16 @@ def _mesh(field: Field, name: str) -> Shape:
         fixed=attributes.get("is_support") is True,
         metadata={"label": label} if isinstance(label, str) else {},
     )
+
+
+def _corners(face: Field) -> list[str]:
+    """Keys of the corners of a face, in order: a list, or the corner that follows each of them."""
+    if not isinstance(face.value, dict):
+        return [str(corner.value) for corner in face.elements()]
+    after = {key: str(corner.value) for key, corner in face.items()}
+    loop = list(after)[:1]
+    while loop and after.get(loop[-1]) in after and after[loop[-1]] not in loop:
+        loop.append(after[loop[-1]])
+    if len(loop) < len(after) or (loop and after[loop[-1]] != loop[0]):
+        raise face.error("is not one closed loop of corners")
+    return loop

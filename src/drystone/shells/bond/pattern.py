@@ -14,6 +14,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.shells.bond.courses import Courses
 from drystone.shells.bond.wedge import Wedge, eased_share, wedge_amount
 from drystone.shells.surface.patch import Side
@@ -176,13 +177,11 @@ def _cells(
 
 def _centres(u: Floats, v: Floats, cells: list[tuple[int, ...]], *, closed: bool) -> Floats:
     loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
-    length = np.array([len(cell) for cell in cells])
-    start = np.cumsum(length) - length
-    base = np.repeat(v[loop[start]], length)
+    corners = Ragged.of(cells)
+    base = corners.spread(v[loop[corners.first]])
     along = (v[loop] - base + 0.5) % 1.0 - 0.5 + base if closed else v[loop]
     both = np.stack([u[loop], along], axis=1)
-    low, high = np.minimum.reduceat(both, start), np.maximum.reduceat(both, start)
-    centre: Floats = 0.5 * (low + high)
+    centre: Floats = 0.5 * (corners.min(both) + corners.max(both))
     return centre
 
 

@@ -20,6 +20,7 @@ from scipy.spatial import cKDTree
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.geometry.mend.coincidence import distinct
 from drystone.loads import STANDARD_GRAVITY
 from drystone.shells.shell_options import FormOptions
 from drystone.shells.surface.lengths import refuse_unless_positive
@@ -187,11 +188,8 @@ def _net(plan: Shape, options: FormOptions) -> _Net:
     grids = [patch.point(u[:, None], v[None, :]) for patch in plan.patches]
     every = np.concatenate([grid.reshape(-1, 3) for grid in grids])
     size = float(np.linalg.norm(np.ptp(every, axis=0)))
-    first = np.arange(len(every), dtype=np.intp)
-    for a, b in sorted(cKDTree(every).query_pairs(1e-6 * size)):
-        first[b] = min(first[b], first[a])
-    kept, node = np.unique(first, return_inverse=True)
-    nodes = tuple(node.astype(np.intp).reshape(len(grids), options.rows, options.columns))
+    kept, node = distinct(every, 1e-6 * size)
+    nodes = tuple(node.reshape(len(grids), options.rows, options.columns))
     quad = np.concatenate(
         [
             np.stack([n[:-1, :-1], n[:-1, 1:], n[1:, 1:], n[1:, :-1]], axis=2).reshape(-1, 4)

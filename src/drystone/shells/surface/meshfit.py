@@ -9,11 +9,11 @@ import numpy as np
 from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import spsolve
-from scipy.spatial import cKDTree
 
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.geometry.mend.coincidence import first_coincident
 from drystone.shells.bond.tessellation import directed
 from drystone.shells.surface.deviation import distances
 from drystone.shells.surface.patch import Patch, check_patch
@@ -136,9 +136,7 @@ def _welded(
 ) -> tuple[Floats, list[list[int]], list[int] | None]:
     """Used vertices, coincident ones made one."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    first = np.arange(len(points))
-    for a, b in sorted(cKDTree(points).query_pairs(WELD * size)):
-        first[b] = min(first[b], first[a])
+    first = first_coincident(points, WELD * size)
     loops = [list(dict.fromkeys(int(first[i]) for i in face)) for face in faces]
     loops = [loop for loop in loops if len(loop) > 2]
     used = sorted({i for loop in loops for i in loop})

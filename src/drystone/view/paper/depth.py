@@ -198,7 +198,7 @@ def _patches(
     corners = faces.point[faces.loop]
     whole = np.flatnonzero(front & ~mixed[faces.owner])
     cut = np.flatnonzero(front & mixed[faces.owner])
-    face_depth = np.add.reduceat(corners @ toward, faces.start[:-1]) / np.diff(faces.start)
+    face_depth = faces.corners.mean(corners @ toward)
     triangle, triangle_face = _triangles(corners, faces.start, cut)
     before, after = _hidden_pairs(
         corners[triangle], rank[faces.owner[triangle_face]], toward, paper

@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 
 TOUCHING = 1e-3
 """Share of a block's size by which blocks may reach through a plane between them; chosen, for
@@ -57,10 +58,9 @@ class Bodies:
         point = faces.point - assembly.centroid[0]  # small numbers far from the origin
         bounds = assembly.bounds - assembly.centroid[0]
         _, support = _spans(point, start, faces.owner, normal)
-        middle = np.add.reduceat(point[faces.loop], faces.start[:-1], axis=0)
-        middle /= np.diff(faces.start)[:, None]
+        middle = faces.corners.mean(point[faces.loop])
         sticks_out = support - np.einsum("fi,fi->f", middle, normal)
-        worst = np.maximum.reduceat(sticks_out, face_start[:-1])
+        worst = Ragged(face_start).max(sticks_out)
         convex = worst <= NEARLY_CONVEX * assembly.size
         return cls(
             point, start, normal, face_start, support, bounds, np.array(assembly.size), convex
@@ -74,19 +74,11 @@ def spans(bodies: Bodies, block: Ints, direction: Floats) -> tuple[Floats, Float
 
 def _spans(point: Floats, start: Ints, block: Ints, direction: Floats) -> tuple[Floats, Floats]:
     lowest, highest = np.empty(len(block)), np.empty(len(block))
-    count = np.diff(start)[block]
-    total = np.cumsum(count)
-    done = 0
-    while done < len(block):
-        base = total[done] - count[done]
-        end = max(int(np.searchsorted(total, base + CHUNK)), done + 1)
-        part, size = block[done:end], count[done:end]
-        first = np.cumsum(size) - size
-        index = np.repeat(start[part] - first, size) + np.arange(size.sum())
-        reach = np.einsum("ri,ri->r", point[index], np.repeat(direction[done:end], size, axis=0))
-        lowest[done:end] = np.minimum.reduceat(reach, first)
-        highest[done:end] = np.maximum.reduceat(reach, first)
-        done = end
+    points = Ragged(start)
+    for some in Ragged.from_counts(points.counts[block]).batches(CHUNK):
+        part, row = points.take(block[some])
+        reach = np.einsum("ri,ri->r", point[row], part.spread(direction[some]))
+        lowest[some], highest[some] = part.min(reach), part.max(reach)
     return lowest, highest
 
 

@@ -149,10 +149,12 @@ def _means(limit: Limit, state: Result) -> str:
     for name, bracket in (
         ("some forces balance the loads", limit.equilibrium),
         ("stands for uniform contact stiffness", limit.uniform),
-        ("stands for some contact stiffness", limit.rest),
+        ("stands for every contact stiffness tried", limit.robust if limit.remarks else None),
+        ("stands", limit.rest),
     ):
         if bracket is not None and bracket.stands is not None:
             parts.append(f"{name} to {_short(limit, bracket.stands)}")
+    parts += limit.remarks
     for low, high in limit.islands:
         parts.append(f"it stands again from {_short(limit, low)} to {_short(limit, high)}")
     if limit.stopped:

@@ -1,4 +1,4 @@
-"""Changes of joints and blocks: turned, moved, wedged, keyed; cut, merged, made thicker."""
+"""Changes of blocks: cut, merged, inserted, one face moved, made thicker."""
 
 from __future__ import annotations
 
@@ -11,242 +11,15 @@ from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed, fresh_name
 from drystone.design.surgery.joint_cut import (
-    Cell,
-    JointPlane,
     block_with,
     body_of,
-    ends_of,
     joint_plane,
-    recut,
     snapped,
 )
 from drystone.geometry.body.glue import cut_cell, glue
-from drystone.geometry.frames import rotation_about, unit
+from drystone.geometry.frames import unit
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
-
-STEEPEST = 80.0
-"""[degrees] Largest turn of a joint and sharpness of a wedge, chosen: a slender tip is left."""
-
-
-def turn_joint(
-    model: Model,
-    interface: int,
-    angle: float,
-    axis: Floats | None = None,
-    pivot: float = 0.0,
-    first: int | None = None,
-) -> Model:
-    """The model with a joint turned in its place: what one block loses the other gains.
-
-    Parameters
-    ----------
-    model
-    interface
-    angle : [degrees]
-        Counter-clockwise about the axis.
-    axis : (3,), optional
-        Taken into the plane of the joint. Left out, the horizontal line in it.
-    pivot
-        Which line of the joint stays: 0 through its middle, -1 and 1 the edges to either side.
-    first
-        Which of the two blocks is block a; left out, that of the contacts.
-
-    Raises
-    ------
-    InputError
-        The joint cannot be turned so far: a face would be swallowed.
-
-    Examples
-    --------
-    >>> from drystone.models import tower
-    >>> model = Model.of(tower(2), friction=0.6)
-    >>> turned = turn_joint(model, 0, 5.0)
-    >>> turned.assembly.volume.sum().round(9), turned.contacts.count
-    (np.float64(2.0), 1)
-    """
-    joint = joint_plane(model, interface, first)
-    along = _axis(joint, axis)
-    if not abs(number(angle, "the angle")) < STEEPEST:
-        raise InputError(f"the angle is {angle}", remedy=f"give less than {STEEPEST:g} degrees")
-    across = np.cross(joint.normal, along)
-    low, high = joint.reach(across)
-    at = joint.centre + (high if pivot > 0.0 else -low) * pivot * across
-    normal = rotation_about(along, angle) @ joint.normal
-    return _with_planes(model, joint, normal[None], at[None], True, f"a turn by {angle:g} degrees")
-
-
-def still_edge(model: Model, interface: int, side: float, first: int | None = None) -> float:
-    """The pivot of :func:`turn_joint` with which a joint stays one plane.
-
-    The block that ends at the joint only loses; turned about the other edge it would be let into
-    the other block, with a step beside it.
-
-    Parameters
-    ----------
-    model, interface
-    side
-        Sign of the angle.
-    first
-    """
-    joint = joint_plane(model, interface, first)
-    ends = ends_of(model, joint)
-    return float(-np.sign(side) if ends[1] and not ends[0] else np.sign(side))
-
-
-def move_joint(model: Model, interface: int, distance: float, first: int | None = None) -> Model:
-    """The model with a joint moved along its normal, into block b where ``distance`` [m] > 0.
-
-    Where block b reaches past the joint, block a is let into it.
-    """
-    joint = joint_plane(model, interface, first)
-    at = joint.centre + number(distance, "the distance") * joint.normal
-    return _with_planes(
-        model, joint, joint.normal[None], at[None], True, f"a move by {distance:g} m"
-    )
-
-
-def wedge_joint(
-    model: Model,
-    interface: int,
-    sharpness: float,
-    axis: Floats | None = None,
-    first: int | None = None,
-) -> Model:
-    """The model with a plane joint made a wedge of two planes, which meet in a ridge.
-
-    Parameters
-    ----------
-    model
-    interface
-    sharpness : [degrees]
-        Angle of each plane with the joint. Above zero, block a is the wedge and block b the groove.
-    axis : (3,), optional
-        Of the ridge, taken into the plane of the joint. Left out, the horizontal line in it.
-    first
-        Which of the two blocks is block a; left out, that of the contacts.
-
-    Notes
-    -----
-    The ridge and the rims of the joint are as far from the old plane, so that about as much goes to
-    one block as to the other.
-    """
-    joint = joint_plane(model, interface, first)
-    along = _axis(joint, axis)
-    if not abs(number(sharpness, "the sharpness")) < STEEPEST:
-        raise InputError(
-            f"the sharpness is {sharpness}", remedy=f"give less than {STEEPEST:g} degrees"
-        )
-    across = np.cross(joint.normal, along)
-    low, high = joint.reach(across)
-    half = 0.5 * (high - low)
-    middle = joint.centre + 0.5 * (low + high) * across
-    ridge = middle + 0.5 * half * np.tan(np.deg2rad(sharpness)) * joint.normal
-    normals = np.array([rotation_about(along, s * sharpness) @ joint.normal for s in (-1.0, 1.0)])
-    what = f"a wedge of {sharpness:g} degrees"
-    return _with_planes(model, joint, normals, np.array([ridge, ridge]), sharpness > 0.0, what)
-
-
-def key_joint(
-    model: Model, interface: int, depth: float, share: float = 0.5, axis: Floats | None = None
-) -> Model:
-    """The model with a key: a strip of the joint at which block a reaches into block b.
-
-    Parameters
-    ----------
-    model
-    interface
-    depth : [m]
-    share
-        Width of the key by that of the joint.
-    axis : (3,), optional
-        Along which the key runs. Left out, the horizontal line in the joint.
-    """
-    joint = joint_plane(model, interface)
-    along = _axis(joint, axis)
-    if not 0.0 < number(share, "the share") < 1.0:
-        raise InputError(f"the share is {share}", remedy="give a number between 0 and 1")
-    across = np.cross(joint.normal, along)
-    low, high = joint.reach(across)
-    middle, half = 0.5 * (low + high), 0.5 * share * (high - low)
-    sides = [(across, middle + half), (-across, half - middle)]
-    return _strip(model, joint, sides, depth, "a key")
-
-
-def hook_joint(
-    model: Model,
-    interface: int,
-    depth: float,
-    undercut: float = 0.0,
-    axis: Floats | None = None,
-    side: int = 1,
-) -> Model:
-    """The model with a hook: over half of the joint block a reaches into block b.
-
-    Parameters
-    ----------
-    model
-    interface
-    depth : [m]
-    undercut : [degrees]
-        By which the face in the middle leans over block b: the hook then holds a pull.
-    axis : (3,), optional
-        Along which the hook runs. Left out, the horizontal line in the joint.
-    side
-        1 or -1, the half that reaches over.
-    """
-    joint = joint_plane(model, interface)
-    along = _axis(joint, axis)
-    across = np.sign(side) * np.cross(joint.normal, along)
-    low, high = joint.reach(across)
-    lean = np.tan(np.deg2rad(number(undercut, "the undercut")))
-    normal = -across - lean * joint.normal
-    return _strip(model, joint, [(normal, -0.5 * (low + high))], depth, "a hook")
-
-
-def _strip(
-    model: Model,
-    joint: JointPlane,
-    sides: list[tuple[Floats, float]],
-    depth: float,
-    what: str,
-) -> Model:
-    """Block a given what of block b is within planes about the centre, down to a depth."""
-    if not number(depth, "the depth") > 0.0:
-        raise InputError(f"the depth is {depth}", remedy="give metres above zero")
-    planes = [*sides, (joint.normal, depth)]
-    normals = np.array([normal for normal, _ in planes])
-    size = np.linalg.norm(normals, axis=1, keepdims=True)
-    at = np.array([offset for _, offset in planes])[:, None] * normals / size**2
-    cell = Cell.below(normals, joint.centre + at)
-    return recut(model, joint, [cell], [], what)
-
-
-def _with_planes(
-    model: Model, joint: JointPlane, normals: Floats, points: Floats, a_convex: bool, what: str
-) -> Model:
-    """The joint cut by planes: block a is behind all of them, or behind any."""
-    behind = [Cell.below(n[None], p[None]) for n, p in zip(normals, points, strict=True)]
-    before = [Cell.below(-n[None], p[None]) for n, p in zip(normals, points, strict=True)]
-    if len(behind) == 1:
-        return recut(model, joint, behind, before, what)
-    if a_convex:
-        both = behind[0].within(behind[1])
-        return recut(model, joint, [both], [before[0], before[1]], what)
-    both = before[0].within(before[1])
-    return recut(model, joint, [behind[0], behind[1]], [both], what)
-
-
-def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
-    """A unit vector (3,) in the plane of a joint."""
-    if axis is None:
-        along: Floats = joint.frame[1]
-        return along
-    given = unit(axis, "axis")
-    flat = given - (given @ joint.normal) * joint.normal
-    if float(np.linalg.norm(flat)) < 1e-6:
-        raise InputError("the axis is normal to the joint", remedy="give one that lies in it")
-    return unit(flat, "axis")
 
 
 def cut_block(model: Model, block: int | str, point: Floats, normal: Floats) -> Model:
@@ -443,14 +216,8 @@ def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
 __all__ = [
     "cut_block",
     "faces_toward",
-    "hook_joint",
     "insert_block",
-    "key_joint",
     "merge_blocks",
     "move_face",
-    "move_joint",
-    "still_edge",
     "thicken_blocks",
-    "turn_joint",
-    "wedge_joint",
 ]

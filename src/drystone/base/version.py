@@ -1,0 +1,32 @@
+"""The commit that an installed or checked-out package was made from."""
+
+from __future__ import annotations
+
+import subprocess
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+RECORD = PACKAGE / "_commit.txt"
+"""Written into the package when it is built from a git checkout; see ``hatch_build.py``."""
+
+
+@cache
+def commit() -> str:
+    """The short hash of the commit; empty where neither the package nor git can tell."""
+    if RECORD.is_file():
+        return RECORD.read_text(encoding="ascii").strip()
+    checkout = PACKAGE.parents[1]
+    if not (checkout / ".git").exists():
+        return ""
+    try:
+        said = subprocess.run(
+            ["git", "-C", str(checkout), "rev-parse", "--short=10", "HEAD"],
+            capture_output=True, check=True, text=True, timeout=5.0,
+        )  # fmt: skip
+    except (OSError, subprocess.SubprocessError):
+        return ""
+    return said.stdout.strip()
+
+
+__all__ = ["commit"]
