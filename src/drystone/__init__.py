@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from drystone.stability import build_rbe as build_rbe
     from drystone.stability import build_rbe_penalty as build_rbe_penalty
     from drystone.stability import check as check
+    from drystone.stability import check_many as check_many
     from drystone.stability import solve_cra as solve_cra
     from drystone.stability import solve_cra_penalty as solve_cra_penalty
     from drystone.stability import solve_rbe as solve_rbe
@@ -79,6 +80,7 @@ _HOME = {
     "build_rbe": "stability",
     "build_rbe_penalty": "stability",
     "check": "stability",
+    "check_many": "stability",
     "diagnose": "design",
     "find_contacts": "detection",
     "limit_friction": "limits",

@@ -23,6 +23,9 @@ from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.solvers.program import Entries
 
+FULL = 40_000
+"""Entries up to which the equilibrium matrix is multiplied as a full one: timed. The call of a
+sparse product takes longer than the product of a small matrix."""
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
@@ -135,13 +138,23 @@ class Statics:
 
     def wrench(self, force: Floats) -> Floats:
         """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
+        if self._few is not None:
+            return (force.ravel() @ self._few).reshape(-1, 6)
         result: Floats = (self.matrix @ force.ravel()).reshape(-1, 6)
         return result
 
     def displacement(self, motion: Floats) -> Floats:
         """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
+        if self._few is not None:
+            return (self._few @ motion.ravel()).reshape(-1, 3)
         result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
         return result
+
+    @cached_property
+    def _few(self) -> Floats | None:
+        """A^T as a full matrix, where the model is small."""
+        rows, columns = 3 * self.corner_count, 6 * self.free_count
+        return self.matrix_transposed.toarray() if rows * columns <= FULL else None
 
     def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
         """Wrenches (6 n, c) of unit forces at some corners (c,).

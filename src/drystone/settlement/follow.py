@@ -50,6 +50,12 @@ only whether it stops."""
 FAR, CLEAR = 0.03, 0.3
 """Way by a block's size, and share of the load that the contacts do not carry, from which on it
 clearly moves on. Wedges that slide and jam leave no more than 0.15 to the drag."""
+STRETCH, STRETCHED, LONGEST = 1.5, 50.0, 1e-2
+"""What a steady increment does to the longest one, how much longer than at first it may become, and
+its length by a block's size."""
+STEADY, SWERVE = 0.02, 0.1
+"""Change of the motion from one increment to the next, by the motion: it goes on as before; it does
+not, and an increment that was made longer is taken again in short ones."""
 AT_REST = 1e-9
 """Share of the load that the drag may carry at rest."""
 ROUGHLY = 1e-3
@@ -65,6 +71,10 @@ LEFT_STEPS = 250
 fall without obstacles takes 135."""
 FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
+SQUEEZED, GROWN = 20.0, 1.5
+"""Overlap of a corner by that under the mean load, and by its own at half of the way, from which on
+springs give way: a plug that tapers by 0.05 degrees presses with 570 times its weight in the end,
+and the overlap grows with its way. Forces on what slides or topples hardly change."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +91,8 @@ class Track:
     way : (f,) of each free block by its size
     share
         Of the load that the contacts do not carry at the end.
+    squeezed
+        Whether forces far above the loads grew on the way: the springs give way, not the blocks.
     steps, iterations
     """
 
@@ -90,6 +102,7 @@ class Track:
     response: Response
     way: Floats
     share: float
+    squeezed: bool
     steps: int
     iterations: int
 
@@ -135,7 +148,12 @@ class Follower:
         self.friction = np.zeros((len(bodies.block_a), 2))
         self.frames = [self.pose]
         self.stride, self.since = 1, 0
-        self.load_size = max(float(np.linalg.norm(bodies.load)), np.finfo(float).tiny)
+        self.stretch = 1.0
+        self.load_size = max(_length(bodies.load), np.finfo(float).tiny)
+        self.smallest = float(bodies.size[bodies.free].min(initial=np.inf))
+        self.way = np.zeros(len(bodies.free))
+        self.farthest = 0.0
+        self.half_way: Floats | None = None
         self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
         self.drag = self.first
         self.guess: tuple[Floats, float] | None = None
@@ -170,23 +188,35 @@ class Follower:
             if found is None or longest > self._longest():
                 refused += 1
                 self.drag *= SLOWER
+                self.stretch = 1.0
                 if self.drag > MOST_DRAG * self.first:
                     return "lost"
+                continue
+            swerve = 1.0
+            if guess is not None and longest > 0.0:
+                swerve = float(np.abs(found.motion - guess).max()) / longest
+            if self.stretch > 1.0 and swerve > SWERVE:
+                # an event on the way: it is passed by short increments
+                self.drag *= self.stretch
+                self.stretch = 1.0
                 continue
             refused = 0
             self.guess = found.motion, self.drag
             carried = self.drag * bodies.mass[:, None] * found.motion
-            self.share = float(np.linalg.norm(carried)) / self.load_size
+            self.share = _length(carried) / self.load_size
             self._accept(found)
             rests = self.share < AT_REST and longest < STILL * bodies.overlap
             if rests or (roughly and self.share < ROUGHLY):
                 return "rests"
-            if self._way().max(initial=0.0) > self.fall:
+            if self.farthest > self.fall:
                 return "falls"
+            longer = STRETCH if swerve < STEADY else 1.0 / STRETCH
+            self.stretch = min(max(longer * self.stretch, 1.0), STRETCHED)
             if found.iterations < EASY:
                 # what hardly moves any more needs no small steps to its end
                 quick = longest < bodies.overlap and self.share < 1e-3
-                self.drag *= 0.1 if quick else FASTER**self.pace
+                least = longest / (0.9 * self._longest())
+                self.drag *= 0.1 if quick else max(FASTER**self.pace, least)
 
     def _supports(self, motion: Floats) -> str:
         """Move the supports in small parts, and let the blocks rest, more or less, after each."""
@@ -226,7 +256,7 @@ class Follower:
                 moved = moved + shift
             response = respond(bodies, placed.gap, self.friction, moved)
             left = maps.wrench(response.force) + bodies.load - weight * motion
-            return response, left, float(np.linalg.norm(left)) / self.load_size
+            return response, left, _length(left) / self.load_size
 
         motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
         response, left, size = answer(motion)
@@ -265,6 +295,10 @@ class Follower:
         self.friction = found.response.force[:, 1:]
         self.response = found.response
         self.placed = place_corners(bodies, self.pose)
+        self.way = self._way()
+        self.farthest = float(self.way.max(initial=0.0))
+        if self.half_way is None and self.farthest >= 0.5 * self.fall:
+            self.half_way = self.placed.gap
         self.steps += 1
         self.beyond += float(self._way().max(initial=0.0)) > FAR
         self.since += 1
@@ -275,22 +309,28 @@ class Follower:
                 self.frames = self.frames[::2]
                 self.stride *= 2
         if self.tell is not None:
-            self.tell(float(self._way().max(initial=0.0)))
+            self.tell(self.farthest)
 
     def _way(self) -> Floats:
         """(f,) translation and rotation by the radius of each free block, by its size."""
         bodies, free = self.bodies, self.bodies.free
         gone = np.linalg.norm(self.pose.place[free] - bodies.centroid[free], axis=1)
-        trace = np.trace(self.pose.turn[free], axis1=1, axis2=2)
+        turn = self.pose.turn[free]
+        trace = turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2]
         turned = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
         way: Floats = (gone + turned * bodies.radius[free]) / bodies.size[free]
         return way
 
     def _longest(self) -> float:
         """Of an increment, by the smallest block: short where it matters how blocks slide."""
-        clear = self.share > CLEAR or float(self._way().max(initial=0.0)) > FAR
-        size = float(self.bodies.size[self.bodies.free].min(initial=np.inf))
-        return self.pace * size * (LONG_STEP if clear else STEP)
+        clear = self.share > CLEAR or self.farthest > FAR
+        stretched = min(self.stretch * (LONG_STEP if clear else STEP), LONGEST)
+        return self.pace * self.smallest * stretched
+
+    def _squeezed(self) -> bool:
+        gap = self.placed.gap
+        before = gap if self.half_way is None else GROWN * self.half_way
+        return bool(((gap < -SQUEEZED * self.bodies.overlap) & (gap <= before)).any())
 
     def _late(self) -> bool:
         if self.steps >= self.step_limit or self.beyond >= self.left_steps:
@@ -304,11 +344,18 @@ class Follower:
             tuple(frames),
             self.placed,
             self.response,
-            self._way(),
+            self.way,
             self.share,
+            self._squeezed(),
             self.steps,
             self.iterations,
         )
+
+
+def _length(values: Floats) -> float:
+    """Root of the sum of squares; a quarter of the time of the general norm."""
+    flat = values.ravel()
+    return float(np.sqrt(flat @ flat))
 
 
 __all__ = ["Follower", "Track"]

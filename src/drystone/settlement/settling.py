@@ -28,11 +28,9 @@ from drystone.settlement.settlement_types import (
 )
 from drystone.settlement.springs import Pose, rotation_vectors
 
-SQUEEZED = 20.0
-"""Overlap of a corner by that under the mean load, from which on a fall is followed again on
-stiffer springs: a plug that tapers by 0.05 degrees presses with 570 times its weight."""
 STIFFER, STIFFEST = 1e-2, 1e-9
-"""Overlap of the next try by the last, and the smallest: below it gaps are lost in rounding."""
+"""Overlap of the next try by the last where springs give way, and the smallest: below it gaps are
+lost in rounding."""
 
 
 @checked_call
@@ -184,10 +182,8 @@ def _path(
             tell=tell,
         )
         track = follower.run(None if motion is None else _scaled(bodies, motion))
-        pressed = -float(track.placed.gap.min(initial=0.0))
-        if track.ended != "falls" or pressed < SQUEEZED * overlap or overlap <= STIFFEST:
+        if track.ended != "falls" or not track.squeezed or overlap <= STIFFEST:
             break
-        # forces far above the weights: what moved is the springs that give way, not the blocks
         overlap *= STIFFER
     if progress is not None:
         progress(stage, 100, 100)
@@ -216,7 +212,7 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     """A track in m, rad and N, for all corners of the model."""
     contacts = model.contacts
     corners = model.active[contacts.interface]
-    positions = np.stack([_motion(bodies, pose) for pose in track.frames])
+    positions = _motions(bodies, track.frames)
     force = np.zeros((contacts.corner_count, 3))
     force[corners] = track.response.force * bodies.force_unit
     point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
@@ -245,10 +241,11 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     )
 
 
-def _motion(bodies: Bodies, pose: Pose) -> Floats:
-    """(n, 6) [m, rad] from the beginning."""
-    gone = (pose.place - bodies.centroid) * bodies.length_unit
-    return np.concatenate([gone, rotation_vectors(pose.turn)], axis=1)
+def _motions(bodies: Bodies, poses: tuple[Pose, ...]) -> Floats:
+    """(s, n, 6) [m, rad] from the beginning."""
+    gone = (np.stack([pose.place for pose in poses]) - bodies.centroid) * bodies.length_unit
+    turn = np.concatenate([pose.turn for pose in poses])
+    return np.concatenate([gone, rotation_vectors(turn).reshape(gone.shape)], axis=2)
 
 
 def _judged(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:

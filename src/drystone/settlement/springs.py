@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg.lapack import dgetrf, dgetrs
 from scipy.spatial.transform import Rotation
 
 from drystone.base.arrays import Bools, Floats, Ints, cross
@@ -199,11 +200,12 @@ class DenseMaps:
     def solve(self, tangent: Floats, weight: Floats, right: Floats) -> Floats:
         """Motion (f, 6) that ``tangent`` (k, 3, 3) and a diagonal (f, 6) answer with a wrench."""
         matrix = self.flat.T @ (tangent @ self.rows).reshape(-1, self.width)
-        matrix[np.diag_indices(self.width)] += weight.ravel()
-        try:
-            motion = np.linalg.solve(matrix, right.ravel())
-        except np.linalg.LinAlgError as error:
-            raise SolverError("the tangent is singular") from error
+        matrix.reshape(-1)[:: self.width + 1] += weight.ravel()
+        # the factors are those of the transpose, so that nothing is copied
+        lu, pivots, failed = dgetrf(matrix.T, overwrite_a=True)
+        if failed:
+            raise SolverError("the tangent is singular")
+        motion, _ = dgetrs(lu, pivots, right.ravel(), trans=1)
         return np.asarray(motion, dtype=np.float64).reshape(-1, 6)
 
 

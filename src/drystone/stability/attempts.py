@@ -10,7 +10,7 @@ from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
-from drystone.formulations.rest.rest_state import RestOptions, RestState, Start
+from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
@@ -21,6 +21,9 @@ SHARPER = RestOptions(ground=1e-9, tolerance=1e-6)
 
 AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-8)
 """The state itself: what the ground still carries is below every tolerance."""
+
+FROM_OTHER = replace(AT_REST, warm_relaxation=1e-4, stall=8, give_up=0.02)
+"""From the rest state of other stiffnesses: given up early, since it may as well begin afresh."""
 
 FALLS_FROM = 1e-4
 """Share of a block's load on the ground from which on a state shows it falling."""
@@ -147,6 +150,23 @@ class Attempts:
         if state is None:
             return None
         self.iterations += state.iterations
+        return self._stood(state)
+
+    def attempt_from(self, other: Candidate, springs: Compliance) -> Candidate:
+        """As :meth:`attempt`, first from the rest state of other stiffnesses, if it is one."""
+        if not other.stands:
+            return self.attempt(springs)
+        statics = self.problem.statics
+        motion = statics.scaled_motion(other.displacement, statics.mean_length)
+        start = start_from(self.problem.system, springs, motion)
+        found = self.nearby(springs, start)
+        if found is None:
+            state = self._rest(springs, FROM_OTHER, start)
+            found = self._stood(state) if state.converged else None
+        return found if found is not None else self.attempt(springs)
+
+    def _stood(self, state: RestState) -> Candidate | None:
+        """A state counted as a rest state that was found, if it is one."""
         candidate = self.examine(state.motion, state.force)
         if not candidate.stands:
             return None

@@ -78,7 +78,10 @@ class Cascade:
             if self.clock.late():
                 break
             self._report("stiffness samples", 2 + number)
-            attempts.attempt(sample)
+            if problem.statics.dry:
+                attempts.attempt_from(uniform, sample)
+            else:  # a start is scaled as if forces were in proportion to the motion
+                attempts.attempt(sample)
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
         decided = not settle or len(attempts.standing) == attempts.tried

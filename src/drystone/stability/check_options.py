@@ -24,7 +24,8 @@ class CheckOptions(Options):
         Where the stiffness decides whether it stands, follow the blocks by finite steps
         (:func:`drystone.settle`) and answer with where they go.
     settlement
-        How they are followed.
+        How they are followed; by default until a block has moved by a twentieth of its size. What
+        stands moves no farther than a fiftieth.
     search
         Ask whether it could be wedged to hold (:func:`could_hold`): where the stiffness decides and
         blocks are not followed, look for a rest state by convex steps.
@@ -44,7 +45,7 @@ class CheckOptions(Options):
 
     samples: int = 4
     settle: bool = True
-    settlement: SettlementOptions = SettlementOptions()  # noqa: RUF009 - frozen
+    settlement: SettlementOptions = SettlementOptions(fall=0.05)  # noqa: RUF009 - frozen
     search: bool = False
     search_tries: int = 48
     stiffness_ratio: float = 200.0
