@@ -181,7 +181,8 @@ def add_contact_rows(
         joints, first = np.unique(statics.interface, return_index=True)
         row = np.searchsorted(joints, statics.interface)
         together = sparse.csr_matrix((np.ones(k), (row, np.arange(k))), shape=(len(joints), k))
-        whole, sums = statics.friction[first], together @ cohesion
+        whole = statics.friction[first]
+        sums = np.bincount(row, cohesion, minlength=len(joints))
         _bounded(
             program,
             "friction of joints",

@@ -60,7 +60,7 @@ def _of_words(model: Model, text: str) -> JointCapacity:
     area = model.contacts.area
     forces = {name: value * area if stress[name] else value for name, value in found.items()}
     try:
-        return JointCapacity.of(model.contacts, **forces)  # type: ignore[arg-type]
+        return JointCapacity.of(model.contacts, **forces)
     except InputError as error:
         raise InputError(error.what, where=WHERE, remedy=error.remedy) from error
 
