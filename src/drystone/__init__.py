@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from drystone.detection import find_contacts as find_contacts
     from drystone.io import read as read
     from drystone.io import write as write
+    from drystone.joint_capacity import JointCapacity as JointCapacity
     from drystone.limits import limit_friction as limit_friction
     from drystone.limits import limit_load as limit_load
     from drystone.limits import limit_shrink as limit_shrink
@@ -65,6 +66,7 @@ _HOME = {
     "Block": "assembly",
     "CheckOptions": "stability",
     "Contacts": "contacts",
+    "JointCapacity": "joint_capacity",
     "DetectionOptions": "detection",
     "DrystoneError": "base.errors",
     "FormatError": "base.errors",

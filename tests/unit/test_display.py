@@ -75,6 +75,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (design.mend(tower(2)), design.sharpen(tower(2)), design.SharpenOptions(step=5.0))
     still = design.block_moves(rare, ["block-1"], (1.0, 0.0, 0.0), 0.1)
     yield from (design.shape(tower(2), still), still, design.ShapeOptions(rounds=3))
+    yield drystone.JointCapacity.of(drystone.find_contacts(tower(3)).contacts, tension=1.0)
     apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))

@@ -87,6 +87,7 @@ def settle(
     """
     chosen = SettlementOptions.of(options)
     model = as_model(given, **how)
+    model.require_dry("settlement")
     clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))

@@ -78,11 +78,16 @@ class Cascade:
             if self.clock.late():
                 break
             self._report("stiffness samples", 2 + number)
-            attempts.attempt_from(uniform, sample)
-        decided = not self.options.settle or len(attempts.standing) == attempts.tried
+            if problem.statics.dry:
+                attempts.attempt_from(uniform, sample)
+            else:  # a start is scaled as if forces were in proportion to the motion
+                attempts.attempt(sample)
+        # settlement and the search know dry joints only
+        settle = self.options.settle and problem.statics.dry
+        decided = not settle or len(attempts.standing) == attempts.tried
         if attempts.standing and (decided or self.clock.late()):
             return self._stable(uniform)
-        if self.options.settle and not self.clock.late():
+        if settle and not self.clock.late():
             return self._followed()
         self._report("search", 2 + self.options.samples)
         found = self._search()
@@ -107,9 +112,10 @@ class Cascade:
         if not falling.any():
             return None
         apart = beside_supports(assembly, contacts, falling)
-        if not self.options.settle and not apart:
+        settle = self.options.settle and problem.statics.dry
+        if not settle and not apart:
             return None
-        if self.options.settle:
+        if settle:
             surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
                 where=falling
             )
@@ -223,7 +229,7 @@ class Cascade:
         Without a bound on how much they may differ, forces that only prestress brings about would
         hold almost every wedge.
         """
-        if not self.options.search or self.clock.late():
+        if not self.options.search or self.clock.late() or not self.problem.statics.dry:
             return None
         look = Search(
             self.problem,

@@ -13,6 +13,7 @@ from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.detection import find_contacts
+from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
 
@@ -31,7 +32,21 @@ def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
         both("friction"),
         both("point"),
         np.concatenate([one.interface, other.interface + one.count]),
+        _joined_capacity(one, other),
     )
+
+
+def _joined_capacity(one: Contacts, other: Contacts) -> JointCapacity | None:
+    if one.capacity is None and other.capacity is None:
+        return None
+    parts = [
+        c.capacity or JointCapacity(np.zeros(c.count), np.zeros(c.count)) for c in (one, other)
+    ]
+    tension, cohesion, shear = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("tension", "cohesion", "shear")
+    )
+    return JointCapacity(tension, cohesion, shear)
 
 
 def changed(

@@ -97,6 +97,7 @@ def solve_cra_penalty(
     chosen = PenaltyOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
+    problem.model.require_dry("the penalty form of coupled rigid-block analysis")
     dry = Cascade(
         problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
     ).run()
