@@ -106,3 +106,8 @@ def test_the_peer_is_given_the_model_turned_and_its_joints(tmp_path):
     assert np.linalg.norm(turned, axis=1) == pytest.approx(
         np.linalg.norm(assembly.blocks[0].vertices, axis=1)
     )
+
+
+def test_the_limit_of_the_arch_is_measured():
+    row = measure(next(work for key, work in WORK.items() if key == "arch-tilt-limit"), False, 0.0)
+    assert row["right"], row
