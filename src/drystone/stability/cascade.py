@@ -23,6 +23,7 @@ from drystone.stability.programs.rbe import ANY_FORCES
 from drystone.stability.proofs import (
     FALLING_SHARE,
     NO_APPROACH,
+    beside_supports,
     first_motion,
     found_mechanism,
     free_acceleration,
@@ -50,6 +51,7 @@ class Cascade:
         self.stiffness_ratio = 1.0
         self.stage = "free fall"
         self.attempts = Attempts(problem, clock)
+        self.settlement: Settlement | None = None
 
     def run(self) -> Result:
         """The verdict, with what proves it."""
@@ -91,7 +93,8 @@ class Cascade:
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
-        Where they press a little, as on a plug that hardly tapers, following the blocks decides.
+        Following the blocks decides where they press a little, as on a plug that hardly tapers, and
+        where a free block touches those that would fall: it may settle against them.
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, and so do
@@ -103,13 +106,21 @@ class Cascade:
         falling = unpressed(assembly, contacts, acceleration)
         if not falling.any():
             return None
+        apart = beside_supports(assembly, contacts, falling)
+        if not self.options.settle and not apart:
+            return None
         if self.options.settle:
-            surely = unpressed(assembly, contacts, acceleration, NO_APPROACH)
-            followed = None if surely.all(where=falling) else self._follow()
+            surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
+                where=falling
+            )
+            why = "hardly anything presses on some of its blocks at first"
+            followed = None if surely else self._follow()
             if followed is not None and followed.outcome is Outcome.RESTS:
-                return self._rests(followed, "hardly anything presses on its blocks at first")
+                return self._rests(followed, why)
             if followed is not None and followed.outcome is Outcome.ENDS_DECIDE:
-                return self._open(followed, "hardly anything presses on its blocks at first")
+                return self._open(followed, why)
+            if followed is not None and followed.outcome is Outcome.UNKNOWN and not apart:
+                return None
         rest = problem.without(falling)
         if rest is not None:
             part = Cascade(rest, self.options, None, self.clock).run()
@@ -127,10 +138,12 @@ class Cascade:
 
     def _follow(self) -> Settlement:
         """Where the blocks go by finite steps."""
-        self._report("settlement", 2 + self.options.samples)
-        found = settle(self.problem.model, options=self.options.settlement, stop=self.clock.late)
-        self.iterations += sum(path.iterations for path in found.paths)
-        return found
+        if self.settlement is None:
+            self._report("settlement", 2 + self.options.samples)
+            model, options = self.problem.model, self.options.settlement
+            self.settlement = settle(model, options=options, stop=self.clock.late)
+            self.iterations += sum(path.iterations for path in self.settlement.paths)
+        return self.settlement
 
     def _followed(self) -> Result:
         """The verdict of finite steps, where the contact stiffness decides."""

@@ -150,3 +150,13 @@ def unpressed(
             break
         falling[a[pressed]] = falling[b[pressed]] = False
     return falling
+
+
+def beside_supports(assembly: Assembly, contacts: Contacts, falling: Bools) -> bool:
+    """Whether blocks (n,) that fall touch none but each other and supports.
+
+    A free block that stands without them may still settle against them.
+    """
+    a, b = contacts.block_a, contacts.block_b
+    other = np.where(falling[a], b, a)[falling[a] != falling[b]]
+    return bool(assembly.fixed[other].all())

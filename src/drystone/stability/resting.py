@@ -16,7 +16,12 @@ from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.problem import Clock, Problem
-from drystone.stability.proofs import FALLING_SHARE, free_acceleration, unpressed
+from drystone.stability.proofs import (
+    FALLING_SHARE,
+    beside_supports,
+    free_acceleration,
+    unpressed,
+)
 from drystone.stability.screening import PATIENT, Screening
 
 
@@ -123,9 +128,10 @@ def _first_standing(
 
 
 def _falls_freely(problem: Problem, screening: Screening, clock: Clock) -> bool:
-    """Whether nothing presses on some blocks and the others stand without them."""
-    falling = unpressed(problem.model.assembly, problem.model.contacts, free_acceleration(problem))
-    if not falling.any():
+    """Whether nothing presses on some blocks beside supports and the others stand without them."""
+    assembly, contacts = problem.model.assembly, problem.model.contacts
+    falling = unpressed(assembly, contacts, free_acceleration(problem))
+    if not falling.any() or not beside_supports(assembly, contacts, falling):
         return False
     others = problem.without(falling)
     return others is None or _first_standing(Attempts(others, clock), screening) is not None

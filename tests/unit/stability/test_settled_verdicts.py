@@ -8,7 +8,7 @@ from drystone.geometry.frames import rotation_about
 from drystone.models import concave, h_model, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
-from drystone.stability import could_hold
+from drystone.stability import could_hold, try_rest
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 MOVING = CheckOptions(settlement=SettlementOptions(carrier=Carrier.MOVING))
@@ -105,3 +105,32 @@ def test_who_asks_for_one_stiffness_is_not_kept_waiting_for_steps() -> None:
     found = check(model, options=CheckOptions(samples=0, settle=False))
     assert found.verdict is Verdict.UNSTABLE
     assert found.settlement is None
+
+
+def plate(density: float = 2000.0) -> Assembly:
+    """A plate, wider below by 0.6 degrees, between blocks that stand on two ramps without it."""
+    slope, lean, y = np.tan(np.deg2rad(30.0)), np.tan(np.deg2rad(0.3)), (0.0, 0.5)
+    wide, narrow = 0.05 + 0.25 * lean, 0.05 - 0.25 * lean
+    ramp = [(wide, 0.0), (wide + 1.0, 0.0), (wide + 1.0, 0.5 + slope), (wide, 0.5)]
+    beside = [(wide, 0.5), (wide + 1.0, 0.5 + slope), (wide + 1.0, 0.6 + slope), (narrow, 1.0)]
+    between = [(-wide, 0.5), (wide, 0.5), (narrow, 1.0), (-narrow, 1.0)]
+    blocks = (
+        *(prism([(s * x, z) for x, z in ramp], y, f"ramp {s}") for s in (-1, 1)),
+        *(prism([(s * x, z) for x, z in beside], y, f"beside {s}") for s in (-1, 1)),
+        prism(between, y, "plate", density),
+    )
+    return Assembly(blocks, np.array([True, True, False, False, False]))
+
+
+@pytest.mark.parametrize("degrees", [-1.0, -0.2, 0.0, 0.2, 1.0])
+def test_a_block_that_its_free_neighbours_settle_against_does_not_fall_freely(
+    degrees: float,
+) -> None:
+    # within 0.3 degrees of upright the plate's own weight opens both of its joints
+    model = tilted(plate(), Y, degrees, friction=0.7)
+    assert check(model).verdict is Verdict.STABLE
+    assert try_rest(model).verdict is Verdict.STABLE
+
+
+def test_a_plate_too_heavy_for_the_friction_of_its_neighbours_falls() -> None:
+    assert check(Model.of(plate(density=40_000.0), friction=0.7)).verdict is Verdict.UNSTABLE
