@@ -27,7 +27,7 @@ from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
 from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.stage_checks import check_once, check_thoroughly
+from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import DaskWorkers, ExecutorFactory, LocalWorkers
@@ -71,6 +71,7 @@ __all__ = [
     "Turns",
     "Way",
     "WayOptions",
+    "check_both",
     "check_once",
     "check_thoroughly",
     "cut_block",

@@ -21,7 +21,7 @@ from drystone.geometry.body.split import Piece, split
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.stage.stage_checks import Check, check_once
+from drystone.sequence.stage.stage_checks import Check, check_both
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ def design_cuts(
     proposals: Sequence[Sequence[Cut]],
     *,
     friction: float = 0.6,
-    check: Check = check_once,
+    check: Check = check_both,
     name: str = "c",
 ) -> CutDesign:
     """Cut a shape from the bottom up, taking at each place the first cut that works.

@@ -290,6 +290,7 @@ class Plan(Card):
             "directions": [ways.tolist() for ways in self.directions(number)],
             "propped": [names[b] for b in step.props],
             "verdict": step.answer.verdict,
+            "settled": step.answer.settled,
             "why": step.why,
             "friction_used": step.answer.used,
         }

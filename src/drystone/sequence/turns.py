@@ -20,7 +20,7 @@ from drystone.base.progress import Progress
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.robots import Robot, check_robots
-from drystone.sequence.stage.stage_checks import Check, check_once
+from drystone.sequence.stage.stage_checks import Check, check_both
 from drystone.sequence.stage.stages import Stage, mask_of
 from drystone.sequence.stage.structure import Structure
 
@@ -95,7 +95,7 @@ def take_turns(
     order: Sequence[int | str] | None = None,
     robots: Sequence[Robot] = (Robot("left"), Robot("right")),
     *,
-    check: Check = check_once,
+    check: Check = check_both,
     progress: Progress | None = None,
     **how: Unpack[How],
 ) -> Turns:

@@ -17,7 +17,7 @@ from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import Screening
 
-FORMAT, VERSION = "drystone-stages", 3
+FORMAT, VERSION = "drystone-stages", 4
 
 
 def fingerprint(model: Structure) -> str:
@@ -56,6 +56,7 @@ def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -
                 "falling": list(found.falling),
                 "reaction": {str(b): wrench.tolist() for b, wrench in found.reaction.items()},
                 "used": found.used,
+                "settled": found.settled,
             }
             for part, found in known.items()
         ],
@@ -106,6 +107,7 @@ def _answer(record: Any) -> Answer:
         tuple(int(b) for b in record["falling"]),
         {int(b): np.array(wrench, dtype=np.float64) for b, wrench in record["reaction"].items()},
         float(record["used"]),
+        settled=str(record["settled"]),
     )
 
 

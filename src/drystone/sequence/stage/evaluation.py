@@ -8,6 +8,7 @@ import pickle
 import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
+from dataclasses import replace
 from types import TracebackType
 
 import numpy as np
@@ -16,6 +17,7 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.files import PathLike, as_path
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
+from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
@@ -116,12 +118,17 @@ class Evaluator(OneLine):
             self._executor.shutdown(wait=kind is None, cancel_futures=True)
             self._executor = None
 
-    def answer(self, stage: Stage, *, forces: bool = False) -> Answer:
-        """Whether a stage stands; with ``forces``, checked again if they were not kept."""
-        return self.answers([stage], forces=forces)[0]
+    def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> Answer:
+        """Whether a stage stands; see :meth:`answers`."""
+        return self.answers([stage], forces=forces, checked=checked)[0]
 
     def answers(
-        self, stages: Sequence[Stage], *, ahead: Sequence[Stage] = (), forces: bool = False
+        self,
+        stages: Sequence[Stage],
+        *,
+        ahead: Sequence[Stage] = (),
+        forces: bool = False,
+        checked: bool = False,
     ) -> list[Answer]:
         """Whether each of some stages stands.
 
@@ -133,6 +140,8 @@ class Evaluator(OneLine):
             then, so that no answer depends on how far workers looked ahead.
         forces
             Check again what was kept without its forces.
+        checked
+            Check what was only screened.
 
         Raises
         ------
@@ -142,7 +151,7 @@ class Evaluator(OneLine):
         parts = [self.model.parts(stage) for stage in stages]
         missing = []
         for part in dict.fromkeys(part for some in parts for part in some):
-            if not self._has(part, forces):
+            if not self._has(part, forces, checked):
                 self.asked += 1
                 key = part._replace(near=None)
                 if part in self._ahead:
@@ -181,6 +190,18 @@ class Evaluator(OneLine):
             for stage, some in zip(stages, parts, strict=True)
         ]
 
+    def settled(self, stage: Stage, check: Check) -> Answer:
+        """A stage by another check, which is kept where it stands."""
+        other = replace(self.model, check=check)
+        for part in self.model.parts(stage):
+            if not self.answer(part).stands:
+                found = other.solve(part)
+                self.solved += 1
+                if not found.stands:
+                    return found
+                self._known[part] = found
+        return self.answer(stage)
+
     def save(self) -> None:
         """Write the checkpoint, if there is one."""
         self._saved = time.monotonic()
@@ -211,8 +232,8 @@ class Evaluator(OneLine):
                     out[list(members(moving))] = found.motion
         return out if out.any() else None
 
-    def _has(self, part: Stage, forces: bool) -> bool:
-        known = self._find(part)
+    def _has(self, part: Stage, forces: bool, checked: bool) -> bool:
+        known = self._known.get(part._replace(near=None)) if checked else self._find(part)
         return known is not None and not (forces and known.stands and not len(known.corner))
 
     def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, Answer]]:

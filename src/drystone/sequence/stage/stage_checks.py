@@ -7,31 +7,41 @@ from typing import TypeAlias
 
 from drystone.model import Model
 from drystone.results import Result
+from drystone.settlement import SettlementOptions
 from drystone.stability import (
-    QUICK,
     CheckOptions,
     RBEOptions,
     check,
     solve_rbe,
-    try_rest,
 )
 
 Check: TypeAlias = Callable[[Model], Result]
 """Tells whether a model stands. Other processes must be able to import it."""
 
 
-def check_once(model: Model) -> Result:
-    """The verdict with uniform contact stiffness; the default for stages.
+FOLLOWED = CheckOptions(settlement=SettlementOptions(fall=0.05))
+"""The verdict of :func:`drystone.check`. A block that went by a twentieth of its size is not
+followed farther: it is beyond what stands."""
 
-    A stage that stands only with other stiffnesses is not relied upon.
-    """
+
+def check_once(model: Model) -> Result:
+    """The verdict with uniform contact stiffness."""
     return check(model, options=CheckOptions(samples=0, settle=False))
 
 
+def check_both(model: Model) -> Result:
+    """Stands with uniform contact stiffness, and by the verdict of :func:`drystone.check`.
+
+    The default for stages. A stage that falls with uniform stiffness is not relied upon, although
+    it may stand after settling. Where other stiffnesses let it fall, settlement decides.
+    """
+    found = check_once(model)
+    return check(model, options=FOLLOWED) if found.stable else found
+
+
 def check_thoroughly(model: Model) -> Result:
-    """The verdict of :func:`drystone.check`: any compatible state counts."""
-    found = try_rest(model, screening=QUICK)
-    return found if found.stable else check(model)
+    """The verdict of :func:`drystone.check`; settlement where contact stiffness decides."""
+    return check(model, options=FOLLOWED)
 
 
 def balance(model: Model) -> Result:
@@ -39,4 +49,4 @@ def balance(model: Model) -> Result:
     return solve_rbe(model, options=RBEOptions.feasibility())
 
 
-__all__ = ["Check", "balance", "check_once", "check_thoroughly"]
+__all__ = ["Check", "balance", "check_both", "check_once", "check_thoroughly"]

@@ -82,6 +82,8 @@ class Answer(OneLine):
         still hold when all coefficients are multiplied by it.
     corner : (c,)
         Corners of the whole model that carry ``force`` (c, 3) [N]; empty when it was not kept.
+    settled
+        What following the blocks told, where contact stiffness decides; else empty.
     motion : (b, 6) [m, rad]
         Of the moving blocks of a part, ascending, for neighbours to start from; empty as well.
     """
@@ -94,6 +96,7 @@ class Answer(OneLine):
     corner: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
+    settled: str = ""
 
     @property
     def stands(self) -> bool:

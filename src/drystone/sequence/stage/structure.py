@@ -22,7 +22,7 @@ from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Verdict
-from drystone.sequence.stage.stage_checks import Check, check_once
+from drystone.sequence.stage.stage_checks import Check, check_both
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.stability import Screening, try_rest
 
@@ -45,7 +45,7 @@ class Structure(OneLine):
     """
 
     model: Model
-    check: Check = check_once
+    check: Check = check_both
     screening: tuple[Screening, ...] = ()
 
     def __post_init__(self) -> None:
@@ -178,8 +178,9 @@ class Structure(OneLine):
             near = None if start is None else start[blocks]
             result = try_rest(stage, screening=part.screening, start=near)
         falling = tuple(int(blocks[i]) for i in result.falling)
+        settled = "" if result.settlement is None else result.settlement.message
         if result.verdict is not Verdict.STABLE or result.force is None:
-            return Answer(result.verdict, result.message, falling)
+            return Answer(result.verdict, result.message, falling, settled=settled)
         reaction = {}
         if held:
             unloaded = stage.with_load(LoadCase(np.zeros_like(load.wrench)))
@@ -191,7 +192,9 @@ class Structure(OneLine):
         force = np.array(result.force)
         shift = result.displacement
         motion = np.zeros((0, 6)) if shift is None else shift[~some.fixed]
-        return Answer(result.verdict, result.message, (), reaction, used, corner, force, motion)
+        return Answer(
+            result.verdict, result.message, (), reaction, used, corner, force, motion, settled
+        )
 
     def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Ints]:
         """Contacts among some blocks, of which one can move, and their corners in the model."""
@@ -217,7 +220,7 @@ class Structure(OneLine):
         if bad:
             undecided = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), None)
             worst = bad[0] if undecided is None else undecided
-            return Answer(worst.verdict, worst.message, falling, reaction)
+            return Answer(worst.verdict, worst.message, falling, reaction, settled=worst.settled)
         return Answer(
             Verdict.STABLE,
             "",
@@ -226,6 +229,7 @@ class Structure(OneLine):
             max((one.used for one in found), default=0.0),
             np.concatenate([np.zeros(0, dtype=np.intp), *(one.corner for one in found)]),
             np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
+            settled="; ".join(one.settled for one in found if one.settled),
         )
 
 
