@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from drystone.view import save_cad as save_cad
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
+    from drystone.view import show as show
 
 __version__ = "0.2.0"
 
@@ -90,6 +91,7 @@ _HOME = {
     "save_figure": "view",
     "save_page": "view",
     "settle": "settlement",
+    "show": "view",
     "solve_cra": "stability",
     "solve_cra_penalty": "stability",
     "solve_rbe": "stability",
@@ -103,14 +105,14 @@ _ROOMS = ("design", "limits", "models", "sequence", "settlement", "shells", "vie
 __all__ = list(_HOME)
 
 
-def _thumbnail(value: object) -> str:
+def _beside(value: object) -> str:
     """A small picture of a value as HTML; drawing is loaded when one is asked for."""
-    from drystone.view.web.notebook import thumbnail
+    from drystone.view.web.notebook import beside
 
-    return thumbnail(value)
+    return beside(value)
 
 
-draw_with(_thumbnail)
+draw_with(_beside)
 
 
 def __getattr__(name: str) -> Any:

@@ -10,8 +10,9 @@ from drystone.view.scenes.presets import PRESETS, Preset
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 from drystone.view.scenes.staging import stage_of
 from drystone.view.scenes.subjects import scene_of
-from drystone.view.web.notebook import Frame
+from drystone.view.web.notebook import Frame, show
 from drystone.view.web.page import page_text, save_page
+from drystone.view.web.widget import interact
 
 __all__ = [
     "PRESETS",
@@ -24,6 +25,7 @@ __all__ = [
     "Stage",
     "State",
     "inspection_scene",
+    "interact",
     "page_text",
     "save_cad",
     "save_figure",
@@ -32,5 +34,6 @@ __all__ = [
     "save_polar",
     "save_report",
     "scene_of",
+    "show",
     "stage_of",
 ]

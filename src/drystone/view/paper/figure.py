@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import textwrap
-import warnings
 from collections.abc import Collection
 from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.base.arrays import Floats, frozen_floats
-from drystone.base.errors import FormatError, InputError
-from drystone.base.files import write_whole
+from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.results import Verdict
 from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_shadow
+from drystone.view.paper.plot_file import save_plot
 from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
 from drystone.view.scenes.presets import PRESETS, first_preset, is_shown
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
@@ -26,7 +24,6 @@ from drystone.view.scenes.subjects import Subject, scene_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SUFFIXES = ("png", "svg", "pdf")
 VERDICT_COLOUR = {
     "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00"},
     "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c"},
@@ -101,36 +98,25 @@ def save_figure(
     >>> (folder / "tower.png").exists()
     True
     """
-    kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in SUFFIXES:
-        raise FormatError(
-            f"a figure cannot be written as '.{kind}'",
-            where=str(path),
-            remedy="end the name in .png, .svg or .pdf",
-        )
     width, height = frozen_floats(size, (2,), "size")
     if not (width > 0.0 and height > 0.0 and dpi > 0.0):
         raise InputError("size and dpi must be above zero")
     scene = scene_of(subject, contacts, source)
-    drawing = draw(
-        scene,
-        (float(width), float(height)),
-        toward=None if toward is None else unit(toward, "view direction"),
-        preset=preset,
-        layers=layers,
-        opacity=opacity,
-        arrow_scale=float(arrow_scale),
-        stage=stage,
-        theme="dark" if dark else "light",
-    )
 
-    def fill(file: BinaryIO) -> None:
-        with warnings.catch_warnings():
-            # A name in a script that the font lacks is drawn with boxes; the figure is still good.
-            warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-            drawing.savefig(file, format=kind, dpi=dpi)
+    def drawing() -> Figure:
+        return draw(
+            scene,
+            (float(width), float(height)),
+            toward=None if toward is None else unit(toward, "view direction"),
+            preset=preset,
+            layers=layers,
+            opacity=opacity,
+            arrow_scale=float(arrow_scale),
+            stage=stage,
+            theme="dark" if dark else "light",
+        )
 
-    write_whole(path, fill)
+    save_plot(path, drawing, dpi, "figure")
 
 
 def draw(
