@@ -23,13 +23,18 @@ def figures(_: Any, variables: dict[str, Any], settings: dict[str, Any]) -> str:
     return figure_rst(made, settings["src_dir"])
 
 
+def _get_sg_image_scraper() -> Any:
+    """The name under which sphinx-gallery asks a module for its scraper."""
+    return figures
+
+
 SETTINGS = {
     "examples_dirs": str(HERE.parent / "examples" / "gallery"),
     "gallery_dirs": "gallery",
     "filename_pattern": "/plot_",
     "within_subsection_order": "FileNameSortKey",
     "capture_repr": ("_repr_html_", "__repr__"),
-    "image_scrapers": (figures,),
+    "image_scrapers": ("gallery",),
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_memory": False,

@@ -9,8 +9,7 @@ whole structure.
 import drystone
 from drystone.design import find_mends
 from drystone.models import shelf
-from drystone.view import Frame
 
-mends = find_mends(drystone.Model.of(shelf(), friction=0.9))
-for mend in mends.of[:5]:
+mends = find_mends(drystone.Model.of(shelf(), friction=0.9), regions=1)
+for mend in mends.mends[:5]:
     print(mend)

@@ -2,6 +2,7 @@
 
 from drystone.view.cad.save_cad import save_cad
 from drystone.view.paper.figure import save_figure
+from drystone.view.paper.gravity_figure import save_gravity
 from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
@@ -29,6 +30,7 @@ __all__ = [
     "page_text",
     "save_cad",
     "save_figure",
+    "save_gravity",
     "save_inspection",
     "save_page",
     "save_polar",
