@@ -150,7 +150,7 @@ def _tilt_limit(
         limit = limit_tilt(
             Model(assembly, contacts),
             work.axis,
-            check=lambda a, c, load: check(Model(a, c, load), options=CheckOptions(samples=0)),
+            check=lambda model: check(model, options=CheckOptions(samples=0)),
             options=LimitOptions(width=0.05),
         )
         return limit.equilibrium.value, limit.best.value

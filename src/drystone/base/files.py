@@ -14,7 +14,7 @@ from drystone.base.display import shortened
 from drystone.base.errors import FormatError
 
 PathLike: TypeAlias = str | os.PathLike[str]
-Job: TypeAlias = tuple[PathLike, Callable[[Path], None]]
+Job: TypeAlias = tuple[PathLike, Callable[[Path], object]]
 """A file to be written, and what writes it to the path it is given."""
 
 LARGEST_FILE = 2**26

@@ -16,6 +16,7 @@ from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
@@ -59,8 +60,12 @@ class Cascade:
         if problem.statics.free_count == 0:
             return self._nothing_free()
         dropped = self._free_fall()
-        if dropped is not None:
-            return dropped
+        return self._after_free_fall() if dropped is None else dropped
+
+    @one_blas_thread()
+    def _after_free_fall(self) -> Result:
+        """The verdict where something presses on every block."""
+        problem = self.problem
         self._report("rest state", 0)
         attempts = self.attempts
         uniform = attempts.attempt(compliance.uniform(problem.statics))
@@ -142,6 +147,7 @@ class Cascade:
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
         )
 
+    @one_blas_thread()
     def _follow(self) -> Settlement:
         """Where the blocks go by finite steps."""
         if self.settlement is None:

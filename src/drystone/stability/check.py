@@ -10,14 +10,12 @@ from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result
-from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 
 
 @checked_call
-@one_blas_thread()
 def check(
     given: Given,
     *,
@@ -65,7 +63,6 @@ def check(
 
 
 @checked_call
-@one_blas_thread()
 def could_hold(
     given: Given,
     *,

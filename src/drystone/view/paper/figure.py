@@ -34,7 +34,7 @@ AXES = (0.02, 0.11, 0.96, 0.75)
 
 def save_figure(
     subject: Subject,
-    path: str | PathLike[str],
+    path: str | PathLike[str] | None = None,
     contacts: Contacts | None = None,
     *,
     toward: Any = None,
@@ -47,7 +47,7 @@ def save_figure(
     stage: int | None = None,
     dark: bool = False,
     source: str = "",
-) -> None:
+) -> Figure:
     """Draw the model, with what is known of it, in parallel projection.
 
     Parameters
@@ -56,7 +56,8 @@ def save_figure(
         A result, a model, an assembly, a limit, a plan, a settlement, or a scene put together by
         hand.
     path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
+        out, nothing is written.
     contacts
         Of an assembly; a result has its own. They also tell which block hides which.
     toward : (3,)
@@ -83,6 +84,11 @@ def save_figure(
     source
         The file that the model came from, for the head of the figure.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        It belongs to no window; ``figure.axes[0]`` takes what is to be added.
+
     Raises
     ------
     InputError
@@ -94,7 +100,7 @@ def save_figure(
     >>> import pathlib, tempfile
     >>> from drystone.models import tower
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> save_figure(tower(3), folder / "tower.png", size=(3, 2), dpi=50)
+    >>> figure = save_figure(tower(3), folder / "tower.png", size=(3, 2), dpi=50)
     >>> (folder / "tower.png").exists()
     True
     """
@@ -116,7 +122,7 @@ def save_figure(
             theme="dark" if dark else "light",
         )
 
-    save_plot(path, drawing, dpi, "figure")
+    return save_plot(path, drawing, dpi, "figure")
 
 
 def draw(

@@ -20,22 +20,29 @@ INCH = 4.2
 """Width of a disc, chosen; dots are sized so that those of all directions just touch."""
 
 
-def save_gravity(region: GravityRegion, path: str | PathLike[str], *, title: str = "") -> None:
+def save_gravity(
+    region: GravityRegion, path: str | PathLike[str] | None = None, *, title: str = ""
+) -> Figure:
     """Draw in which directions of gravity an assembly holds, without and with friction.
 
     Parameters
     ----------
     region
     path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
+        out, nothing is written.
     title
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
     FormatError
         Another suffix, or the file cannot be written.
     """
-    save_plot(path, lambda: draw(region, title))
+    return save_plot(path, lambda: draw(region, title))
 
 
 def draw(region: GravityRegion, title: str) -> Figure:

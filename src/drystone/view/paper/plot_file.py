@@ -21,17 +21,22 @@ DPI = 150.0
 
 
 def save_plot(
-    path: str | PathLike[str], draw: Callable[[], Figure], dpi: float = DPI, what: str = "plot"
-) -> None:
-    """Write what ``draw`` makes, once the suffix of the path is known to be PNG, SVG or PDF.
+    path: str | PathLike[str] | None,
+    draw: Callable[[], Figure],
+    dpi: float = DPI,
+    what: str = "plot",
+) -> Figure:
+    """What ``draw`` makes, written once the suffix of the path is known to be PNG, SVG or PDF.
 
-    Written to a temporary name beside the path and renamed.
+    Written to a temporary name beside the path and renamed; without a path nothing is written.
 
     Raises
     ------
     FormatError
         Another suffix, or the file cannot be written.
     """
+    if path is None:
+        return draw()
     kind = Path(path).suffix.lower().lstrip(".")
     if kind not in SUFFIXES:
         raise FormatError(
@@ -48,6 +53,7 @@ def save_plot(
             drawing.savefig(file, format=kind, dpi=dpi)
 
     write_whole(path, fill)
+    return drawing
 
 
 __all__ = ["save_plot"]

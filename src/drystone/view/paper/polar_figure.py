@@ -17,22 +17,29 @@ if TYPE_CHECKING:
     from drystone.limits import TiltSweep
 
 
-def save_polar(sweep: TiltSweep, path: str | PathLike[str], *, title: str = "") -> None:
+def save_polar(
+    sweep: TiltSweep, path: str | PathLike[str] | None = None, *, title: str = ""
+) -> Figure:
     """Draw the largest tilt towards every direction, by both definitions.
 
     Parameters
     ----------
     sweep
     path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
+        out, nothing is written.
     title
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
     FormatError
         Another suffix, or the file cannot be written.
     """
-    save_plot(path, lambda: draw(sweep, title))
+    return save_plot(path, lambda: draw(sweep, title))
 
 
 def draw(sweep: TiltSweep, title: str) -> Figure:

@@ -80,7 +80,12 @@ function connect() {
     const open = byId("fold").getAttribute("aria-expanded") === "true";
     byId("fold").setAttribute("aria-expanded", String(!open));
   });
-  new ResizeObserver(redraw).observe(canvas);
+  let seen = canvas.clientWidth > 0;
+  new ResizeObserver(() => {
+    if (!seen && canvas.clientWidth > 0) fit(camera.azimuth, camera.elevation, 0); // hidden at first
+    seen ||= canvas.clientWidth > 0;
+    redraw();
+  }).observe(canvas);
   window.addEventListener("resize", redraw); // a new pixel ratio
   window.addEventListener("hashchange", () => readView(location.hash.slice(1)));
   darkness.addEventListener("change", refreshPanels);
