@@ -97,7 +97,7 @@ def settle(
         _path(model, carrier, moving, chosen, clock, progress)
         for carrier in _carriers(model, chosen)
     )
-    outcome, message = _judged(paths, clock)
+    outcome, message = _outcome_of(paths, clock)
     return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": clock.elapsed_s})
 
 
@@ -250,7 +250,7 @@ def _motion(bodies: Bodies, pose: Pose) -> Floats:
     return np.concatenate([gone, rotation_vectors(pose.turn)], axis=1)
 
 
-def _judged(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
+def _outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
     """The outcome of all paths, and a sentence."""
     first = paths[0]
     for one in paths:

@@ -255,7 +255,7 @@ def _verified(
 
     why = ""
 
-    def judged(value: float, *, quick: bool = False) -> tuple[Model, Result] | None:
+    def changed_and_checked(value: float, *, quick: bool = False) -> tuple[Model, Result] | None:
         nonlocal why
         try:
             made = candidate.make(value)(model, bench.blocks, bench.interfaces)
@@ -270,18 +270,18 @@ def _verified(
         return (made, result) if margin.meets(result) else None
 
     value = candidate.value
-    answer = judged(value)
+    answer = changed_and_checked(value)
     low = value
     while answer is None and low + candidate.close < candidate.most:
         high = min(2.0 * low + candidate.close, candidate.most)
-        if judged(high, quick=True) is not None:
+        if changed_and_checked(high, quick=True) is not None:
             while high - low > candidate.close:
                 middle = 0.5 * (low + high)
-                if judged(middle, quick=True) is not None:
+                if changed_and_checked(middle, quick=True) is not None:
                     high = middle
                 else:
                     low = middle
-            value, answer = high, judged(high)
+            value, answer = high, changed_and_checked(high)
         low = high
     if answer is None:
         what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"

@@ -162,7 +162,7 @@ def solve_rbe(
 ) -> Result:
     """Do any contact forces balance the loads?
 
-    Necessary for standing, not sufficient: it believes in prestress that nothing provides.
+    Necessary for standing, not sufficient: the forces may include prestress that nothing causes.
 
     Parameters
     ----------
