@@ -69,7 +69,7 @@ def values(folder: Path) -> Iterator[object]:
     few = design.MendOptions(kinds=("friction", "ballast"))
     rare = Model.of(tower(2), friction=0.0).with_load((1.0, 0.0, -9.81))
     yield from (design.find_mends(rare, options=few), few)
-    yield design.mend(tower(2))
+    yield from (design.mend(tower(2)), design.sharpen(tower(2)), design.SharpenOptions(step=5.0))
     apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
     yield drystone.find_contacts(drystone.Assembly((*tower(3).blocks[:2], apart)))
     sunk = tower(2).blocks[1].transformed(translation=(0.3, 0.0, -0.2))

@@ -25,6 +25,7 @@ from drystone.cli.base.command import SETTINGS, Command, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
+from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
 from drystone.cli.files.convert_command import convert
 from drystone.cli.files.demo_command import demo
@@ -103,6 +104,7 @@ COMMANDS: tuple[click.Command, ...] = (
     plan,
     reproduce,
     settle,
+    sharpen,
     shell,
 )
 app = _group(

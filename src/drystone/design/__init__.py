@@ -9,6 +9,7 @@ from drystone.design.mends.bench import Tried
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mending import Mending, mend
 from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends
+from drystone.design.wedges.sharpening import Sharpened, SharpenOptions, sharpen
 
 __all__ = [
     "Ballast",
@@ -25,8 +26,11 @@ __all__ = [
     "PropForce",
     "Pull",
     "Region",
+    "SharpenOptions",
+    "Sharpened",
     "Tried",
     "diagnose",
     "find_mends",
     "mend",
+    "sharpen",
 ]

@@ -114,7 +114,7 @@ def mend(
         if auto:
             made = design.mend(model, options=chosen, progress=waiting, stop=late)
             data = {"model": subject.model, **made.to_dict()}
-            files = partial(_after, model, made.result, made.model, wanted, out)
+            files = partial(files_after, model, made.result, made.model, wanted, out)
             return Answer(
                 data, partial(_show_auto, data), 0 if made.stands else 1, model.notes, files
             )
@@ -132,7 +132,7 @@ def mend(
 
         result = check(one.model)
         data |= {"applied": {**one.to_dict(), "verdict": result.verdict.value}}
-        files = partial(_after, model, result, one.model, wanted, out)
+        files = partial(files_after, model, result, one.model, wanted, out)
         code = verdict.exit_code(result, strict=False)
     return Answer(data, partial(_show, data), code, model.notes, files)
 
@@ -181,7 +181,7 @@ def margins(asked: tuple[str, ...]) -> DesignMargin:
     return DesignMargin(**given)
 
 
-def _after(
+def files_after(
     before: Model, result: Result, model: Model, wanted: Pictures, out: Path | None
 ) -> Files:
     """The mended model, and its pictures with the edges of what it was."""

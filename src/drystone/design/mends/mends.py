@@ -240,6 +240,7 @@ def find_mends(
 
 
 def stands_already(margin: DesignMargin) -> str:
+    """What is said of a structure that needs no change."""
     if margin == DesignMargin():
         return "it stands already: ask for a margin to make it stand more firmly"
     return "it stands already, at the margin that is asked for"
@@ -314,4 +315,4 @@ def _verified(
     )
 
 
-__all__ = ["Mend", "MendOptions", "Mends", "find_mends"]
+__all__ = ["Mend", "MendOptions", "Mends", "find_mends", "stands_already"]

@@ -15,7 +15,7 @@ from drystone.checks import check_forces
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions
+from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
@@ -114,16 +114,8 @@ def solve_cra_penalty(
         )
     if progress is not None:
         progress("glue", 0, 1)
-    numerics = RestOptions(ground=chosen.ground, tolerance=1e-7)
     statics = problem.statics
-    glued = find_rest(problem.system, _glue(statics, GLUE[0]), numerics, stop=clock.late)
-    for glue in GLUE[1:]:
-        weaker = find_rest(
-            problem.system, _glue(statics, glue), numerics, start=glued, stop=clock.late
-        )
-        if not weaker.converged:
-            break
-        glued = weaker
+    glued = glued_state(problem, chosen.ground, clock.late)
     leaning = find_rest(problem.system, compliance.uniform(statics), TO_REST, stop=clock.late)
     if clock.late():
         return replace(
@@ -162,6 +154,30 @@ def solve_cra_penalty(
         iterations=dry.iterations + glued.iterations + leaning.iterations,
         time_s={"solve": clock.elapsed_s},
     )
+
+
+def glued_state(
+    problem: Problem, ground: float = PenaltyOptions.ground, stop: Callable[[], bool] | None = None
+) -> RestState:
+    """The rest state with the weakest glue that the iteration follows, see :data:`GLUE`.
+
+    Parameters
+    ----------
+    problem
+    ground
+        Stiffness of the ground.
+    stop
+        Asked often; True ends the iteration with what is there.
+    """
+    numerics = RestOptions(ground=ground, tolerance=1e-7)
+    statics = problem.statics
+    glued = find_rest(problem.system, _glue(statics, GLUE[0]), numerics, stop=stop)
+    for glue in GLUE[1:]:
+        weaker = find_rest(problem.system, _glue(statics, glue), numerics, start=glued, stop=stop)
+        if not weaker.converged:
+            break
+        glued = weaker
+    return glued
 
 
 def _glue(statics: Statics, stiffness: float) -> Compliance:

@@ -1,0 +1,105 @@
+"""``drystone sharpen``: joints made wedges where tension appears."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+from drystone.cli.base import kinds, verdict
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import Pictures
+from drystone.cli.design.mend_command import files_after, margins
+from drystone.cli.inputs import options
+from drystone.cli.inputs.model_input import Finding, Subject
+
+
+@command(
+    "drystone sharpen arch.json --friction 0.7 --out wedged.json",
+    "drystone sharpen arch.json --most 50 --keep springer-left --html wedged.html",
+)
+def sharpen(
+    *,
+    subject: Subject,
+    finding: Finding,
+    step: Annotated[
+        float | None,
+        Option(
+            "Degrees by which joints that show tension are sharpened in each round (10).",
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = None,
+    most: Annotated[
+        float | None, Option("Largest sharpness in degrees (60).", kind=kinds.POSITIVE)
+    ] = None,
+    close: Annotated[
+        float | None,
+        Option(
+            "With any wedge less sharp by so many degrees it no longer stands (0.5).",
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
+    ] = None,
+    keep: Annotated[
+        tuple[str, ...],
+        Option("Block whose joints stay plane. Can be given several times.", metavar="BLOCK"),
+    ] = (),
+    margin: Annotated[
+        tuple[str, ...],
+        Option(
+            "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
+            "friction=0.9x, or sensitive, where STABLE after settling is enough.",
+            metavar="WHAT",
+            expert=True,
+        ),
+    ] = (),
+    out: Annotated[
+        Path | None, Option("Write the sharpened model.", OUTPUT, kind=kinds.target(".json"))
+    ] = None,
+    time_limit: options.TimeLimit = None,
+    wanted: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """Make plane joints wedges of two planes where tension appears, until the model stands.
+
+    Each joint is then taken back to the least sharpness with which the model stands. --html and
+    --png show it, with edges of what it was.
+
+    Exit code 0: it stands, already or sharpened. 1: it does not. 2: bad input.
+    130: Ctrl-C ended the search; what stood by then is the answer.
+    """
+    given = {"step": step, "most": most, "close": close}
+    asked: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
+    stands_at = margins(margin)
+    model = subject.prepared(waiting, finding)
+    from drystone import design  # work is imported when there is some
+    from drystone.base.progress import Clock
+
+    chosen = design.SharpenOptions(margin=stands_at, keep=keep, **asked)
+    clock = Clock(float("inf") if time_limit is None else time_limit)
+    waiting.stage("sharpen", "sharpening")
+    with waiting.stoppable() as stop:
+        found = design.sharpen(
+            model, options=chosen, progress=waiting, stop=lambda: stop() or clock.late()
+        )
+    data = {"model": subject.model, **found.to_dict()}
+    files = partial(files_after, model, found.result, found.model, wanted, out)
+    return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    style = verdict.STYLE.get(data["verdict"], "bold")
+    screen.line(str(data["model"]), data["verdict"].upper(), style)
+    screen.line(data["message"])
+    if data["joints"]:
+        screen.line(data["check"])
+    for one in data["joints"]:
+        a, b = one["blocks"]
+        screen.line(f"{a} and {b}: {one['sharpness_deg']:.2f} degrees")
+
+
+__all__ = ["sharpen"]

@@ -1,0 +1,1 @@
+"""Plane joints made wedges where tension appears, until a structure stands."""

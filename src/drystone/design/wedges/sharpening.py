@@ -1,0 +1,396 @@
+"""Joints sharpened until a structure stands, then each one taken back to the least that holds.
+
+Source: Kao 2023, section 6.3.3: joints are made wedges where the penalty form shows tension.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, Unpack
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.progress import Progress
+from drystone.base.settings import Options, checked_call
+from drystone.design.mends.margin import DesignMargin
+from drystone.design.mends.mends import stands_already
+from drystone.design.surgery.joint_surgery import STEEPEST
+from drystone.design.wedges.plane_joints import PlaneJoints
+from drystone.io.opening import Given, How, as_model
+from drystone.model import Model
+from drystone.results import Result
+from drystone.stability import CheckOptions, check
+
+TENSE = 0.01
+"""A joint shows tension from this share of the largest tension of a joint on, chosen: glue that
+gives way puts a trace of tension into every hinge."""
+
+PASSES = 6
+"""Times that all joints are gone through, chosen: two were enough in every case that was tried."""
+
+
+@dataclass(frozen=True)
+class SharpenOptions(Options):
+    """Options of :func:`sharpen`.
+
+    Attributes
+    ----------
+    margin
+        How far from falling the sharpened structure has to stand. By default it stands for all
+        contact stiffnesses that the check tries.
+    step : [degrees]
+        By which joints that show tension are sharpened in each round.
+    most : [degrees]
+        Largest sharpness of a wedge.
+    close : [degrees]
+        With each sharpened joint less sharp by so much, it no longer stands.
+    keep
+        Names or positions of blocks whose joints stay plane.
+    """
+
+    margin: DesignMargin = field(default_factory=DesignMargin)
+    step: float = 10.0
+    most: float = 60.0
+    close: float = 0.5
+    keep: tuple[int | str, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 0.0 < self.most < STEEPEST:
+            raise InputError(
+                f"the largest sharpness is {self.most:g} degrees",
+                remedy=f"give more than 0 and less than {STEEPEST:g}",
+            )
+        if not 0.0 < self.step <= self.most:
+            raise InputError(
+                f"the step is {self.step:g} degrees",
+                remedy="give more than 0, and no more than the largest sharpness",
+            )
+        if not 0.01 <= self.close <= self.step:
+            raise InputError(
+                f"close is {self.close:g} degrees", remedy="give 0.01 degrees up to the step"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Sharpened(OneLine):
+    """A structure with wedges in some joints.
+
+    Attributes
+    ----------
+    before, model
+        The structure without wedges, and with them.
+    sharpness : (j,) [degrees]
+        Of each interface of ``before``; zero where it stays plane.
+    rounds
+        In which joints were sharpened.
+    result
+        The check of ``model``, or that of the case of the margin in which it falls.
+    stands
+        Whether it stands at the margin.
+    least
+        Whether every sharpened joint is known to be needed. Not so where it was stopped.
+    message
+    """
+
+    before: Model
+    model: Model
+    sharpness: Floats
+    rounds: int
+    result: Result
+    stands: bool
+    least: bool
+    message: str
+
+    def _summary(self) -> str:
+        return self.message
+
+    @property
+    def joints(self) -> list[tuple[str, str, float]]:
+        """Names of the two blocks, and sharpness [degrees], of each wedge."""
+        contacts, names = self.before.contacts, self.before.assembly.names
+        return [
+            (names[contacts.block_a[k]], names[contacts.block_b[k]], float(self.sharpness[k]))
+            for k in np.flatnonzero(self.sharpness > 0.0)
+        ]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "stands": self.stands,
+            "verdict": self.result.verdict.value,
+            "message": self.message,
+            "check": self.result.message,
+            "rounds": self.rounds,
+            "least": self.least,
+            "joints": [{"blocks": [a, b], "sharpness_deg": value} for a, b, value in self.joints],
+        }
+
+
+@checked_call
+def sharpen(
+    given: Given,
+    *,
+    options: SharpenOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    **how: Unpack[How],
+) -> Sharpened:
+    """Make plane joints wedges of two planes where tension appears, until the structure stands.
+
+    In each round the joints that would pull if they were glued are made sharper by a step. Once it
+    stands, all wedges together and then each one alone are taken back to the least sharpness with
+    which it still stands.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    options
+    progress
+    stop
+        Asked between two checks; True ends with what stands by then.
+
+    Returns
+    -------
+    Sharpened
+        The ridge of each wedge is horizontal. Where no sharpness holds the structure, it says so,
+        with the joints as sharp as they were made.
+
+    Raises
+    ------
+    InputError
+        What was given cannot be made into a model, a block to keep does not exist, or no joint may
+        be changed.
+
+    Examples
+    --------
+    >>> from drystone.models import arch
+    >>> found = sharpen(arch(0.15, voussoirs=6), friction=0.7)
+    >>> found.stands, found.message
+    (True, 'it stands already: ask for a margin to make it stand more firmly')
+    """
+    chosen = SharpenOptions.of(options)
+    model = as_model(given, **how)
+    keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
+    joints = PlaneJoints.of(model, keep)
+    none = np.zeros(model.contacts.count)
+    first = chosen.margin.holds(model)
+    if chosen.margin.meets(first):
+        return Sharpened(model, model, none, 0, first, True, True, stands_already(chosen.margin))
+    if not joints.usable.any():
+        kept = ", ".join(model.assembly.names[i] for i in sorted(keep))
+        what = "no joint may be changed" + (f": the joints of {kept} stay" if kept else "")
+        raise InputError(what, remedy="let other blocks change, or try 'drystone mend'")
+    return _Search(joints, chosen, progress, stop).run()
+
+
+class _Search:
+    """The rounds, and the way back."""
+
+    def __init__(
+        self,
+        joints: PlaneJoints,
+        options: SharpenOptions,
+        progress: Progress | None,
+        stop: Callable[[], bool] | None,
+    ) -> None:
+        self.joints = joints
+        self.options = options
+        self.progress = progress
+        self.stop = stop
+        self.limit = np.where(joints.usable, options.most, 0.0)
+
+    def run(self) -> Sharpened:
+        sharpness, rounds, stands = self.rounds()
+        if not stands:
+            return self.answer(sharpness, rounds, False, self.why(sharpness))
+        sharpness = self.firm(self.each_lowered(self.lowered(sharpness)))
+        least = False
+        for _ in range(PASSES):
+            if least or self.late():
+                break
+            before = sharpness
+            sharpness = self.each_lowered_a_little(sharpness)
+            least = np.array_equal(before, sharpness)
+        some = counted(int((sharpness > 0.0).sum()), "joint")
+        words = f"stands with {some} sharpened, by up to {sharpness.max():.2f} degrees"
+        if not least:
+            words += "; it was stopped before each of them was known to be needed"
+        return self.answer(sharpness, rounds, least and not self.late(), words)
+
+    def answer(self, sharpness: Floats, rounds: int, least: bool, words: str) -> Sharpened:
+        model = self.joints.wedged(sharpness)
+        result = self.options.margin.holds(model)
+        stands = self.options.margin.meets(result)
+        return Sharpened(
+            self.joints.model, model, sharpness, rounds, result, stands, least and stands, words
+        )
+
+    def late(self) -> bool:
+        return self.stop is not None and self.stop()
+
+    def stands(self, model: Model) -> bool:
+        """Whether a model stands at the margin. Settlement is followed only where it counts."""
+        margin = self.options.margin
+        options = CheckOptions(settle=not margin.robust)
+        return all(
+            margin.meets(check(one, options=options)) for one in (model, *margin.cases(model))
+        )
+
+    def tell(self, stage: str, done: int, total: int) -> None:
+        if self.progress is not None:
+            self.progress(stage, done, total)
+
+    # -- until it stands ------------------------------------------------------------------------
+    def rounds(self) -> tuple[Floats, int, bool]:
+        """Sharpness (j,), number of rounds, and whether it stands."""
+        joints, step = self.joints, self.options.step
+        sharpness = np.zeros(joints.model.contacts.count)
+        model = joints.model
+        most = int(np.ceil(self.options.most / step))
+        for number in range(most):
+            if self.late():
+                return sharpness, number, False
+            self.tell("sharpening", number, most)
+            sharper, model = self.sharper(sharpness, self.tense(model))
+            if np.array_equal(sharper, sharpness):
+                return sharpness, number, False
+            sharpness = sharper
+            if self.stands(model):
+                return sharpness, number + 1, True
+        return sharpness, most, False
+
+    def tense(self, model: Model) -> Bools:
+        """The joints (j,) that show tension, in the first case of the margin that falls."""
+        margin = self.options.margin
+        options = CheckOptions(settle=not margin.robust)
+        for case in (model, *margin.cases(model)):
+            if not margin.meets(check(case, options=options)):
+                tension = self.joints.tension(case)
+                shows: Bools = tension > TENSE * tension.max(initial=0.0)
+                return shows
+        return np.zeros(self.joints.model.contacts.count, dtype=bool)
+
+    def sharper(self, sharpness: Floats, tense: Bools) -> tuple[Floats, Model]:
+        """The joints that show tension sharper by a step, each as far as its blocks allow."""
+        step = self.options.step
+        wanted = np.minimum(np.where(tense, sharpness + step, sharpness), self.limit)
+        try:
+            return wanted, self.joints.wedged(wanted)
+        except InputError:  # some block is too small: find which
+            for k in np.flatnonzero(wanted > sharpness).tolist():
+                alone = np.zeros(len(wanted))
+                alone[k] = wanted[k]
+                try:
+                    self.joints.wedged(alone)
+                except InputError:
+                    self.limit[k] = wanted[k] = sharpness[k]
+        return wanted, self.joints.wedged(wanted)
+
+    def why(self, sharpness: Floats) -> str:
+        """Why no sharpness holds it."""
+        if self.late():
+            return "it was stopped before it stood"
+        if not sharpness.any():
+            return (
+                "no joint that may be changed shows tension, so that wedges do not help: "
+                "'drystone mend' tries other changes"
+            )
+        some = counted(int((sharpness > 0.0).sum()), "joint")
+        return (
+            f"it does not stand with {some} sharpened by up to {sharpness.max():g} degrees: "
+            "allow sharper wedges, or try 'drystone mend'"
+        )
+
+    # -- the way back ---------------------------------------------------------------------------
+    def lowered(self, sharpness: Floats) -> Floats:
+        """All wedges cut down to the least common sharpness with which it stands."""
+
+        def stands(most: float) -> bool:
+            self.tell("taking all wedges back", 0, 1)
+            return self.stands(self.joints.wedged(np.minimum(sharpness, most)))
+
+        high = _least(stands, 0.0, float(sharpness.max()), 0.5 * self.options.close, self.late)
+        return np.minimum(sharpness, high)
+
+    def firm(self, sharpness: Floats) -> Floats:
+        """All wedges a little sharper where it stands only if they are cut in another order.
+
+        The order changes the rounding of the corners, which decides next to the limit.
+        """
+        width = 0.5 * self.options.close
+        while not self.stands(self.joints.wedged(sharpness)):
+            sharper = np.where(sharpness > 0.0, np.minimum(sharpness + width, self.limit), 0.0)
+            if np.array_equal(sharper, sharpness) or self.late():
+                break
+            sharpness = sharper
+        return sharpness
+
+    def each_lowered(self, sharpness: Floats) -> Floats:
+        """Each wedge taken back alone as far as it goes, the least sharp first."""
+        close = self.options.close
+        model = self.joints.wedged(sharpness)
+        for k in self.in_turn(sharpness):
+            plane = self.joints.plane_again(model, sharpness, k)
+
+            def stands(value: float, plane: Model = plane, k: int = k) -> bool:
+                return self.stands(self.joints.cut(plane, k, value))
+
+            high = float(sharpness[k])
+            less = max(high - close, 0.0)
+            if stands(0.0):
+                high = 0.0
+            elif stands(less):
+                high = _least(stands, 0.0, less, 0.5 * close, self.late)
+            if high != sharpness[k]:
+                sharpness = _with(sharpness, k, high)
+                model = self.joints.cut(plane, k, high)
+        return sharpness
+
+    def each_lowered_a_little(self, sharpness: Floats) -> Floats:
+        """Each wedge less sharp for as long as the structure, cut as it is written, stands."""
+        for k in self.in_turn(sharpness):
+            while sharpness[k] > 0.0 and not self.late():
+                less = _with(sharpness, k, max(float(sharpness[k]) - self.options.close, 0.0))
+                if not self.stands(self.joints.wedged(less)):
+                    break
+                sharpness = less
+        return sharpness
+
+    def in_turn(self, sharpness: Floats) -> Iterator[int]:
+        """The joints with wedges, the least sharp first, until it is time to stop."""
+        order = np.flatnonzero(sharpness > 0.0)
+        order = order[np.argsort(sharpness[order], kind="stable")]
+        for done, k in enumerate(order.tolist()):
+            if self.late():
+                return
+            self.tell("taking each wedge back", done, len(order))
+            yield k
+
+
+def _with(sharpness: Floats, joint: int, value: float) -> Floats:
+    """The sharpness (j,) with another value for one joint."""
+    out = sharpness.copy()
+    out[joint] = value
+    return out
+
+
+def _least(
+    stands: Callable[[float], bool], low: float, high: float, width: float, late: Callable[[], bool]
+) -> float:
+    """The least value above ``low`` with which it stands, to a width; it stands with ``high``."""
+    while high - low > width and not late():
+        middle = 0.5 * (low + high)
+        if stands(middle):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+__all__ = ["SharpenOptions", "Sharpened", "sharpen"]
