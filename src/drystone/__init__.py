@@ -104,7 +104,7 @@ __all__ = list(_HOME)
 
 
 def _thumbnail(value: object) -> str:
-    """A small picture of a value as HTML; drawing is loaded when one is asked for."""
+    """A small picture of a value as HTML; drawing packages are loaded only here."""
     from drystone.view.web.notebook import thumbnail
 
     return thumbnail(value)
