@@ -21,6 +21,7 @@ from drystone.base.settings import checked_call
 from drystone.fall.film import FallOptions, Film
 from drystone.io.opening import Given, How, as_model
 from drystone.io.simulators import mjcf_text
+from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 
@@ -163,7 +164,7 @@ def _scaled(model: Model, length: float) -> Model:
         block.transformed(np.eye(3) / length, -origin / length) for block in assembly.blocks
     )
     made = Assembly(blocks, assembly.fixed)
-    return Model(made, model.contacts, 1.0)
+    return Model(made, model.contacts, LoadCase.gravity(made))
 
 
 def _add_ground(mujoco: Any, spec: Any, scaled: Model, force: Floats) -> None:
