@@ -79,6 +79,7 @@ class Renderer extends Graphics {
 
   // How far blocks move: six numbers a block, or nothing.
   setMotion(motion) {
+    if (!this.motion) return; // before the first stage
     for (let i = 0; i < this.data.count; i++) {
       for (let k = 0; k < 3; k++) {
         this.motion[16 * i + 4 + k] = motion ? motion[6 * i + k] : 0;
