@@ -1,4 +1,4 @@
-"""Blocks followed by finite steps to rest or into a fall, and what moving supports cause."""
+"""Blocks followed by finite steps until they rest or fall, and effects of moving supports."""
 
 from drystone.settlement.corners import Carrier
 from drystone.settlement.first_order import (

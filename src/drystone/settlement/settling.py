@@ -29,10 +29,11 @@ from drystone.settlement.settlement_types import (
 from drystone.settlement.springs import Pose, rotation_vectors
 
 SQUEEZED = 20.0
-"""Overlap of a corner by that under the mean load, from which on a fall is followed again on
-stiffer springs: a plug that tapers by 0.05 degrees presses with 570 times its weight."""
+"""Overlap of a corner relative to that under the mean load, from which on a fall is followed again
+on stiffer springs. A plug that tapers by 0.05 degrees presses with 570 times its weight."""
 STIFFER, STIFFEST = 1e-2, 1e-9
-"""Overlap of the next try by the last, and the smallest: below it gaps are lost in rounding."""
+"""Overlap of the next try relative to the last, and the smallest overlap: below it gaps are
+rounding errors."""
 
 
 @checked_call
@@ -46,27 +47,27 @@ def settle(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Settlement:
-    """Where the blocks go when they are left to themselves, step by step, to rest or into a fall.
+    """Follow the blocks step by step until they rest or fall.
 
-    Contacts are stiff springs with Coulomb friction that remembers how the blocks got there.
-    Translations and rotations are finite: corners are carried along and faces turn with their
-    blocks. Wrenches of the load keep their direction and act about the moved centroids. Only the
-    interfaces of the model act; blocks that did not touch at the beginning do not meet.
+    Contacts are stiff springs with path-dependent Coulomb friction. Translations and rotations are
+    finite: corners and faces move with their blocks. Wrenches of the load keep their direction and
+    act about the moved centroids. Only the interfaces of the model act; there is no contact between
+    blocks that did not touch at the beginning.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     motion
-        Supports that move once the load has come to rest: per fixed block its translation [m] (3,),
-        or translation and rotation [m, rad] (6,) about its centroid; world axes. It is added to
-        what the load prescribes (:meth:`drystone.LoadCase.settlement`).
+        Motion of supports after rest under the load: per fixed block its translation [m] (3,),
+        or translation and rotation [m, rad] (6,) about its centroid; world axes. It is added to the
+        motion in the load (:meth:`drystone.LoadCase.settlement`).
     options
     progress
     stop
-        Asked before every step; True ends it with what is known by then.
+        Called before every step; True ends it with the results so far.
     time_limit_s
-        After it the answer is given from what is known by then.
+        Time after which it ends with the results so far.
 
     Raises
     ------
@@ -97,7 +98,7 @@ def settle(
         _path(model, carrier, moving, chosen, clock, progress)
         for carrier in _carriers(model, chosen)
     )
-    outcome, message = _judged(paths, clock)
+    outcome, message = _outcome_of(paths, clock)
     return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": clock.elapsed_s})
 
 
@@ -125,7 +126,7 @@ def _nothing_free(model: Model, chosen: SettlementOptions, clock: Clock) -> Sett
 
 
 def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
-    """The ways to follow: two where the ends of joints that bear leave it open."""
+    """The carriers to follow: two if the ends of loaded joints allow both."""
     if chosen.carrier is not None:
         return (chosen.carrier,)
     contacts = model.contacts.select(model.active)
@@ -186,7 +187,7 @@ def _path(
         pressed = -float(track.placed.gap.min(initial=0.0))
         if track.ended != "falls" or pressed < SQUEEZED * overlap or overlap <= STIFFEST:
             break
-        # forces far above the weights: what moved is the springs that give way, not the blocks
+        # forces far above the weights: the springs deform, the blocks hardly move
         overlap *= STIFFER
     if progress is not None:
         progress(stage, 100, 100)
@@ -199,7 +200,7 @@ def _path(
     residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
-    # blocks that follow their supports go as far as those
+    # blocks move as far as the supports that they follow
     near = motion is not None or way <= chosen.rest_within
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
@@ -250,7 +251,7 @@ def _motion(bodies: Bodies, pose: Pose) -> Floats:
     return np.concatenate([gone, rotation_vectors(pose.turn)], axis=1)
 
 
-def _judged(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
+def _outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
     """The outcome of all paths, and a sentence."""
     first = paths[0]
     for one in paths:

@@ -54,7 +54,7 @@ class Cascade:
         self.settlement: Settlement | None = None
 
     def run(self) -> Result:
-        """The verdict, with what proves it."""
+        """The verdict, with its proof."""
         problem = self.problem
         if problem.statics.free_count == 0:
             return self._nothing_free()
@@ -70,7 +70,7 @@ class Cascade:
             if impossible is not None:
                 return impossible
             if not attempts.falling:
-                # the iteration did not converge: a smooth law is followed more easily
+                # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
         samples = compliance.samples(problem.statics, self.options.samples, self.options.seed)
@@ -137,7 +137,7 @@ class Cascade:
         )
 
     def _follow(self) -> Settlement:
-        """Where the blocks go by finite steps."""
+        """The motion of the blocks by finite steps."""
         if self.settlement is None:
             self._report("settlement", 2 + self.options.samples)
             model, options = self.problem.model, self.options.settlement
@@ -169,9 +169,9 @@ class Cascade:
         return replace(self._unstable(words, motion), settlement=found)
 
     def _rests(self, found: Settlement, why: str) -> Result:
-        """STABLE after settling, with a rest state in place where a stiffness has one.
+        """STABLE after settling, with a rest state in place if some stiffness has one.
 
-        Where none has, the forces are those on the moved blocks, in the axes of the first joints.
+        Otherwise the forces are those on the moved blocks, in the axes of the first joints.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
         for one in self.attempts.standing[:1]:
@@ -195,7 +195,7 @@ class Cascade:
         )
 
     def _open(self, found: Settlement, why: str) -> Result:
-        """UNDECIDED, with what following the blocks told."""
+        """UNDECIDED, with the result of following the blocks."""
         return self._answer(
             Verdict.UNDECIDED, f"{found.message}; {why}: {SENSITIVE}", settlement=found
         )
@@ -218,10 +218,9 @@ class Cascade:
         return self._unstable("no contact forces can balance the loads", mechanism)
 
     def _search(self) -> Candidate | None:
-        """A state by convex steps, on joints whose stiffnesses differ as little as it takes.
+        """A state by convex steps, on joints whose stiffnesses differ as little as necessary.
 
-        Without a bound on how much they may differ, forces that only prestress brings about would
-        hold almost every wedge.
+        Without a bound on their ratio, forces due to prestress only would hold almost every wedge.
         """
         if not self.options.search or self.clock.late():
             return None
@@ -254,9 +253,9 @@ class Cascade:
         return candidate if candidate.stands else None
 
     def _with_equal_overlap(self, look: Search, state: CompatibleState) -> Candidate | None:
-        """The state of eq. 5.6 nearby, if there is one on joints that differ no more than they may.
+        """The nearest state of eq. 5.6, if its stiffness ratio is within the bound.
 
-        Equal overlaps are no equal stiffnesses: those are as unlike as the forces.
+        Equal overlaps do not mean equal stiffnesses: these differ like the forces.
         """
         equal = look.equal_overlap(state.motion)
         ratio = stiffness_ratio(self.problem.statics, equal)
@@ -340,7 +339,7 @@ class Cascade:
         return self._answer(Verdict.UNDECIDED, words)
 
     def _unstable(self, message: str, mechanism: Floats) -> Result:
-        """With the blocks and props of the state on ground springs where there is one."""
+        """UNSTABLE, with the blocks and props of the state on ground springs if there is one."""
         problem = self.problem
         falling = moving_blocks(problem.model.assembly, mechanism)
         prop = force = None
