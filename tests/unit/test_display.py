@@ -104,7 +104,6 @@ def values(folder: Path) -> Iterator[object]:
     yield from (order, sequence.Prop(1, 0, 2, np.ones(6)), sequence.Stage(2**300 - 1, 1))
     yield sequence.margins(order, options=sequence.MarginOptions(tilt_width=5.0, directions=1))
     yield sequence.sweep_friction(stack, [0.6], drystone.plan)
-    yield drystone.JointCapacity.of(drystone.find_contacts(tower(3)).contacts, tension=1.0)
     yield from (sequence.RemovalTest(order.model), sequence.Evaluator(order.model))
     yield sequence.freedom(np.array([[0.0, 0.0, 1.0]]), np.array([0.0, 0.0, 1.0]))
     yield from (sequence.find_way(stack, "block-2"), sequence.find_way(stack, "block-1"))
