@@ -42,8 +42,8 @@ BALANCED = 1e-10
 EASY = 12
 """Newton steps up to which the next increment may be longer."""
 SLOWER, FASTER = 2.5, 0.9
-"""Factors on the drag after a refused increment, and after an easy one. Chosen: with 0.8, steps twice
-as long (0.64) moved the limit of one wedge by a degree; 0.4 moves those of two."""
+"""Factors on the drag after a refused increment, and after an easy one. Chosen: with 0.8, steps
+twice as long (0.64) moved the limit of one wedge by a degree; 0.4 moves those of two."""
 STEP, LONG_STEP = 2e-4, 2e-3
 """Longest increment relative to a block's size, and the same where the structure clearly moves:
 then the only question is whether it stops."""
