@@ -192,7 +192,7 @@ def shape(
     """
     chosen = ShapeOptions.of(options)
     model = as_model(given, **how)
-    variables = moves(model) if callable(moves) else moves
+    variables = moves if isinstance(moves, Moves) else moves(model)
     count = sum(len(block.vertices) for block in model.assembly.blocks)
     if variables.matrix.shape[0] != 3 * count:
         raise InputError(
