@@ -116,7 +116,7 @@ def test_a_hooked_dome_is_concave_and_stands():
     shell = build_shell(
         SHELLS["dome"].shape,
         Layout(courses=5, blocks=8),
-        Body(thickness=0.4, register_deg=12.0),
+        Body(thickness=0.4, joggle_deg=12.0),
     )
     found = find_contacts(shell.assembly, options=TIGHTEST)
     assert found.report.overlaps == ()

@@ -63,7 +63,7 @@ class Assembly(Card):
         for i, block in enumerate(blocks):
             if block.name in seen:
                 raise InputError(
-                    f"blocks {seen[block.name]} and {i} have one name, '{block.name}'",
+                    f"blocks {seen[block.name]} and {i} have the same name, '{block.name}'",
                     remedy="rename one of them",
                 )
             seen[block.name] = i

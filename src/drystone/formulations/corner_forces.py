@@ -1,4 +1,4 @@
-"""Corner forces as unknowns of a convex program: equilibrium, no pull, and friction as rows."""
+"""Corner forces as unknowns of a convex program: equilibrium, no tension, friction."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from drystone.solvers.program import ProgramBuilder, Term, Variable
 from drystone.statics import Statics
 
 SLIPPERY = 0.01
-"""Below this friction coefficient, rows of their own say that a corner cannot pull: the exact cone
-says so with a tolerance on mu times the normal force. Chosen, so that a tolerance on the cone is at
-most a hundred times itself on the normal force."""
+"""Below this friction coefficient, separate rows exclude tension: the exact cone limits mu times
+the normal force with a tolerance. Chosen: the tolerance on the normal force is at most a hundred
+times the tolerance on the cone."""
 
 
 class FrictionRule(enum.Enum):
@@ -27,7 +27,7 @@ class FrictionRule(enum.Enum):
     PLUS = "friction+"
     """Compression only: always feasible."""
     NET = "friction-net"
-    """Compression less tension: may be infeasible."""
+    """Compression minus tension: may be infeasible."""
 
 
 @dataclass(frozen=True)
@@ -41,14 +41,14 @@ class FrictionCone(Options):
     circumscribed
         Pyramid around the cone (claims of impossibility) or inside it (claims of equilibrium).
     local
-        Coefficient at single corners, where that of the interface bounds the resultant of the whole
-        interface only: a corner may then use more friction than its own pressure allows, on account
-        of its neighbours. ``None``: every corner obeys the coefficient of the interface.
+        Friction coefficient of single corners. The coefficient of the interface then bounds only
+        the resultant of the whole interface, so a corner may use more friction than its own normal
+        force allows. ``None``: every corner has the coefficient of the interface.
 
     Notes
     -----
-    ``FrictionCone.octagon()`` is the eight-sided circumscribed pyramid of the source: it grants up
-    to 1 / cos(22.5 deg) - 1 = 8.2 % more friction than the coefficient says.
+    ``FrictionCone.octagon()`` is the eight-sided circumscribed pyramid of the source: it allows up
+    to 1 / cos(22.5 deg) - 1 = 8.2 % more friction than the coefficient.
     """
 
     sides: int = 0
@@ -64,12 +64,12 @@ class FrictionCone(Options):
 
     @classmethod
     def exact(cls) -> FrictionCone:
-        """The Coulomb cone itself."""
+        """The exact Coulomb cone."""
         return cls(0)
 
     @classmethod
     def octagon(cls) -> FrictionCone:
-        """Eight sides, circumscribed: for reproducing published figures."""
+        """Eight sides, circumscribed, to reproduce published figures."""
         return cls(8, circumscribed=True)
 
     def directions(self) -> tuple[Floats, float]:
@@ -88,9 +88,9 @@ class CornerForces:
     force
         (k, 3) in local n, u, v; its normal part is compression.
     tension
-        (k,) subtracted from the normal part, where a pull is allowed.
+        (k,) subtracted from the normal part, where tension is allowed.
     length
-        (k,) bound on the length of the friction force, where that has a price.
+        (k,) bound on the length of the friction force, where it has a cost.
     rule
     """
 
@@ -100,7 +100,7 @@ class CornerForces:
     rule: FrictionRule = FrictionRule.PLUS
 
     def wrench(self, statics: Statics) -> list[Term]:
-        """What the corners exert on the blocks."""
+        """The terms of the corner forces in the equilibrium of the blocks."""
         terms: list[Term] = [(self.force, statics.matrix)]
         if self.tension is not None:
             terms.append((self.tension, -statics.matrix_by_column[:, ::3]))
@@ -108,7 +108,7 @@ class CornerForces:
 
     @property
     def bearing(self) -> list[tuple[Variable, Floats]]:
-        """The normal force of a corner that carries friction, as shares of its unknowns."""
+        """The normal force that carries friction, as factors of the unknowns."""
         shares = [(self.force, np.array([1.0, 0.0, 0.0]))]
         if self.tension is not None and self.rule is FrictionRule.NET:
             shares.append((self.tension, np.array([-1.0])))
@@ -134,7 +134,7 @@ def add_corner_forces(
 def add_contact_rows(
     program: ProgramBuilder, statics: Statics, cone: FrictionCone, unknowns: CornerForces
 ) -> None:
-    """Rows that say that corners do not pull and stay within friction."""
+    """Rows that exclude tension and limit friction."""
     k = statics.corner_count
     one = sparse.identity(k, format="csr")
     pull = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]]))

@@ -1,4 +1,4 @@
-"""Coupled rigid-block analysis after eq. 5.6: all pressed corners overlap by the same depth.
+"""Coupled rigid-block analysis after eq. 5.6: equal overlap of all corners in compression.
 
 ``fn (dn + eps) = 0, dn + eps >= 0``: no overlap exceeds eps, and a corner carries force only where
 its overlap is eps. A family of laws leads from springs (overlap = fn / kn) to this one:
@@ -23,7 +23,7 @@ from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.formulations.rest.tangent import TangentSystem
 
 SPRING_LEFT = 1e-7
-"""1 - theta at the end of the path: relative difference of overlaps, a tenth of what is asked."""
+"""1 - theta at the end of the path: relative difference of overlaps, a tenth of the tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class EqualOverlap:
     state
         Motions in units of the overlap eps.
     reached
-        Whether the path came to its end.
+        Whether the path reached its end.
     iterations
     """
 
@@ -60,10 +60,10 @@ def equal_overlap(
     start
         A rest state on springs of uniform stiffness and the given slip length.
     slip
-        Slip length of the friction law, by the local overlap.
+        Slip length of the friction law, relative to the local overlap.
     stop
     step_limit
-        Points of the path tried.
+        Largest number of points of the path.
     """
     statics = system.statics
     gap = statics.displacement(start.motion)[:, 0]

@@ -1,4 +1,4 @@
-"""Reading and writing by suffix: which format serves which file."""
+"""Reading and writing: the format of a file by its suffix."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from drystone.results import Result
 
 
 def _read_json(data: bytes, path: Path) -> Draft:
-    """Any of the JSON formats, told apart by what the file says."""
+    """Any of the JSON formats, recognised by the content of the file."""
     top = jsontext.parse(data, path)
     if compas_json.is_compas(top):
         return compas_json.read(top)
@@ -64,11 +64,11 @@ FORMATS: tuple[Format, ...] = (
         "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
     ),
 )
-"""In order of preference where several share a suffix."""
+"""In order of preference where several formats share a suffix."""
 
 
 def format_of(path: PathLike, name: str | None = None) -> Format:
-    """The format called ``name``, else the first that has the suffix of ``path``.
+    """The format with this name, else the first with the suffix of ``path``.
 
     Raises
     ------
@@ -100,20 +100,22 @@ def read_file(
     hidden: bool = False,
     max_size: float | None = None,
 ) -> Contents:
-    """Read what a file holds, with its contacts where it has some.
+    """Read the content of a file, with its contacts if it has some.
 
     Parameters
     ----------
     path
-        Its suffix tells the format.
+        Its suffix determines the format.
     units
-        Unit of length of the file: mm, cm, m, in or ft. Left out, what the file says, else metres.
+        Unit of length of the file: mm, cm, m, in or ft. When left out: the unit in the file, else
+        metres.
     split
-        Separate parts of a block become blocks of their own.
+        Separate parts of a block become separate blocks.
     skip_defects
         Leave out blocks that cannot be used, with a note.
     layers
-        Names of the layers to read, hidden ones too; 3dm only. Left out, all that are visible.
+        Names of the layers to read, including hidden ones; 3dm only. When left out: all visible
+        layers.
     hidden
         Read hidden layers and objects too; 3dm only.
     max_size : [MiB]
@@ -152,7 +154,7 @@ def inspect(
     hidden: bool = False,
     max_size: float | None = None,
 ) -> Built:
-    """Read the blocks that can be used, with every defect of the others; see :func:`read_file`."""
+    """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
     with one_line_errors():
         draft = _draft(path, units, layers, hidden, max_size)
         return try_blocks(draft, Path(path), units, split=split)
@@ -197,10 +199,10 @@ def write(
     ----------
     model
     path
-        Its suffix tells the format, unless ``format`` does. An existing file is replaced once the
-        new one is complete.
+        Its suffix determines the format, unless ``format`` is given. An existing file is replaced
+        when the new one is complete.
     format
-        Name of the format, for suffixes that several share.
+        Name of the format, for suffixes of several formats.
 
     Raises
     ------
@@ -214,7 +216,7 @@ def write(
 
 
 def contents_of(model: Model | Assembly | Result | Contents) -> Contents:
-    """What there is to write about a model, an assembly or a result."""
+    """The content to write for a model, an assembly or a result."""
     if isinstance(model, Contents):
         return model
     if isinstance(model, Model):

@@ -28,20 +28,20 @@ from drystone.stability.problem import Clock
 
 @dataclass(frozen=True)
 class Imperfections(Options):
-    """What is drawn at random; independent for every joint.
+    """Random deviations; independent for every joint.
 
     Attributes
     ----------
     friction
-        Lowest and highest coefficient, uniform between; ``None`` leaves it.
+        Lowest and highest coefficient, uniform between them; ``None``: not changed.
     corner_loss
-        Probability that a corner of a joint has broken off.
+        Probability that a corner of a joint is broken off.
     loss_reach
-        How far a broken corner reaches along its two edges, as a share of them; up to one half.
+        Length of a broken corner along its two edges, as a share of them; at most one half.
     offset
-        Standard deviation of the shift of a joint within its plane, by the root of its area.
+        Standard deviation of the shift of a joint in its plane, relative to the root of its area.
     tilt_deg : [degrees]
-        Standard deviation of the turn of a joint about each of two axes in its plane.
+        Standard deviation of the rotation of a joint about each of two axes in its plane.
     """
 
     friction: tuple[float, float] | None = None
@@ -73,11 +73,11 @@ class StandingShare(OneLine):
     Attributes
     ----------
     verdicts
-        Of every draw, in order.
+        Verdict on every draw, in order.
     share
-        Of draws that stand.
+        Share of draws that stand.
     interval
-        Of the true share, at the confidence level.
+        Interval of the true share, at the confidence level.
     confidence
     """
 
@@ -117,28 +117,27 @@ def imperfections(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> StandingShare:
-    """Draw imperfect joints and count how many of the structures stand.
+    """Draw imperfect joints and count the structures that stand.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     kinds
-        What is imperfect, and how much.
+        Kinds and sizes of imperfections.
     draws, seed
         The same seed gives the same draws, with any executor.
     confidence
-        Level of the interval (Clopper and Pearson 1934, exact for any number of draws).
+        Confidence level of the interval (Clopper and Pearson 1934, exact for any number of draws).
     check
-        Any function that answers whether an assembly stands. An undecided draw does not count as
-        standing.
+        A function that gives the verdict on a model. An undecided draw does not count as standing.
     executor
-        Works on the draws side by side.
+        Computes the draws in parallel.
     progress
     stop
-        Asked after every draw; True ends it with the draws made by then.
+        Called after every draw; True ends the work with the draws made so far.
     time_limit_s
-        After it the draws made by then are the answer; one at least.
+        Time after which the work ends with the draws made so far, at least one.
     """
     of_type(kinds, Imperfections, "the value of imperfections")
     if whole(draws, "the number of draws") < 1:
@@ -209,7 +208,7 @@ def _areas(contacts: Contacts) -> Floats:
 
 
 def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats, np.ndarray]:
-    """Corners with some of them cut off: two new ones on the edges beside each."""
+    """Corners with some of them cut off: each is replaced by two corners on its edges."""
     after = following(contacts.start)
     before = np.empty_like(after)
     before[after] = np.arange(len(after))

@@ -281,7 +281,7 @@ class _Search:
             return found / scale, most * gradient / scale
 
         allowed = max(HELPED, 4.0 * self.help_at(x)[0])
-        rows: list[dict[str, Any]] = []
+        rows: list[Any] = []
         if self.options.aim is not ShapeAim.STAND:
             rows += [
                 {

@@ -24,8 +24,8 @@ class Compliance:
     normal : (k,) kn
     friction : law of the tangential force
     overlap
-        Overlap at which a corner begins to press. Zero for springs; a positive one with stiff
-        springs makes the overlaps of all pressed corners equal, as eq. 5.6 wants them.
+        Overlap at which compression begins. Zero for springs. A positive value with stiff springs
+        gives all corners in compression equal overlaps, as in eq. 5.6.
     glue
         Stiffness against opening, by kn. Zero for dry joints.
     """
@@ -39,15 +39,17 @@ class Compliance:
 def uniform(
     statics: Statics, *, slip: float | None = None, tangential: float = 0.1, glue: float = 0.0
 ) -> Compliance:
-    """Normal stiffness proportional to tributary area, the same everywhere.
+    """Normal stiffness proportional to tributary area, with one factor for all joints.
 
     Parameters
     ----------
     statics
     slip
-        Slip length by the local overlap for the smooth law; left out, the stick-slip law is used.
+        Slip length of the smooth law, relative to the local overlap; the stick-slip law when left
+        out.
     tangential
-        kt / kn of the stick-slip law. A low value keeps friction below its limit where it can.
+        kt / kn of the stick-slip law. With a low value friction stays below its limit where
+        possible.
     glue
         Stiffness against opening, by kn.
     """
@@ -59,10 +61,10 @@ def uniform(
 
 
 def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
-    """Stiffness distributions unlike the uniform one: smooth slip of several lengths, and random.
+    """Other stiffness distributions: uniform with several slip lengths, and random ones.
 
-    A random one draws for every interface a stiffness within one decade, as joints of one building
-    differ, and one slip length for all of them.
+    A random distribution has a stiffness within one decade for every interface, like joints of one
+    building, and one slip length for all.
     """
     rng = np.random.default_rng(seed)
     base = normal_stiffness(statics)
@@ -79,9 +81,9 @@ def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
 
 
 def normal_stiffness(statics: Statics) -> Floats:
-    """Tributary area, no less than 5 % of the interface's mean and a speck of the smaller block.
+    """Tributary area, at least 5 % of the interface's mean and a small share of the smaller block.
 
-    Slivers spoil the conditioning; lines and points have no area at all.
+    Slivers would make the system ill-conditioned; lines and points have no area.
     """
     area = statics.tributary
     if not len(area):

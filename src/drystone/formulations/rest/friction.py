@@ -1,9 +1,9 @@
 """Friction laws of a compliant contact: force from slide, with derivatives.
 
 A law gives the tangential force ``ft = -T(fn, dt)`` that opposes the slide ``dt``. Every law here
-keeps inside the Coulomb cone, ``|T| <= mu fn``, and points along ``dt``: whatever rest state it
-leads to satisfies the friction conditions of coupled rigid-block analysis (Kao et al. 2022,
-eq. 5.6: ``ft = -alpha dt``, ``alpha >= 0``).
+stays inside the Coulomb cone, ``|T| <= mu fn``, and is parallel to ``dt``: every rest state
+satisfies the friction conditions of coupled rigid-block analysis (Kao et al. 2022, eq. 5.6: ``ft =
+-alpha dt``, ``alpha >= 0``).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class FrictionResponse:
     ----------
     force : (k, 2) T
     slope
-        Makes the derivatives: most responses are asked for their force alone.
+        Function that computes the derivatives, since most responses need only the force.
     """
 
     force: Floats
@@ -33,7 +33,7 @@ class FrictionResponse:
 
     @cached_property
     def derivatives(self) -> tuple[Floats, Floats]:
-        """By slide, dT / d dt (k, 2, 2), and by normal force, dT / d fn (k, 2)."""
+        """With respect to slide, dT / d dt (k, 2, 2), and to normal force, dT / d fn (k, 2)."""
         return self.slope()
 
     @property
@@ -74,9 +74,9 @@ class SlipLength:
 
 @dataclass(frozen=True, eq=False)
 class StickSlip:
-    """``T = kt dt`` while that is inside the cone, else ``mu fn dt / |dt|``: elastic, then Coulomb.
+    """``T = kt dt`` inside the cone, else ``mu fn dt / |dt|``: elastic, then Coulomb.
 
-    This is the law of discrete-element programs (Cundall 1971).
+    The law of discrete-element programs (Cundall 1971).
 
     Attributes
     ----------

@@ -20,8 +20,8 @@ from drystone.io.mesh.glb import BIN, FLOAT, JSON, MAGIC, SINGLE, VERSION, Z_UP
 def write(model: Contents, path: Path) -> None:
     """A node per block, with its name; supports, densities and metadata as extras.
 
-    Coordinates are single precision, polygons are cut into triangles: those that are warped by more
-    than that precision about the mean of their corners, as their volume is computed.
+    Coordinates have single precision. Polygons are cut into triangles. Polygons warped by more than
+    this precision become a fan about the mean of their corners, as in the volume calculation.
     """
     assembly = model.assembly
     faces = fan_warped(assembly.faces, SINGLE)

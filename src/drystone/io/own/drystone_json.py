@@ -1,4 +1,4 @@
-"""Our own JSON schema: assembly, contacts, loads and results, exact to the last bit.
+"""The JSON schema of drystone: assembly, contacts, loads and results, exact to the last bit.
 
 Documented in ``docs/formats.md``. Numbers are written as the shortest decimals that read back as
 the same float64.
@@ -43,11 +43,11 @@ RESULT = (
     *("stiffness_ratio", "stopped", "options", "solver", "iterations", "time_s"),
 )
 HEAVIEST = 1e9
-"""[kg/m3], chosen: more than any matter; keeps products of masses finite."""
+"""[kg/m3], chosen: denser than any material; keeps products of masses finite."""
 
 
 def read(top: Field) -> Draft:
-    """The draft of a file in our schema, or in its minimal form, blocks alone."""
+    """The draft of a file in this schema, or in its minimal form with blocks only."""
     if "schema" in top.value and top["schema"].text() != SCHEMA:
         raise top["schema"].error(f"must be '{SCHEMA}'")
     if "blocks" not in top.value:
@@ -103,7 +103,7 @@ def _loop(face: Field, count: int) -> list[int]:
     for i, corner in enumerate(loop):
         if not 0 <= corner < count:
             raise face.error(
-                f"names no vertex: {corner}", f"they go from 0 to {count - 1}", at=f"[{i}]"
+                f"is no vertex: {corner}", f"they go from 0 to {count - 1}", at=f"[{i}]"
             )
     return loop
 
@@ -126,7 +126,7 @@ def _contacts(field: Field, assembly: Assembly) -> Contacts:
     for side, values in (("block_a", block_a), ("block_b", block_b)):
         bad = np.flatnonzero((values < 0) | (values >= len(assembly)))
         if len(bad):
-            raise field[side].error(f"names no block: {values[bad[0]]}", at=f"[{bad[0]}]")
+            raise field[side].error(f"is no block: {values[bad[0]]}", at=f"[{bad[0]}]")
     try:
         return Contacts(
             block_a,
@@ -162,7 +162,7 @@ def _result(
     field.only(RESULT)
     position = field["load"].integer()
     if not 0 <= position < len(loads):
-        raise field["load"].error(f"names no load: {position}", f"there are {len(loads)}")
+        raise field["load"].error(f"is no load: {position}", f"there are {len(loads)}")
     verdict = field["verdict"]
     if verdict.text() not in {v.value for v in Verdict}:
         raise verdict.error("is no verdict", f"use one of {', '.join(v.value for v in Verdict)}")
@@ -170,7 +170,7 @@ def _result(
     samples.only(("tried", "standing"))
     falling = tuple(one.integer() for one in field.get("falling", []).elements())
     if any(not 0 <= i < len(assembly) for i in falling):
-        raise field["falling"].error("names a block that does not exist")
+        raise field["falling"].error("has a block that does not exist")
     rows = dict.fromkeys(("force", "force_with_props", "tension"), contacts.corner_count)
 
     def array(name: str) -> Floats | None:

@@ -1,4 +1,4 @@
-"""Writing our own JSON schema; see :mod:`drystone.io.own.drystone_json`."""
+"""Writing the JSON schema of drystone; see :mod:`drystone.io.own.drystone_json`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from drystone.results import Result
 
 
 def write(model: Contents, path: Path) -> None:
-    """Everything of a model in one file.
+    """Write a model with all its data to one file.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def write(model: Contents, path: Path) -> None:
 
 
 def write_beside(model: Contents, path: Path) -> None:
-    """Everything of a model, its arrays in an npz file of the same name beside it.
+    """Write a model with all its data, the arrays to an npz file with the same name.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def _text(content: dict[str, Any], path: Path) -> bytes:
 
 
 def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str, Any]:
-    """A model as plain values; its arrays as nested lists, or handed to the packer."""
+    """A model as plain values; its arrays as nested lists, or in the packer."""
 
     def array(key: str, values: NDArray[Any]) -> Any:
         return values.tolist() if packer is None else packer.put(key, values)
