@@ -102,11 +102,17 @@ def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
 
 
 def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
-    """Tangential by friction coefficient times normal force (m,); infinite without capacity."""
+    """Tangential by the largest tangential force that the joint can bear (m,); infinite for none.
+
+    That is friction coefficient times normal force, and cohesion, within the limit of shear.
+    """
     normal, tangential = resultants.normal, resultants.tangential
     capacity = contacts.friction * normal
+    if contacts.capacity is not None:
+        bound = np.maximum(capacity + contacts.capacity.cohesion, 0.0)
+        capacity = np.minimum(bound, contacts.capacity.shear)
     least = LOADED * max(float(normal.max(initial=0.0)), 1e-300)
-    loaded = normal > least
+    loaded = (normal > least) | ~contacts.dry
     return frozen(
         np.where(
             loaded & (capacity > 0.0),

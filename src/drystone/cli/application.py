@@ -17,8 +17,10 @@ import click
 
 from drystone.base.errors import DrystoneError
 from drystone.cli.analysis.check_command import check
+from drystone.cli.analysis.fall_command import fall
 from drystone.cli.analysis.limit_commands import friction, load, shrink, tilt
 from drystone.cli.analysis.limit_models import imperfections, thickness
+from drystone.cli.analysis.push_command import push
 from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, Command, write_examples
@@ -34,6 +36,7 @@ from drystone.cli.files.demo_command import demo
 from drystone.cli.files.inspect_command import inspect
 from drystone.cli.files.models_command import models
 from drystone.cli.files.reproduce_command import reproduce
+from drystone.cli.servers.live_command import live
 from drystone.cli.servers.mcp_command import mcp
 
 SHELLS = ("bash", "zsh", "fish")
@@ -98,12 +101,15 @@ COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
     demo,
+    fall,
     inspect,
     limit,
+    live,
     mcp,
     mend,
     models,
     plan,
+    push,
     reproduce,
     settle,
     shape,

@@ -1,4 +1,4 @@
-"""Stability-aware design: why a structure falls, and what to change until it stands."""
+"""Stability-aware design: why a structure falls, and which changes make it stand."""
 
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose

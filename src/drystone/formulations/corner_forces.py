@@ -13,7 +13,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.solvers.program import ProgramBuilder, Term, Variable
-from drystone.statics import Statics
+from drystone.statics import UNLIMITED, Statics
 
 SLIPPERY = 0.01
 """Below this friction coefficient, separate rows exclude tension: the exact cone limits mu times
@@ -137,29 +137,62 @@ def add_contact_rows(
     """Rows that exclude tension and limit friction."""
     k = statics.corner_count
     one = sparse.identity(k, format="csr")
-    pull = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]]))
+    pull = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]])).tocsr()
     at_corner = statics.friction if cone.local is None else np.full(k, cone.local)
-    slippery = np.flatnonzero(at_corner < SLIPPERY)
-    if unknowns.tension is not None or cone.sides:
-        program.at_most("no pull", np.zeros(k), (unknowns.force, pull))
-    elif len(slippery):
-        program.at_most(
-            "no pull", np.zeros(len(slippery)), (unknowns.force, pull.tocsr()[slippery])
-        )
+    bounded = np.ones(k, dtype=bool)
+    if unknowns.tension is None and not cone.sides:  # the exact cone of a dry corner says it
+        bounded = (at_corner < SLIPPERY) | (statics.cohesion > 0.0)
+    bounded &= statics.tension < UNLIMITED
+    if bounded.any():
+        program.at_most("no pull", statics.tension[bounded], (unknowns.force, pull[bounded]))
     if unknowns.tension is not None:
         program.at_most("tension", np.zeros(k), (unknowns.tension, -1.0))
     if unknowns.length is not None:
         length = [(unknowns.length, np.ones(1))]
         around = replace(cone, circumscribed=True)
         _bounded(program, "length of friction", unknowns.force, one, np.ones(k), length, around)
-    bearing = unknowns.bearing
-    _bounded(program, "friction", unknowns.force, one, at_corner, bearing, cone)
+    bearing, cohesion = unknowns.bearing, statics.cohesion
+    holds = cohesion < UNLIMITED
+    rows = one[holds]
+    _bounded(
+        program,
+        "friction",
+        unknowns.force,
+        rows,
+        at_corner[holds],
+        bearing,
+        cone,
+        constant=cohesion[holds],
+    )
+    limited = statics.shear < UNLIMITED
+    if limited.any():
+        rows, most = one[limited], statics.shear[limited]
+        _bounded(
+            program,
+            "shear",
+            unknowns.force,
+            rows,
+            np.zeros(len(most)),
+            bearing,
+            cone,
+            constant=most,
+        )
     if cone.local is not None and k:
         joints, first = np.unique(statics.interface, return_index=True)
         row = np.searchsorted(joints, statics.interface)
         together = sparse.csr_matrix((np.ones(k), (row, np.arange(k))), shape=(len(joints), k))
         whole = statics.friction[first]
-        _bounded(program, "friction of joints", unknowns.force, together, whole, bearing, cone)
+        sums = np.bincount(row, cohesion, minlength=len(joints)).astype(np.float64)
+        _bounded(
+            program,
+            "friction of joints",
+            unknowns.force,
+            together,
+            whole,
+            bearing,
+            cone,
+            constant=sums,
+        )
 
 
 def _bounded(
@@ -170,8 +203,13 @@ def _bounded(
     coefficient: Floats,
     bound: list[tuple[Variable, Floats]],
     cone: FrictionCone,
+    *,
+    constant: Floats | float = 0.0,
 ) -> None:
-    """``|sums of tangential forces| <= coefficient (sums of the bound)``, exact or as a pyramid."""
+    """``|sums of tangential forces| <= coefficient (sums of the bound) + constant``.
+
+    Exact or as a pyramid.
+    """
     scaled = sparse.diags(coefficient) @ sums
     if cone.sides:
         normals, reach = cone.directions()
@@ -182,7 +220,8 @@ def _bounded(
         terms = [(force, -sparse.kron(sums, np.diag([0.0, 1.0, 1.0])))]
         each = np.array([[-1.0], [0.0], [0.0]])
     terms += [(variable, sparse.kron(scaled, each * share)) for variable, share in bound]
-    right = np.zeros(len(each) * len(coefficient))
+    # the constant enters as the bound does: with its factor of every row
+    right = np.kron(np.broadcast_to(constant, len(coefficient)), -each[:, 0])
     if cone.sides:
         program.at_most(name, right, *terms)
     else:

@@ -254,6 +254,8 @@ def project_on_mechanisms(
 ) -> EquilibriumSolution | None:
     """The mechanism nearest to the loads; None if the solver fails.
 
+    It is for dry joints; None where there are others.
+
     ::
 
         minimise  1/2 |v - p|^2   subject to   dn >= mu |dt| at every corner,  (dn, dt) = A' v
@@ -262,6 +264,8 @@ def project_on_mechanisms(
     the work ``|v|^2``, and ``p - v`` is the nearest load that can be balanced (Moreau 1962: the
     cones of mechanisms and of balanced loads are polar).
     """
+    if not statics.dry:
+        return None
     k = statics.corner_count
     scale = np.ones((k, 3))
     scale[:, 1:] = statics.friction[:, None]

@@ -17,7 +17,7 @@ from drystone.io.compas import compas_json, compas_json_write
 from drystone.io.draft import Contents, Draft
 from drystone.io.formats import Format
 from drystone.io.mesh import glb, glb_write, obj, ply, stl
-from drystone.io.own import drystone_json, drystone_json_write
+from drystone.io.own import brick_list, drystone_json, drystone_json_write
 from drystone.io.wording import one_line_errors
 from drystone.model import Model
 from drystone.results import Result
@@ -60,6 +60,7 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS, axes_unknown=True),
     Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino_write.write, CONTACTS, layers=True),
+    Format("bricks", "stud-and-tube bricks", (".bricks",), brick_list.read),
     Format(
         "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
     ),

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.formulations.rest.friction import FrictionLaw, SlipLength, StickSlip
+from drystone.formulations.rest.friction import Bound, FrictionLaw, SlipLength, StickSlip
 from drystone.statics import Statics
+
+COHESIVE_FRICTION = 0.1
+"""Least friction coefficient in the slip length of cohesive joints: it keeps the length finite."""
 
 SPECK = 1e-4
 """Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
@@ -27,13 +30,29 @@ class Compliance:
         Overlap at which compression begins. Zero for springs. A positive value with stiff springs
         gives all corners in compression equal overlaps, as in eq. 5.6.
     glue
-        Stiffness against opening, by kn. Zero for dry joints.
+        Stiffness against opening, by kn, of a pull without limit. Zero but in the penalty form.
+    tension : (k,)
+        Largest pull of each corner. A joint that opens by s pulls with
+        ``kn s / sqrt(1 + (kn s / tension)^2)``. ``None`` for dry joints.
     """
 
     normal: Floats
     friction: FrictionLaw
     overlap: float = 0.0
     glue: float = 0.0
+    tension: Floats | None = None
+
+    def pull(self, opening: Floats) -> tuple[Floats, Floats]:
+        """Pull (k,) of corners that open by some lengths (k,), zero or more, and its slope (k,)."""
+        if self.tension is None:
+            return _NOTHING, _NOTHING
+        elastic = self.normal * opening
+        size = np.sqrt(self.tension**2 + elastic**2)
+        share = self.tension / np.where(size > 0.0, size, 1.0)
+        return elastic * share, self.normal * share**3
+
+
+_NOTHING = np.zeros(1)
 
 
 def uniform(
@@ -54,10 +73,10 @@ def uniform(
         Stiffness against opening, by kn.
     """
     normal = normal_stiffness(statics)
-    if slip is None:
-        return Compliance(normal, StickSlip(statics.friction, tangential * normal), glue=glue)
-    reach = slip * corner_load(statics) / normal
-    return Compliance(normal, SlipLength(statics.friction, reach), glue=glue)
+    law: FrictionLaw = StickSlip(_bound(statics), tangential * normal)
+    if slip is not None:
+        law = SlipLength(_bound(statics), slip * _slip_load(statics) / normal)
+    return Compliance(normal, law, glue=glue, tension=_tension(statics))
 
 
 def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
@@ -68,7 +87,7 @@ def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
     """
     rng = np.random.default_rng(seed)
     base = normal_stiffness(statics)
-    load = corner_load(statics)
+    load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
     joints = int(statics.interface.max(initial=-1)) + 1
     slips = (1.0, 10.0, 0.1, 100.0)
     for number in range(count):
@@ -77,7 +96,22 @@ def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
         else:
             normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[statics.interface]
             slip = 10.0 ** rng.uniform(-0.5, 1.0)
-            yield Compliance(normal, SlipLength(statics.friction, slip * load / base))
+            law = SlipLength(bound, slip * load / base)
+            yield Compliance(normal, law, tension=tension)
+
+
+def _bound(statics: Statics) -> Bound:
+    return Bound(statics.friction, statics.cohesion, statics.shear)
+
+
+def _tension(statics: Statics) -> Floats | None:
+    return statics.tension if statics.tension.any() else None
+
+
+def _slip_load(statics: Statics) -> Floats:
+    """The force (k,) by which slip lengths are measured: a joint's cohesion counts as load."""
+    divisor = np.maximum(statics.friction, COHESIVE_FRICTION)
+    return corner_load(statics) + np.minimum(statics.cohesion, statics.shear) / divisor
 
 
 def normal_stiffness(statics: Statics) -> Floats:

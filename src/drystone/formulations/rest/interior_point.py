@@ -5,6 +5,8 @@ blocks. With ``d = A' q = (dn, dt)`` at each corner:
 
     fn = kn max(0, -dn),    ft = -T(fn, dt),    A (fn, ft) + p - g M q = 0
 
+At joints that pull, ``fn - pull(s)`` stands in place of fn in T and in the balance.
+
 g M is a weak ground spring proportional to mass. If a rest state exists, its share of the load
 tends to zero with g. If none exists, ``g q`` tends to the acceleration of the falling blocks.
 
@@ -84,6 +86,7 @@ class _Path:
         self.system = system
         self.statics = statics = system.statics
         self.law = compliance.friction
+        self.pull = compliance.pull
         self.kn = compliance.normal
         self.overlap = compliance.overlap
         self.glue = compliance.glue * compliance.normal
@@ -188,9 +191,10 @@ class _Path:
         statics = self.statics
         if moved is None:
             moved = statics.displacement(motion)
-        friction = self.law(normal, moved[:, 1:])
         slack = moved[:, 0] + self.overlap + normal / self.kn
-        net = normal - self.glue * slack
+        bearing = normal - self.pull(slack)[0]
+        friction = self.law(bearing, moved[:, 1:])
+        net = bearing - self.glue * slack
         force = np.concatenate([net[:, None], -friction.force], axis=1)
         unbalanced = statics.wrench(force) + statics.load - self.ground * motion
         centring = (normal * slack) / self.unit - tau
@@ -204,13 +208,16 @@ class _Path:
         rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
-        by_normal = point.friction.by_normal
+        by_normal, held = point.friction.by_normal, self.pull(point.slack)[1]
+        opening = 1.0 - stiffness / self.kn
+        bearing = stiffness + held * opening
         tangent = np.zeros((len(stiffness), 3, 3))
-        tangent[:, 0, 0] = stiffness + self.glue * (1.0 - stiffness / self.kn)
-        tangent[:, 1:, 0] = -by_normal * stiffness[:, None]
+        tangent[:, 0, 0] = bearing + self.glue * opening
+        tangent[:, 1:, 0] = -by_normal * bearing[:, None]
         tangent[:, 1:, 1:] = point.friction.by_slide
-        pull = shift * (1.0 - self.glue / self.kn)
-        correction = np.concatenate([pull[:, None], -by_normal * shift[:, None]], axis=1)
+        borne = shift * (1.0 - held / self.kn)
+        net = borne - shift * (self.glue / self.kn)
+        correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
         motion = self.system.factorise(tangent, self.ground).solve(right)
         moved = statics.displacement(motion)
@@ -235,10 +242,10 @@ class _Path:
     def unrelaxed(self, point: _Point) -> RestState:
         statics = self.statics
         open_ = point.slack * self.kn > point.normal
-        normal = np.where(open_, 0.0, point.normal)
+        bearing = np.where(open_, -self.pull(point.slack)[0], point.normal)
         tension = np.where(open_, self.glue * point.slack, 0.0)
-        friction = self.law(normal, point.moved[:, 1:])
-        force = np.concatenate([(normal - tension)[:, None], -friction.force], axis=1)
+        friction = self.law(bearing, point.moved[:, 1:])
+        force = np.concatenate([(bearing - tension)[:, None], -friction.force], axis=1)
         ground = self.ground * point.motion
         rest = wrench_size(statics.wrench(force) + statics.load - ground)
         unbalanced = float((rest / block_scale(statics, force)).max(initial=0.0))

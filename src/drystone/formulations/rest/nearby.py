@@ -80,9 +80,11 @@ def _descend(
         moved = statics.displacement(motion)
         gap = moved[:, 0] + compliance.overlap
         normal = kn * np.maximum(0.0, -gap)
+        held, slope = compliance.pull(np.maximum(0.0, gap))
+        bearing = normal - held
         pull = glue * np.maximum(0.0, gap)
-        friction = compliance.friction(normal, moved[:, 1:])
-        force = np.concatenate([(normal - pull)[:, None], -friction.force], axis=1)
+        friction = compliance.friction(bearing, moved[:, 1:])
+        force = np.concatenate([(bearing - pull)[:, None], -friction.force], axis=1)
         ground = weight * motion
         rest = statics.wrench(force) + statics.load - ground
         share = float((wrench_size(rest) / block_scale(statics, force)).max(initial=0.0))
@@ -93,8 +95,8 @@ def _descend(
         since = 0 if share < 0.5 * best else since + 1
         best = min(best, share)
         pressed = gap < 0.0
-        tangent[:, 0, 0] = np.where(pressed, kn, glue)
-        tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, 0.0)[:, None]
+        tangent[:, 0, 0] = np.where(pressed, kn, glue + slope)
+        tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[:, None]
         tangent[:, 1:, 1:] = friction.by_slide
         try:
             motion = motion + system.factorise(tangent, weight).solve(rest)

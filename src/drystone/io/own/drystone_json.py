@@ -19,6 +19,7 @@ from drystone.io.draft import Draft, Extras, Shape
 from drystone.io.jsontext import Field
 from drystone.io.own import npz
 from drystone.io.own.load_parts import load_of_parts
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
@@ -28,6 +29,7 @@ VERSION = 1
 TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
+CAPACITY = ("tension", "cohesion", "shear")
 LOAD = ("name", "wrench", "motion", "parts")
 ARRAYS = {
     "force": 3,
@@ -120,7 +122,7 @@ def _extras(top: Field, assembly: Assembly) -> Extras:
 
 
 def _contacts(field: Field, assembly: Assembly) -> Contacts:
-    field.only(CONTACTS)
+    field.only((*CONTACTS, *CAPACITY))
     block_a, block_b = field["block_a"].integers(None), field["block_b"].integers(None)
     m = len(block_a)
     for side, values in (("block_a", block_a), ("block_b", block_b)):
@@ -136,11 +138,24 @@ def _contacts(field: Field, assembly: Assembly) -> Contacts:
             field["friction"].floats(m),
             field["point"].floats(None, 3),
             field["interface"].integers(None),
+            _capacity(field, m),
         )
     except FormatError:
         raise
     except InputError as error:
         raise field.error(error.what, error.remedy) from error
+
+
+def _capacity(field: Field, count: int) -> JointCapacity | None:
+    """What joints carry beyond friction, where the file says so."""
+    if not any(field.has(name) for name in CAPACITY):
+        return None
+    none = {"tension": 0.0, "cohesion": 0.0, "shear": NO_LIMIT}
+    given = (
+        field[name].floats(count) if field.has(name) else np.full(count, none[name])
+        for name in CAPACITY
+    )
+    return JointCapacity(*given)
 
 
 def _load(field: Field, assembly: Assembly) -> LoadCase:

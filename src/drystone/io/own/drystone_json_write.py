@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
+from drystone.contacts import Contacts
 from drystone.io.draft import Contents
 from drystone.io.own import npz
-from drystone.io.own.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
+from drystone.io.own.drystone_json import ARRAYS, CAPACITY, CONTACTS, SCHEMA, VERSION
 from drystone.loads import LoadCase
 from drystone.results import Result
 
@@ -98,12 +99,19 @@ def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str
             _block_content(block, bool(fixed), packer)
             for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
         ],
-        "contacts": None
-        if contacts is None
-        else {name: array(name, getattr(contacts, name)) for name in CONTACTS},
+        "contacts": None if contacts is None else _contacts_content(contacts, array),
         "loads": [_load_content(load, number, array) for number, load in enumerate(loads)] or None,
         "results": results or None,
     }
+
+
+def _contacts_content(
+    contacts: Contacts, array: Callable[[str, NDArray[Any]], Any]
+) -> dict[str, Any]:
+    content = {name: array(name, getattr(contacts, name)) for name in CONTACTS}
+    if contacts.capacity is not None:
+        content |= {name: array(name, getattr(contacts.capacity, name)) for name in CAPACITY}
+    return content
 
 
 def _load_content(

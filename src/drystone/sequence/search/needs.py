@@ -53,7 +53,10 @@ class LocalBalance:
         None.
         """
         contacts, assembly = self.model.contacts, self.model.assembly
-        sign = self._joints(block, around)[contacts.interface]
+        joint = self._joints(block, around)
+        if not contacts.dry[joint != 0.0].all():
+            return None
+        sign = joint[contacts.interface]
         corner = np.flatnonzero(sign)
         size, wrench = assembly.size[block], self.model.load.wrench[block]
         load = np.append(wrench[:3], wrench[3:] / size)

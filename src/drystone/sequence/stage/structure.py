@@ -234,11 +234,12 @@ class Structure(OneLine):
 
 
 def _friction_used(contacts: Contacts, force: Floats) -> float:
-    """Largest share of the friction coefficient used by a loaded corner."""
+    """Largest share of the friction coefficient used by a loaded corner, beside its cohesion."""
     normal = force[:, 0]
     loaded = normal > LOADED * float(normal.max(initial=0.0))
     friction = contacts.friction[contacts.interface]
-    sliding = np.linalg.norm(force[:, 1:], axis=1)
+    cohesion = contacts.corner_capacity[1]
+    sliding = np.maximum(np.linalg.norm(force[:, 1:], axis=1) - cohesion, 0.0)
     counted = loaded & (friction > 0.0)
     return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
 
