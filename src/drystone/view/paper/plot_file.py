@@ -48,7 +48,7 @@ def save_plot(
 
     def fill(file: BinaryIO) -> None:
         with warnings.catch_warnings():
-            # A name in a script that the font lacks is drawn with boxes; the figure is still good.
+            # Characters that the font does not have are drawn as boxes; the figure is valid.
             warnings.filterwarnings("ignore", message="Glyph .* missing from font")
             drawing.savefig(file, format=kind, dpi=dpi)
 
