@@ -287,15 +287,18 @@ CLASSES = (
 )  # fmt: skip
 
 
-def register() -> None:
+def switch_on() -> None:
     """Called by Blender when the add-on is switched on."""
     for one in CLASSES:
         bpy.utils.register_class(one)
     bpy.types.Scene.drystone = bpy.props.PointerProperty(type=DrystoneSettings)
 
 
-def unregister() -> None:
+def switch_off() -> None:
     """Called by Blender when the add-on is switched off."""
     del bpy.types.Scene.drystone
     for one in reversed(CLASSES):
         bpy.utils.unregister_class(one)
+
+
+register, unregister = switch_on, switch_off  # the names by which Blender calls them

@@ -27,9 +27,9 @@ def addon() -> Iterator[ModuleType]:
     made = importlib.util.module_from_spec(spec)
     sys.modules["drystone_blender"] = made
     spec.loader.exec_module(made)
-    made.register()
+    made.switch_on()
     yield made
-    made.unregister()
+    made.switch_off()
 
 
 def placed(scale: float = 1.0) -> list[Any]:

@@ -30,6 +30,7 @@ from drystone.cli.design.plan_command import plan
 from drystone.cli.design.shape_command import shape
 from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
+from drystone.cli.design.tune_command import tune
 from drystone.cli.files.convert_command import convert
 from drystone.cli.files.demo_command import demo
 from drystone.cli.files.inspect_command import inspect
@@ -114,6 +115,7 @@ COMMANDS: tuple[click.Command, ...] = (
     shape,
     sharpen,
     shell,
+    tune,
 )
 app = _group(
     "drystone",

@@ -11,6 +11,8 @@ from drystone.design.mends.mending import Mending, mend
 from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends
 from drystone.design.shaping.free_moves import Moves, block_moves, free_vertices, thickening
 from drystone.design.shaping.shaping import ShapeAim, Shaped, ShapeOptions, shape
+from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
+from drystone.design.tuning.tuning import TuneOptions, tune
 from drystone.design.wedges.sharpening import Sharpened, SharpenOptions, sharpen
 
 __all__ = [
@@ -26,6 +28,7 @@ __all__ = [
     "Mends",
     "Moves",
     "Needs",
+    "Parameter",
     "PropForce",
     "Pull",
     "Region",
@@ -35,6 +38,9 @@ __all__ = [
     "SharpenOptions",
     "Sharpened",
     "Tried",
+    "TuneOptions",
+    "TuneTrial",
+    "Tuned",
     "block_moves",
     "diagnose",
     "find_mends",
@@ -43,4 +49,5 @@ __all__ = [
     "shape",
     "sharpen",
     "thickening",
+    "tune",
 ]

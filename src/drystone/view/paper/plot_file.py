@@ -48,7 +48,7 @@ def save_plot(
 
     def fill(file: BinaryIO) -> None:
         with warnings.catch_warnings():
-            # Characters that the font does not have are drawn as boxes; the figure is valid.
+            # Characters that the font does not have are drawn as boxes; the figure is still valid.
             warnings.filterwarnings("ignore", message="Glyph .* missing from font")
             drawing.savefig(file, format=kind, dpi=dpi)
 

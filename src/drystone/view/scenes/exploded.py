@@ -11,7 +11,7 @@ from drystone.sequence.motion.directions import freedom
 from drystone.sequence.motion.twists import TOLERANCE
 
 MOST_CONES = 400
-"""Largest number of blocks whose free directions are all searched. Chosen: a third of a second."""
+"""Blocks whose free directions are searched, chosen: it takes a third of a second."""
 LOOKED_AT = 20
 """Blocks of which the freest is taken out, where none can leave straight away; chosen."""
 
