@@ -2,7 +2,7 @@
 Blocks between walls (section 6.2)
 ==================================
 
-Equilibrium alone believes in prestress that nothing brings about. A block between two vertical
+Equilibrium alone includes prestress that nothing causes. A block between two vertical
 walls passes it at any friction. The coupled analysis says that it falls.
 """
 
