@@ -86,8 +86,8 @@ def model_of(objects: Sequence[Any], scene: Any, friction: float, density: float
 def show(result: Any, objects: Sequence[Any], scene: Any) -> None:
     """Colour the objects, draw the joints, and give keyframes to what falls."""
     from drystone.view.cad.block_groups import block_groups
-    from drystone.view.scenes.palette import rgb
     from drystone.view.scenes.subjects import scene_of
+    from drystone.view.style.palette import rgb
 
     clear(objects)
     (stage,) = scene_of(result).stages
@@ -102,7 +102,7 @@ def show(result: Any, objects: Sequence[Any], scene: Any) -> None:
 
 def draw_joints(stage: Any, scene: Any) -> None:
     """A mesh of the joints with the normal force as the colour of each corner."""
-    from drystone.view.scenes.palette import ramp_colours
+    from drystone.view.style.palette import ramp_colours
 
     layers = [layer for layer in stage.layers if layer.key in ("joint-force", "interfaces")]
     if not layers:

@@ -8,11 +8,11 @@ from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
 from drystone.view.paper.share_figure import save_share
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
-from drystone.view.scenes.palette import State
-from drystone.view.scenes.presets import PRESETS, Preset
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 from drystone.view.scenes.staging import stage_of
 from drystone.view.scenes.subjects import scene_of
+from drystone.view.style.palette import State
+from drystone.view.style.presets import PRESETS, Preset
 from drystone.view.web.notebook import Frame, show
 from drystone.view.web.page import page_text, save_page
 from drystone.view.web.widget import interact

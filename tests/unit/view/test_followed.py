@@ -9,7 +9,7 @@ import drystone
 from drystone.base.errors import InputError
 from drystone.models import arch, tower
 from drystone.view import Scene, Stage, scene_of
-from drystone.view.scenes.palette import State
+from drystone.view.style.palette import State
 from drystone.view.web import encode as encoding
 from drystone.view.web.encode import LEFT_OUT, encode
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
-from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
 from drystone.view.scenes.scene import Scene, Stage
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
 
 NAMES = {State.FREE: "blocks", State.SUPPORT: "supports", State.FALLING: "falling blocks"}
 

@@ -21,10 +21,10 @@ from drystone.io.mesh.glb_write import container
 from drystone.view.cad.block_groups import block_groups, stage_of_scene
 from drystone.view.cad.drawn_solids import Triangles, arrow_ends, arrows, marks, tubes
 from drystone.view.cad.keyframes import fall_moments, quaternions
-from drystone.view.scenes.palette import ROLE_COLOUR, ramp_colours, rgb
-from drystone.view.scenes.presets import PRESETS, is_shown
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.scenes.staging import VIRTUAL
+from drystone.view.style.palette import ROLE_COLOUR, ramp_colours, rgb
+from drystone.view.style.presets import PRESETS, is_shown
 
 UNSIGNED = 5125
 NETWORK, ARROW, MARK = 0.05, 0.02, 0.05

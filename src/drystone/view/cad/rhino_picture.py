@@ -19,10 +19,10 @@ from drystone.view.cad.block_groups import block_groups, stage_of_scene
 from drystone.view.cad.drawn_solids import arrow_ends, marks
 from drystone.view.cad.glb_picture import MARK
 from drystone.view.cad.keyframes import matrix_of
-from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
-from drystone.view.scenes.presets import is_shown
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.scenes.staging import VIRTUAL
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
+from drystone.view.style.presets import is_shown
 
 WIDEST = 2.0
 """[mm] on paper, of the line of the largest force; chosen by eye."""

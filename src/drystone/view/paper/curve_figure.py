@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base.errors import FormatError
 from drystone.base.files import write_whole
 from drystone.settlement import Drive, End, LargeDisplacement
-from drystone.view.scenes.palette import ROLE_COLOUR
+from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -23,7 +23,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.plane.polygon import following
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.paper.separation import Bodies, separated_by_boxes, separated_by_faces, spans
-from drystone.view.scenes.drawn_mesh import face_normals, sharp_edges
+from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 
 EDGE_ON = 1e-9
 """Directions closer to the paper than this (cosine) hide nothing."""

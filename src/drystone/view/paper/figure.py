@@ -16,10 +16,10 @@ from drystone.geometry.frames import unit
 from drystone.results import Verdict
 from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_shadow
 from drystone.view.paper.plot_file import save_plot
-from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
-from drystone.view.scenes.presets import PRESETS, first_preset, is_shown
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 from drystone.view.scenes.subjects import Subject, scene_of
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
+from drystone.view.style.presets import PRESETS, first_preset, is_shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

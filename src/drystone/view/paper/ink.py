@@ -14,9 +14,9 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.paper.depth import Patches, ordered_patches
-from drystone.view.scenes.drawn_mesh import face_normals, sharp_edges
-from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
 from drystone.view.scenes.scene import UP, Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.style.drawn_mesh import face_normals, sharp_edges
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

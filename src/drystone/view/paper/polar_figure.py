@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.view.paper.plot_file import save_plot
-from drystone.view.scenes.palette import ROLE_COLOUR
+from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,7 +14,7 @@ from drystone.base.table import Table
 from drystone.geometry.plane.kern import kern
 from drystone.joints import worst_joints
 from drystone.results import Result
-from drystone.view.scenes.palette import ROLE_COLOUR
+from drystone.view.style.palette import ROLE_COLOUR
 from drystone.virtual import local_corners
 
 SIDE = 150

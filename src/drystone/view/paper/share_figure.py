@@ -12,7 +12,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import write_whole
 from drystone.limits import StandingShare
 from drystone.limits.imperfections import share_interval
-from drystone.view.scenes.palette import ROLE_COLOUR
+from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,8 +6,8 @@ import numpy as np
 
 from drystone.fall import Film
 from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.palette import State
 from drystone.view.scenes.scene import Scene, Stage
+from drystone.view.style.palette import State
 
 NO_VERDICT = "a simulated fall: no verdict"
 

@@ -15,10 +15,10 @@ from drystone.base.errors import counted
 from drystone.base.files import write_bytes
 from drystone.detection import ContactReport, Detection, GapSweep
 from drystone.view.scenes.header import facts_of
-from drystone.view.scenes.palette import State
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.scenes.staging import interface_layers
 from drystone.view.scenes.tolerance_sweep import sweep_panel
+from drystone.view.style.palette import State
 from drystone.view.web.page import page_text
 
 

@@ -10,8 +10,8 @@ from drystone.base import units
 from drystone.base.arrays import Floats
 from drystone.settlement import LargeDisplacement, LargeState
 from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.palette import State
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.style.palette import State
 
 WIDTH, HEIGHT = 280.0, 170.0
 LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0

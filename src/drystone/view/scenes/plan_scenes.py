@@ -13,9 +13,9 @@ from drystone.results import Result, Verdict
 from drystone.sequence.plans import Plan, Status
 from drystone.sequence.stage.stages import Answer, members
 from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.palette import State
 from drystone.view.scenes.scene import Scene, Stage
 from drystone.view.scenes.staging import force_layers, help_layer, interface_layers
+from drystone.view.style.palette import State
 
 MOST_ARROWS = 200_000
 """Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page

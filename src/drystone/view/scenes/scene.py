@@ -17,7 +17,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.contacts import Contacts
 from drystone.results import Verdict
-from drystone.view.scenes.palette import ROLE_COLOUR
+from drystone.view.style.palette import ROLE_COLOUR
 
 UP = frozen(np.array([0.0, 0.0, 1.0]))
 """Up in a picture, unless gravity is turned."""
@@ -73,7 +73,7 @@ class Layer(OneLine):
         For the legend.
     kind
     colour
-        A role of :mod:`drystone.view.scenes.palette`.
+        A role of :mod:`drystone.view.style.palette`.
     position : (p, 3) [m]
     vector : (p, 3), arrows [N] or lines [m]
     start : (f + 1,) loops of polygons
@@ -236,7 +236,7 @@ class Scene(OneLine):
         The stage that a figure shows.
     preset
         The picture that is shown at first: a key of
-        :data:`drystone.view.scenes.presets.PRESETS`; left empty, one that suits the first stage.
+        :data:`drystone.view.style.presets.PRESETS`; left empty, one that suits the first stage.
     """
 
     assembly: Assembly

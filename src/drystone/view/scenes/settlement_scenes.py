@@ -15,9 +15,9 @@ from drystone.geometry.frames import rotation_about
 from drystone.results import Verdict
 from drystone.settlement import Outcome, Settlement, SettlementPath, SupportResponse
 from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.palette import State
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.scenes.staging import PLAYED, interface_layers, stage_of
+from drystone.view.style.palette import State
 
 MOST_STATES, MOST_POSITIONS = 60, 100_000
 """Of a path that is played, chosen: smooth to the eye, and 3 MB of a page."""

@@ -14,8 +14,8 @@ from drystone.joints import HINGED, corner_pressure, force_network, hinged
 from drystone.model import Model
 from drystone.results import Result
 from drystone.view.scenes.header import directions, facts_of, sentence
-from drystone.view.scenes.palette import State
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.style.palette import State
 
 NEGLIGIBLE = 1e-3
 """A prop force below this share of the largest load is the softness of the numerical ground, and is

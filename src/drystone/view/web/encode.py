@@ -46,17 +46,17 @@ from drystone.contacts import Contacts
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.view.scenes.drawn_mesh import face_normals, sharp_edges
 from drystone.view.scenes.exploded import exploded
-from drystone.view.scenes.palette import (
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.style.drawn_mesh import face_normals, sharp_edges
+from drystone.view.style.palette import (
     FORCE_RAMP,
     ROLE_COLOUR,
     STATE_COLOUR,
     STATE_LABEL,
     hexadecimal,
 )
-from drystone.view.scenes.presets import KNOWN, PRESETS, first_preset
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.style.presets import KNOWN, PRESETS, first_preset
 from drystone.virtual import local_corners
 
 FORMAT = "drystone-page"

@@ -19,7 +19,7 @@ from drystone.view import Shape
 from drystone.view.cad import drawn_solids
 from drystone.view.cad.keyframes import matrix_of, quaternions
 from drystone.view.cad.save_cad import save_cad
-from drystone.view.scenes.palette import ramp_colours
+from drystone.view.style.palette import ramp_colours
 
 
 @pytest.fixture(scope="module")

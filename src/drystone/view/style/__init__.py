@@ -1,0 +1,1 @@
+"""How pictures look: colours, presets, edges that are drawn."""
