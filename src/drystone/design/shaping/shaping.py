@@ -187,7 +187,7 @@ def shape(
     >>> from drystone.design import shape, thickening
     >>> from drystone.models import arch
     >>> found = shape(arch(0.09, 8), lambda model: thickening(model, (0, 0, 0), 0.05), friction=0.8)
-    >>> found.stands, round(0.09 + found.x[0], 2)
+    >>> found.stands, round(0.09 + float(found.x[0]), 2)
     (True, 0.1)
     """
     chosen = ShapeOptions.of(options)
@@ -256,7 +256,7 @@ class _Search:
                     words = "it stands"
                     break
                 if gained <= options.close * abs(before):
-                    words = "the last round gained next to nothing"
+                    words = "the last round gained almost nothing"
                     break
         except _Stopped:
             words = "it was stopped"
