@@ -51,7 +51,9 @@ def shape(
     mirror: Annotated[
         str | None,
         Option(
-            "Axis along which it stays its own mirror image.", kind=kinds.one_of(("x", "y", "z"))
+            "Axis along which it stays its own mirror image.",
+            kind=kinds.one_of(("x", "y", "z")),
+            expert=True,
         ),
     ] = None,
     keep: Annotated[

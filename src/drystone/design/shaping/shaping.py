@@ -256,7 +256,7 @@ class _Search:
                     words = "it stands"
                     break
                 if gained <= options.close * abs(before):
-                    words = "the last round gained next to nothing"
+                    words = "the last round gained almost nothing"
                     break
         except _Stopped:
             words = "it was stopped"
