@@ -7,7 +7,9 @@ import os
 import platform
 import resource
 import subprocess
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -57,7 +59,21 @@ def description() -> str:
     )
 
 
-def ask(command: Sequence[str | Path], limit_s: float) -> dict[str, Any]:
+@contextmanager
+def sources_of(reference: str) -> Iterator[Path]:
+    """The folder ``src`` of another commit, checked out beside this one."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "before"
+        _git("worktree", "add", "--detach", str(place), reference)
+        try:
+            yield place / "src"
+        finally:
+            _git("worktree", "remove", "--force", str(place))
+
+
+def ask(
+    command: Sequence[str | Path], limit_s: float, sources: Path = ROOT / "src"
+) -> dict[str, Any]:
     """The JSON that a process of one thread prints last; ``failed`` says why there is none.
 
     Parameters
@@ -65,13 +81,15 @@ def ask(command: Sequence[str | Path], limit_s: float) -> dict[str, Any]:
     command
     limit_s : [s]
         CPU time after which the process is ended.
+    sources
+        Where the process imports drystone from.
     """
     limited: Callable[[], None] = partial(
         resource.setrlimit, resource.RLIMIT_CPU, (int(limit_s), int(limit_s) + 5)
     )
     done = subprocess.run(
         [str(part) for part in command],
-        env=os.environ | ONE_THREAD,
+        env=os.environ | ONE_THREAD | {"PYTHONPATH": str(sources)},
         cwd=ROOT,
         capture_output=True,
         text=True,

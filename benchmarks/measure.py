@@ -13,6 +13,7 @@ import json
 import resource
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from benchmarks.workloads import Task, Workload, workloads
+from benchmarks.workloads import PILES, Task, Workload, random_pile, workloads
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Result, Verdict
 from drystone.checks import mechanism_defects, unbalanced_wrench
 from drystone.geometry.frames import rotation_about
@@ -105,6 +106,8 @@ def measure(work: Workload, whole: bool, enough_s: float = ENOUGH_S) -> dict[str
         "build_s": build,
         "detect_s": detect,
     }
+    if work.task is Task.PILES:
+        return _piles(row, enough_s)
     if work.task is Task.TILT:
         return row | _tilt_limit(work, assembly, contacts, enough_s)
     result, seconds = timed(_question(work, assembly, contacts, load), enough_s)
@@ -147,7 +150,7 @@ def _tilt_limit(
         limit = limit_tilt(
             Model(assembly, contacts),
             work.axis,
-            check=lambda a, c, load: check(Model(a, c, load), options=CheckOptions(samples=0)),
+            check=lambda model: check(model, options=CheckOptions(samples=0)),
             options=LimitOptions(width=0.05),
         )
         return limit.equilibrium.value, limit.best.value
@@ -164,6 +167,43 @@ def _tilt_limit(
         "peak_mib": peak_mib(),
         "one_thread": idle_threads(),
     }
+
+
+def _piles(row: dict[str, Any], enough_s: float) -> dict[str, Any]:
+    """Verdicts of random piles: each with its proof, none against equilibrium."""
+    piles = [random_pile(seed) for seed in range(PILES)]
+    found, seconds = timed(lambda: [check(one) for one in piles], enough_s)
+    count = Counter(one.verdict.value for one in found)
+    wrong = ""
+    for seed, (pile, one) in enumerate(zip(piles, found, strict=True)):
+        if one.verdict is Verdict.UNDECIDED:
+            continue
+        balance = solve_rbe(pile, options=RBEOptions.feasibility()).verdict
+        if balance is Verdict.UNSTABLE and one.verdict is Verdict.STABLE:
+            wrong = f"pile {seed} stands without equilibrium"
+        wrong = wrong or _unproved(one, seed)
+    return row | {
+        "total_s": seconds,
+        "check_s": 0.0,
+        "verdict": ", ".join(f"{number} {name}" for name, number in sorted(count.items())),
+        "right": True,
+        "defect": wrong,
+        "iterations": sum(one.iterations for one in found),
+        "peak_mib": peak_mib(),
+        "one_thread": idle_threads(),
+    }
+
+
+def _unproved(result: Result, seed: int) -> str:
+    settled = result.settlement
+    if settled is not None and result.verdict is Verdict.UNSTABLE:
+        return ""  # the path is the proof
+    if settled is not None and settled.rests:
+        # the proof is that of the forces on the moved blocks
+        worst = max(path.residuals.largest for path in settled.paths if path.residuals is not None)
+        return "" if worst <= RESIDUAL else f"pile {seed} rests with residual {worst:.1e}"
+    found = defect(result)
+    return f"pile {seed}: {found}" if found else ""
 
 
 def dump(work: Workload, path: Path) -> None:

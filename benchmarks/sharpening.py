@@ -1,6 +1,6 @@
 """Thin arches that stand with wedges: ``python -m benchmarks.sharpening``.
 
-Writes the table of docs/design.md. Give numbers of voussoirs to take these only; then it prints.
+Prints a table. Give numbers of voussoirs to take these only.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ import argparse
 import itertools
 import time
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -19,8 +18,6 @@ from drystone.design.wedges.plane_joints import PlaneJoints
 from drystone.models import arch
 from drystone.stability import CheckOptions
 
-PAGE = Path(__file__).parents[1] / "docs" / "design.md"
-BEGIN, END = "<!-- wedges -->\n", "<!-- end of wedges -->\n"
 HEAD = (
     "| voussoirs | thickness / radius | friction | rounds | wedges | sharpest | sum | needed | "
     "CPU s |\n|---|---|---|---|---|---|---|---|---|\n"
@@ -50,18 +47,13 @@ def row(voussoirs: int, ratio: float, friction: float) -> str:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Write the table, or print the rows that were asked for."""
+    """Print the rows that were asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("voussoirs", type=int, nargs="*")
     chosen = parser.parse_args(arguments).voussoirs
-    rows = []
+    print(HEAD, end="")
     for case in itertools.product(chosen or VOUSSOIRS, RATIOS, FRICTIONS):
-        rows.append(row(*case))
-        print(rows[-1], end="", flush=True)
-    if not chosen:
-        before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        after = rest.partition(END)[2]
-        PAGE.write_text(before + BEGIN + HEAD + "".join(rows) + END + after, encoding="utf-8")
+        print(row(*case), end="", flush=True)
 
 
 if __name__ == "__main__":

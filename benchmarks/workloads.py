@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone import Assembly, Contacts, LoadCase, Verdict, models
+from drystone import Assembly, Contacts, LoadCase, Model, Verdict, models
 from drystone.detection import find_contacts
 from drystone.io import read
 
@@ -25,6 +25,7 @@ class Task(Enum):
     VERDICT = "verdict"
     BALANCE = "equilibrium"
     TILT = "tilt limit"
+    PILES = "verdicts of random piles"
 
 
 @dataclass(frozen=True)
@@ -194,6 +195,46 @@ def limits() -> list[Workload]:
     ]
 
 
+def random_pile(seed: int, blocks: int = 10) -> Model:
+    """Boxes of random size in one to three columns on a slab, tilted by up to 40 degrees."""
+    rng = np.random.default_rng((seed, blocks))
+    columns = int(rng.integers(1, 4))
+    width = rng.uniform(0.3, 1.0, columns)
+    place = np.cumsum(width + np.where(rng.random(columns) < 0.5, 0.0, 0.2)) - width
+    top = np.zeros(columns)
+    made = [models.box((4.0, 1.5, 0.3), (-0.5, -0.25, -0.3), name="ground")]
+    for number in range(blocks):
+        at = number % columns
+        size = (float(width[at]), rng.uniform(0.4, 1.0), rng.uniform(0.2, 0.8))
+        corner = (float(place[at]), rng.uniform(0.0, 1.0 - size[1]), float(top[at]))
+        density = rng.uniform(500.0, 3000.0)
+        made.append(models.box(size, corner, name=f"block-{number}", density=density))
+        top[at] += size[2]
+    assembly = Assembly(tuple(made), np.arange(len(made)) == 0)
+    turn, friction = rng.uniform(0.0, 2.0 * np.pi), float(rng.uniform(0.1, 1.0))
+    axis = (np.cos(turn), np.sin(turn), 0.0)
+    load = LoadCase.tilt(assembly, axis, float(rng.uniform(0.0, 40.0)))
+    return Model.of(assembly, friction=friction, load=load)
+
+
+PILES = 100
+
+
+def piles() -> list[Workload]:
+    """A hundred random piles of ten blocks, one verdict each."""
+    return [
+        Workload(
+            f"piles-{PILES}",
+            "piles",
+            lambda: random_pile(0).assembly,
+            0.0,
+            STANDS,
+            task=Task.PILES,
+            aim_s=0.01 * PILES,
+        )
+    ]
+
+
 def armadillo(path: Path) -> list[Workload]:
     """The Armadillo vault, 399 blocks of which 33 are fixed, from a model file."""
     build: Callable[[], Assembly] = partial(_assembly, path)
@@ -206,7 +247,7 @@ def _assembly(path: Path) -> Assembly:
 
 def workloads(path: Path | None = None) -> dict[str, Workload]:
     """All of them, by name; the Armadillo where its file is given."""
-    found = [*small(), *walls(), *shells(), *limits()]
+    found = [*small(), *piles(), *walls(), *shells(), *limits()]
     if path is not None:
         found = [*armadillo(path), *found]
     return {work.key: work for work in found}

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from drystone.detection import find_contacts as find_contacts
     from drystone.io import read as read
     from drystone.io import write as write
+    from drystone.joint_capacity import JointCapacity as JointCapacity
     from drystone.limits import limit_friction as limit_friction
     from drystone.limits import limit_load as limit_load
     from drystone.limits import limit_shrink as limit_shrink
@@ -42,18 +43,21 @@ if TYPE_CHECKING:
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
+    from drystone.settlement import push as push
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
     from drystone.stability import build_rbe as build_rbe
     from drystone.stability import build_rbe_penalty as build_rbe_penalty
     from drystone.stability import check as check
+    from drystone.stability import check_many as check_many
     from drystone.stability import solve_cra as solve_cra
     from drystone.stability import solve_cra_penalty as solve_cra_penalty
     from drystone.stability import solve_rbe as solve_rbe
     from drystone.view import save_cad as save_cad
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
+    from drystone.view import show as show
 
 __version__ = "0.2.0"
 
@@ -62,6 +66,7 @@ _HOME = {
     "Block": "assembly",
     "CheckOptions": "stability",
     "Contacts": "contacts",
+    "JointCapacity": "joint_capacity",
     "DetectionOptions": "detection",
     "DrystoneError": "base.errors",
     "FormatError": "base.errors",
@@ -77,6 +82,7 @@ _HOME = {
     "build_rbe": "stability",
     "build_rbe_penalty": "stability",
     "check": "stability",
+    "check_many": "stability",
     "diagnose": "design",
     "find_contacts": "detection",
     "limit_friction": "limits",
@@ -85,11 +91,13 @@ _HOME = {
     "limit_thickness": "limits",
     "limit_tilt": "limits",
     "plan": "sequence",
+    "push": "settlement",
     "read": "io",
     "save_cad": "view",
     "save_figure": "view",
     "save_page": "view",
     "settle": "settlement",
+    "show": "view",
     "solve_cra": "stability",
     "solve_cra_penalty": "stability",
     "solve_rbe": "stability",
@@ -97,20 +105,20 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
-_ROOMS = ("design", "limits", "models", "sequence", "settlement", "shells", "view")
+_ROOMS = ("design", "fall", "limits", "models", "sequence", "settlement", "shells", "view")
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)
 
 
-def _thumbnail(value: object) -> str:
+def _beside(value: object) -> str:
     """A small picture of a value as HTML; drawing is loaded when one is asked for."""
-    from drystone.view.web.notebook import thumbnail
+    from drystone.view.web.notebook import beside
 
-    return thumbnail(value)
+    return beside(value)
 
 
-draw_with(_thumbnail)
+draw_with(_beside)
 
 
 def __getattr__(name: str) -> Any:

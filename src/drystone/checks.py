@@ -12,6 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.contacts import Contacts
+from drystone.joint_capacity import NO_LIMIT
 from drystone.model import Model
 from drystone.results import Residuals
 
@@ -21,11 +22,11 @@ blocks that meet there. Less is rounding, and a force there would be prestress. 
 and states of eq. 5.6 that were examined it is 8e-6 or more."""
 
 NEGLIGIBLE = 1e-9
-"""Friction below this share of the forces on a block has no direction worth checking."""
+"""The direction of friction is checked above this share of the forces on a block."""
 
 MOVING = 0.05
-"""Motions of a corner below this share of the largest of its joint count as none where joints that
-turn are told from those that slide. Chosen, for pictures."""
+"""Motions of a corner below this share of the largest of its joint count as zero, to distinguish
+hinges from sliding joints in pictures. Chosen."""
 
 
 def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:
@@ -43,7 +44,7 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
 
 
 def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
-    """Sum of all wrenches (n, 6) on each block about its centroid, and what acts on it (n,).
+    """Sum of all wrenches (n, 6) on each block about its centroid, and the size (n,) of its forces.
 
     Parameters
     ----------
@@ -98,8 +99,10 @@ def check_forces(
     normal = force[:, 0]
     tangential = np.linalg.norm(force[:, 1:], axis=1)
     friction = contacts.friction[contacts.interface]
-    tension = float((np.maximum(0.0, -normal) / local).max())
-    excess = tangential - friction * np.maximum(normal, 0.0)
+    pull, cohesion, shear = contacts.corner_capacity
+    tension = float((np.maximum(0.0, -normal - pull) / local).max())
+    bound = friction * np.maximum(normal, -pull) + cohesion
+    excess = tangential - np.minimum(bound, shear)
     cone = float((np.maximum(0.0, excess) / local).max())
     complementarity = alignment = 0.0
     if displacement is not None:
@@ -115,6 +118,8 @@ def check_forces(
         complementarity = float(
             (np.maximum(0.0, normal) / local * np.maximum(opening, unpressed)).max()
         )
+        pulled = np.maximum(0.0, -normal) / local * (moved[:, 0] <= 0.0)
+        complementarity = max(complementarity, float(pulled.max()))
         slide = np.linalg.norm(moved[:, 1:], axis=1)
         still = slide <= 1e-13 * safe
         direction = moved[:, 1:] / np.where(still, 1.0, slide)[:, None]
@@ -125,23 +130,31 @@ def check_forces(
 
 
 def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
-    """How far a motion is from being a collapse mechanism (Farkas certificate).
+    """Residuals of a motion as a collapse mechanism (Farkas certificate).
 
     Where every corner opens at least as fast as friction times its slide and the loads do work,
     no contact forces can balance the loads. Source: Livesley 1978 for the associated
-    flow rule.
+    flow rule. Joints that pull or cohere resist: the loads must do more work than the most that
+    any admissible forces of these joints can take up (the kinematic theorem). A corner that only
+    slides while its shear is limited need not open.
 
     Returns
     -------
     violation
         Largest ``mu |slide| - opening`` at a corner, by the largest speed of the two blocks there.
     power
-        Work of the loads by the sum of its absolute parts: positive for a proof, at most 1.
+        Work of the loads, less what joints resist, by the sum of its absolute parts: positive for
+        a proof, at most 1.
     """
     assembly, contacts = model.assembly, model.contacts
     moved = corner_motion(assembly, contacts, motion)
     friction = contacts.friction[contacts.interface]
-    short = friction * np.linalg.norm(moved[:, 1:], axis=1) - moved[:, 0]
+    slide = np.linalg.norm(moved[:, 1:], axis=1)
+    pull, cohesion, shear = contacts.corner_capacity
+    short = np.where(shear < NO_LIMIT, 0.0, friction * slide) - moved[:, 0]
+    # joints without limits do not move
+    short = np.where(pull >= NO_LIMIT, np.abs(moved[:, 0]), short)
+    short = np.where(np.minimum(cohesion, shear) >= NO_LIMIT, np.maximum(short, slide), short)
     speed = block_speed(assembly, motion)
     a, b = _corner_blocks(contacts)
     local = np.maximum(speed[a], speed[b])
@@ -149,12 +162,33 @@ def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
     violation = float((np.maximum(0.0, short) / reference).max(initial=0.0))
     free = ~assembly.fixed
     parts = model.load.wrench[free] * motion[free]
-    gross = float(np.abs(parts).sum())
-    return violation, float(parts.sum()) / gross if gross > 0.0 else 0.0
+    resisted = float(_resistance(contacts, np.maximum(moved[:, 0], 0.0), slide).sum())
+    gross = float(np.abs(parts).sum()) + resisted
+    return violation, (float(parts.sum()) - resisted) / gross if gross > 0.0 else 0.0
+
+
+def _resistance(contacts: Contacts, opening: Floats, slide: Floats) -> Floats:
+    """(k,) most power that admissible forces of each corner take up, of one that opens and slides.
+
+    The largest of ``-fn dn + |ft| |dt|``, at the ends of the edges of the admissible set: pulled as
+    far as it can be, and pressed until friction reaches the limit of shear.
+    """
+    pull, cohesion, shear = (np.where(c < NO_LIMIT, c, 0.0) for c in contacts.corner_capacity)
+    bounded = contacts.corner_capacity[2] < NO_LIMIT
+    shear = np.where(bounded, shear, np.inf)
+    friction = contacts.friction[contacts.interface]
+    torn = np.minimum(cohesion - friction * pull, shear)
+    least: Floats = np.where(pull > 0.0, pull * opening, 0.0) + np.where(
+        torn > 0.0, torn * slide, 0.0
+    )
+    pressed = bounded & (shear > cohesion) & (friction > 0.0)
+    shear = np.where(pressed, shear, 0.0)
+    normal = np.where(pressed, shear - cohesion, 0.0) / np.where(friction > 0.0, friction, 1.0)
+    return np.where(pressed, np.maximum(least, shear * slide - normal * opening), least)
 
 
 def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
-    """Where a first motion turns about an edge, and where it slides.
+    """Joints at which a first motion hinges about an edge, and joints at which it slides.
 
     Parameters
     ----------

@@ -17,12 +17,14 @@ from drystone.base.arrays import (
     frozen_floats,
     frozen_ints,
     frozen_points,
+    of_type,
     whole,
 )
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, MissingDependency, counted
 from drystone.base.ragged import Ragged
 from drystone.geometry.plane import polygon
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
 
 if TYPE_CHECKING:
     import networkx
@@ -73,6 +75,8 @@ class Contacts(OneLine):
         with a hole is stored as several interfaces.
     interface : (k,)
         Interface of each corner, ascending.
+    capacity
+        What joints carry beyond friction; ``None`` where all are dry.
 
     Examples
     --------
@@ -90,6 +94,7 @@ class Contacts(OneLine):
     friction: Floats
     point: Floats
     interface: Ints
+    capacity: JointCapacity | None = None
 
     def __post_init__(self) -> None:
         block_a = frozen_ints(self.block_a, (None,), "block_a")
@@ -116,6 +121,10 @@ class Contacts(OneLine):
             raise InputError("an interface joins two different blocks")
         for name, value in checked.items():
             object.__setattr__(self, name, value)
+        if self.capacity is not None:
+            found = of_type(self.capacity, JointCapacity, "the capacity of contacts")
+            if len(found.tension) != m:
+                raise InputError(f"there are {m} interfaces and {len(found.tension)} capacities")
 
     def _summary(self) -> str:
         return f"{counted(self.count, 'interface')}, {counted(self.corner_count, 'corner')}"
@@ -179,6 +188,41 @@ class Contacts(OneLine):
         return frozen(polygon.tributary_areas(self.point, self.start))
 
     @cached_property
+    def corner_capacity(self) -> tuple[Floats, Floats, Floats]:
+        """Largest pull, cohesion and largest shear of each corner, (k,) [N] each.
+
+        A corner has the share of its tributary area. No pull exceeds that at which it slides open.
+        """
+        k = self.corner_count
+        if self.capacity is None:
+            return frozen(np.zeros(k)), frozen(np.zeros(k)), frozen(np.full(k, NO_LIMIT))
+        joint = self.interface
+        weight = np.where(self.area[joint] > 0.0, self.tributary, 1.0)
+        share = weight / self.corners.sum(weight)[joint]
+        given = self.capacity
+        tension, cohesion, shear = (
+            np.where(force[joint] >= NO_LIMIT, NO_LIMIT, force[joint] * share)
+            for force in (given.tension, given.cohesion, given.shear)
+        )
+        friction = self.friction[joint]
+        finite = (friction > 0.0) & (cohesion < NO_LIMIT)
+        opens = np.where(finite, cohesion / np.where(finite, friction, 1.0), np.inf)
+        return frozen(np.minimum(tension, opens)), frozen(cohesion), frozen(shear)
+
+    @cached_property
+    def dry(self) -> Bools:
+        """(m,) interfaces that press and rub only."""
+        if self.capacity is None:
+            return np.ones(self.count, dtype=bool)
+        some = (self.capacity.tension > 0.0) | (self.capacity.cohesion > 0.0)
+        dry: Bools = ~(some | (self.capacity.shear < NO_LIMIT))
+        return dry
+
+    def with_capacity(self, capacity: JointCapacity | None) -> Contacts:
+        """The same interfaces with other capacities; dry ones with ``None``."""
+        return replace(self, capacity=capacity)
+
+    @cached_property
     def centroid(self) -> Floats:
         """(m, 3) [m], mean of each interface's corners, weighted with their tributary area."""
         weight = np.where(self.area[self.interface] > 0.0, self.tributary, 1.0)
@@ -234,9 +278,11 @@ class Contacts(OneLine):
             "interface": (np.cumsum(mask) - 1)[self.interface[keep]],
             "tributary": self.tributary[keep],
         }
+        capacity = None if self.capacity is None else self.capacity.select(mask)
         part = object.__new__(Contacts)
         for name, value in values.items():
             object.__setattr__(part, name, frozen(value))
+        object.__setattr__(part, "capacity", capacity)
         return part
 
     def graph(self) -> networkx.MultiDiGraph:

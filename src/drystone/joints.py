@@ -1,4 +1,4 @@
-"""What holds in every interface: resultant, use of friction and section, pressure, thrust line."""
+"""Results per interface: resultant, utilisation, eccentricity, pressure, thrust line."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from drystone.geometry.plane.pressure import peak_pressure
 from drystone.virtual import joint_sections
 
 LOADED = 1e-9
-"""A joint with less normal force than this share of the largest carries nothing worth a ratio."""
+"""A joint with less normal force than this share of the largest has no ratios."""
 HINGED = 0.99
-"""Share of the way from the centroid to the rim from which a force counts as standing on the rim,
-and share of the friction from which it counts as spent; chosen, as in the page about joints."""
+"""From this share of the distance between centroid and rim on, a force counts as acting on the rim.
+From this share of the friction on, friction counts as fully used. Chosen."""
 
 UNITS = {
     "area": "m2",
@@ -102,11 +102,17 @@ def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
 
 
 def utilisation_of(contacts: Contacts, resultants: Resultants) -> Floats:
-    """Tangential by friction coefficient times normal force (m,); infinite without capacity."""
+    """Tangential by the largest tangential force that the joint can bear (m,); infinite for none.
+
+    That is friction coefficient times normal force, and cohesion, within the limit of shear.
+    """
     normal, tangential = resultants.normal, resultants.tangential
     capacity = contacts.friction * normal
+    if contacts.capacity is not None:
+        bound = np.maximum(capacity + contacts.capacity.cohesion, 0.0)
+        capacity = np.minimum(bound, contacts.capacity.shear)
     least = LOADED * max(float(normal.max(initial=0.0)), 1e-300)
-    loaded = normal > least
+    loaded = (normal > least) | ~contacts.dry
     return frozen(
         np.where(
             loaded & (capacity > 0.0),
@@ -158,14 +164,14 @@ def joint_table(
 
 
 def worst_joints(table: Table, count: int = 10) -> Ints:
-    """Rows of a joint table nearest to sliding or to turning about an edge, worst first."""
+    """Rows of a joint table nearest to sliding or to forming a hinge, worst first."""
     use = np.maximum(table["friction_use"], table["edge_ratio"])
     return np.lexsort((-table["normal"], -use))[:count]
 
 
 @dataclass(frozen=True, eq=False)
 class ThrustLine(OneLine):
-    """Where the force passes from block to block along a row of voussoirs.
+    """The thrust line along a row of voussoirs.
 
     Attributes
     ----------
@@ -173,7 +179,7 @@ class ThrustLine(OneLine):
     point : (s - 1, 3) [m]
         Centre of pressure between each two successive blocks.
     force : (s - 1, 3) [N]
-        What a block exerts on the next one, world axes.
+        The force of each block on the next one, world axes.
     """
 
     blocks: tuple[int, ...]
@@ -205,7 +211,7 @@ def thrust_line(
 
 
 def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
-    """(m,) joints with an area that press along one edge only: the resultant is on the rim."""
+    """Whether each joint (m,) is a hinge: it has an area, and its resultant acts on the rim."""
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
     loaded = resultants.normal > LOADED * max(float(resultants.normal.max(initial=0.0)), 1e-300)
@@ -215,7 +221,7 @@ def hinged(contacts: Contacts, resultants: Resultants) -> Bools:
 
 
 def corner_pressure(contacts: Contacts, force: Floats) -> Floats:
-    """(k,) [Pa], the normal force of each corner by its share of the area; 0 without an area."""
+    """Pressure (k,) [Pa]: normal force of each corner by its share of the area; 0 without area."""
     area = contacts.tributary
     flat: Floats = np.divide(force[:, 0], area, out=np.zeros(len(area)), where=area > 0.0)
     return flat
@@ -225,9 +231,10 @@ def corner_pressure(contacts: Contacts, force: Floats) -> Floats:
 class ForceNetwork(OneLine):
     """Lines along which the normal forces pass through the blocks.
 
-    In every free block a line runs from each pressed joint to the mean of the centres of pressure
-    of the block, weighted with the normal forces. In a row of voussoirs that is the thrust line. A
-    free block with a single pressed joint has a line to its centroid; supports have none.
+    In every free block a line runs from each joint in compression to the mean of the block's
+    centres of pressure, weighted by the normal forces. In a row of voussoirs these lines form the
+    thrust line. A free block with a single joint in compression has a line to its centroid.
+    Supports have no lines.
 
     Attributes
     ----------
@@ -277,12 +284,12 @@ def force_network(assembly: Assembly, contacts: Contacts, resultants: Resultants
 
 
 def chain(assembly: Assembly, contacts: Contacts) -> list[int]:
-    """Blocks of a model in which each touches the next one only, end to end.
+    """Blocks of a model in which each block touches only the previous and the next one.
 
     Raises
     ------
     InputError
-        The blocks branch, close to a ring, or fall into parts.
+        The blocks branch, form a ring, or are not connected.
     """
     neighbours: list[set[int]] = [set() for _ in range(len(assembly))]
     for a, b in zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True):

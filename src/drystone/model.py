@@ -15,6 +15,7 @@ from drystone.base.errors import InputError, counted
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.detection import ContactReport, DetectionOptions, find_contacts
 from drystone.detection.report.block_overlaps import overlap_lines
+from drystone.joint_capacity import JointCapacity
 from drystone.loads import LoadCase
 from drystone.supports import UP, Joints, remarks, select, up_of
 
@@ -171,6 +172,26 @@ class Model(Card):
     def with_friction(self, friction: float | Sequence[float] | Floats) -> Model:
         """The same model with another friction coefficient, one for all interfaces or one each."""
         return self.with_contacts(self.contacts.with_friction(friction))
+
+    def with_capacity(self, capacity: JointCapacity | None) -> Model:
+        """The same model with joints that carry more than friction; dry ones with ``None``."""
+        return self.with_contacts(self.contacts.with_capacity(capacity))
+
+    def require_dry(self, what: str) -> None:
+        """Raise InputError where joints pull or cohere, of an analysis that takes dry joints only.
+
+        Parameters
+        ----------
+        what
+            Name of the analysis.
+        """
+        if not self.contacts.dry.all():
+            i = int(np.argmin(self.contacts.dry))
+            raise InputError(
+                f"{what} takes dry joints only, and interface {i} pulls, coheres or has a limit of "
+                "shear",
+                remedy="ask 'check' or 'solve_rbe', or give model.with_capacity(None)",
+            )
 
     def with_supports(self, supports: str | Sequence[int | str], up: Sequence[float] = UP) -> Model:
         """The same model with exactly these blocks fixed; see :meth:`of`.

@@ -23,6 +23,12 @@ from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.solvers.program import Entries
 
+FULL = 40_000
+"""Entries up to which the equilibrium matrix is multiplied as a full one: timed. The call of a
+sparse product takes longer than the product of a small matrix."""
+UNLIMITED = 1e9
+"""Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
+
 
 @dataclass(frozen=True, eq=False)
 class Statics:
@@ -38,6 +44,9 @@ class Statics:
     tributary : (k,) area by the mean area of a corner
     block_area : (k,) squared size of the smaller of the two blocks, by the same area
     interface : (k,)
+    tension, cohesion, shear : (k,)
+        Largest pull, cohesion and largest shear, :data:`UNLIMITED` at most; see
+        :class:`drystone.JointCapacity`. Zero, zero and without limit for dry joints.
     load : (n, 6) scaled wrench
     mass : (n,) by the mean mass of a free block
     inertia : (n,) radius of gyration squared, by the block's length squared
@@ -56,6 +65,9 @@ class Statics:
     tributary: Floats
     block_area: Floats
     interface: Ints
+    tension: Floats
+    cohesion: Floats
+    shear: Floats
     load: Floats
     mass: Floats
     inertia: Floats
@@ -67,6 +79,11 @@ class Statics:
     def free_count(self) -> int:
         """Number of free blocks, n."""
         return len(self.free)
+
+    @property
+    def dry(self) -> bool:
+        """Whether no joint pulls, coheres or has a limit of shear."""
+        return not (self.tension.any() or self.cohesion.any() or (self.shear < UNLIMITED).any())
 
     @property
     def corner_count(self) -> int:
@@ -121,13 +138,23 @@ class Statics:
 
     def wrench(self, force: Floats) -> Floats:
         """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
+        if self._few is not None:
+            return (force.ravel() @ self._few).reshape(-1, 6)
         result: Floats = (self.matrix @ force.ravel()).reshape(-1, 6)
         return result
 
     def displacement(self, motion: Floats) -> Floats:
         """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
+        if self._few is not None:
+            return (self._few @ motion.ravel()).reshape(-1, 3)
         result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
         return result
+
+    @cached_property
+    def _few(self) -> Floats | None:
+        """A^T as a full matrix, where the model is small."""
+        rows, columns = 3 * self.corner_count, 6 * self.free_count
+        return self.matrix_transposed.toarray() if rows * columns <= FULL else None
 
     def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
         """Wrenches (6 n, c) of unit forces at some corners (c,).
@@ -172,6 +199,9 @@ class Statics:
                 "tributary",
                 "block_area",
                 "interface",
+                "tension",
+                "cohesion",
+                "shear",
             )
         }
         return replace(self, **chosen)
@@ -248,6 +278,8 @@ def build_statics(model: Model) -> Statics:
     mass = assembly.mass[free]
     area = contacts.tributary
     mean_area = float(area.mean()) if contacts.corner_count and area.any() else 1.0
+    capacity = (np.minimum(one / force_unit, UNLIMITED) for one in contacts.corner_capacity)
+    tension, cohesion, shear = capacity
     bounds = assembly.bounds[free]
     extent = bounds[:, 1] - bounds[:, 0]
     return Statics(
@@ -261,6 +293,9 @@ def build_statics(model: Model) -> Statics:
         tributary=area / mean_area,
         block_area=np.minimum(length[of_a], length[of_b]) ** 2 / mean_area,
         interface=contacts.interface,
+        tension=tension,
+        cohesion=cohesion,
+        shear=shear,
         load=scaled,
         mass=mass / mass.mean() if len(free) else mass,
         inertia=(extent**2).sum(axis=1) / (12.0 * size**2),

@@ -1,9 +1,9 @@
-"""Virtual interfaces: the same joints with less room for the force, as new contacts.
+"""Virtual interfaces: joints with a reduced polygon, as new contacts.
 
-Forces at the corners of a smaller polygon keep the centre of pressure within it. Reduced joints
-explore other states of equilibrium: within the kern, at the extrados or the intrados, with a margin
-all around. Where no such state exists, the penalised form of :func:`drystone.solve_rbe` shows which
-joints the thrust leaves.
+Forces at the corners of a smaller polygon keep the centre of pressure inside it. Reduced joints
+describe other states of equilibrium: within the kern, at the extrados or the intrados, or with a
+margin all around. Where no such state exists, :func:`drystone.solve_rbe_penalty` shows the joints
+in which the thrust line leaves the polygon.
 """
 
 from __future__ import annotations
@@ -72,22 +72,22 @@ def shrink(contacts: Contacts, factor: float, interfaces: Choice = None) -> Cont
 
 
 def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice = None) -> Contacts:
-    """Interfaces pressed together against the side that lies farthest along a direction.
+    """Interfaces compressed towards the side that lies farthest along a direction.
 
     Parameters
     ----------
     contacts
     direction : (3,) or (m, 3)
-        One for all, or one for each interface; its part in the plane of the interface counts.
+        One for all, or one for each interface; its component in the plane of the interface counts.
     factor
-        Share of the extent along the direction that is left: 0 keeps the edge only.
+        Remaining share of the extent along the direction: 0 keeps only the edge.
     interfaces
         Which; all when left out.
 
     Raises
     ------
     InputError
-        A direction is normal to an interface that it should move.
+        A direction is normal to one of the chosen interfaces.
     """
     scale = _factor(factor)
     mask = _mask(contacts, interfaces)
@@ -103,7 +103,7 @@ def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice 
         raise InputError(
             "the direction is normal to the interface",
             where=f"interface {lost[0]}",
-            remedy="give one with a part in its plane, or leave the interface out",
+            remedy="give a direction with a component in its plane, or leave the interface out",
         )
     plane /= np.where(length > 0.0, length, 1.0)[:, None]
     along = np.einsum("ki,ki->k", contacts.point, plane[contacts.interface])
@@ -115,7 +115,7 @@ def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice 
 def towards_extrados(
     contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: Choice = None
 ) -> Contacts:
-    """Interfaces pressed against the side far from an axis of curvature; see :func:`shift`.
+    """Interfaces compressed towards the side far from an axis of curvature; see :func:`shift`.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def towards_extrados(
 def towards_intrados(
     contacts: Contacts, centre: Any, axis: Any, factor: float, interfaces: Choice = None
 ) -> Contacts:
-    """Interfaces pressed against the side near an axis of curvature; see above."""
+    """Interfaces compressed towards the side near an axis; see :func:`towards_extrados`."""
     return shift(contacts, -_outwards(contacts, centre, axis), factor, interfaces)
 
 
@@ -148,7 +148,7 @@ def to_point(contacts: Contacts, interfaces: Choice = None) -> Contacts:
 
 
 def to_kern(contacts: Contacts, interfaces: Choice = None) -> Contacts:
-    """Interfaces reduced to their kerns: forces within them press the whole joint."""
+    """Interfaces reduced to their kerns: a force there puts the whole joint in compression."""
     mask = _mask(contacts, interfaces)
     origin, flat = local_corners(contacts)
     loops = [flat[contacts.start[i] : contacts.start[i + 1]] for i in range(contacts.count)]
@@ -184,7 +184,7 @@ def _mask(contacts: Contacts, interfaces: Choice) -> Bools:
 
 
 def _reshaped(contacts: Contacts, point: Floats, interfaces: Choice) -> Contacts:
-    """Chosen interfaces with moved corners; corners that meet are joined, areas follow."""
+    """Contacts with moved corners of the chosen interfaces; coincident corners are merged."""
     mask = _mask(contacts, interfaces)
     kept = np.where(mask[contacts.interface, None], point, contacts.point)
     moved = replace(contacts, point=kept)
@@ -199,7 +199,7 @@ def _reshaped(contacts: Contacts, point: Floats, interfaces: Choice) -> Contacts
 
 
 def _distinct(corners: Floats, least: float) -> Floats:
-    """A loop without repeated corners; a flattened one becomes its two ends, or one point."""
+    """A loop without repeated corners. A loop without area becomes its two ends, or one point."""
     if len(corners) < 2:
         return corners
     spread = corners - corners.mean(axis=0)

@@ -1,4 +1,4 @@
-"""The planner against the exact search, on random heaps of boxes."""
+"""The planner against the exact search, on random piles of boxes."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from drystone.sequence import Plan, PlanOptions, Rules, check_once, plan
 CASES = 50
 
 
-def heap(rng: np.random.Generator, count: int) -> Assembly:
+def pile(rng: np.random.Generator, count: int) -> Assembly:
     """Boxes dropped on top of each other near the middle of a ground."""
     blocks = [box((8.0, 1.0, 0.5), (-4.0, 0.0, -0.5), "ground")]
     lying: list[tuple[float, float, float]] = []
@@ -27,12 +27,12 @@ def heap(rng: np.random.Generator, count: int) -> Assembly:
     return Assembly(tuple(blocks), np.arange(count + 1) == 0)
 
 
-def standing_heaps() -> list[tuple[Assembly, Contacts, Rules]]:
-    """Heaps of 4 to 8 free boxes that stand, half of them to be built with one hand."""
+def standing_piles() -> list[tuple[Assembly, Contacts, Rules]]:
+    """Piles of 4 to 8 free boxes that stand, half of them to be built with one hand."""
     rng = np.random.default_rng(7)
     found: list[tuple[Assembly, Contacts, Rules]] = []
     while len(found) < CASES:
-        assembly = heap(rng, int(rng.integers(4, 9)))
+        assembly = pile(rng, int(rng.integers(4, 9)))
         contacts = find_contacts(assembly, friction=0.6).contacts
         if (
             check_once(Model(assembly, contacts, LoadCase.gravity(assembly))).verdict.value
@@ -55,7 +55,7 @@ def pairs() -> list[tuple[Plan, Plan]]:
             plan(Model(assembly, contacts), options=PlanOptions(rules=rules, exact=exact))
             for exact in (False, True)
         )
-        for assembly, contacts, rules in standing_heaps()
+        for assembly, contacts, rules in standing_piles()
     ]  # type: ignore[misc]
 
 
@@ -67,7 +67,7 @@ def test_the_planner_holds_as_few_blocks_as_the_best_order(pairs):
     assert [together(quick) for quick, _ in pairs] == [together(best) for _, best in pairs]
 
 
-def test_some_of_the_heaps_need_props_and_most_do_not(pairs):
+def test_some_of_the_piles_need_props_and_most_do_not(pairs):
     needing = sum(bool(best.props) for _, best in pairs)
     assert 5 <= needing <= CASES - 20
 

@@ -14,7 +14,7 @@ SHELLS = {
     "freeform": lambda: sample_shell("freeform", 40),
     "form-found": lambda: sample_shell("form-found", 40),
     "keyed bed joints": lambda: build_shell(
-        barrel_vault(), Layout(courses=10, blocks=4), Body(register_deg=20.0)
+        barrel_vault(), Layout(courses=10, blocks=4), Body(joggle_deg=20.0)
     ),
     "keystone": lambda: build_shell(dome(keystone=True), Layout(courses=6, blocks=12)),
     "fixed springers": lambda: build_shell(

@@ -72,7 +72,7 @@ def test_pressure_pushes_against_a_face_chosen_by_number() -> None:
     ("options", "words"),
     [
         ({"faces": [6]}, "numbered 0 to 5"),
-        ({"facing": (1.0, 1.0, 1.0)}, "no face looks that way"),
+        ({"facing": (1.0, 1.0, 1.0)}, "no face has this direction"),
         ({"faces": [0], "facing": (0.0, 0.0, 1.0)}, "chosen twice"),
         ({"facing": (0.0, 0.0, 0.0)}, "facing is zero"),
     ],

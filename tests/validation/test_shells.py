@@ -116,7 +116,7 @@ def test_a_hooked_dome_is_concave_and_stands():
     shell = build_shell(
         SHELLS["dome"].shape,
         Layout(courses=5, blocks=8),
-        Body(thickness=0.4, register_deg=12.0),
+        Body(thickness=0.4, joggle_deg=12.0),
     )
     found = find_contacts(shell.assembly, options=TIGHTEST)
     assert found.report.overlaps == ()
@@ -160,7 +160,7 @@ def test_the_larger_the_wedge_the_farther_a_block_leans(wedge, angle):
 
 
 def test_no_point_lies_in_two_blocks(kind):
-    """Points drawn in every block and just inside its corners, judged by their solid angles.
+    """Points drawn in every block and just inside its corners, tested by their solid angles.
 
     Independent of how the depth of one block in another is found.
     """

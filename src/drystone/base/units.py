@@ -1,4 +1,4 @@
-"""Units: of length in files, of what people type, and of what they read. Inside, all is SI."""
+"""Units of lengths in files, of user input and of output. Inside, all values are SI."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 """Metres per unit. Source: international yard and pound agreement 1959 for inch and foot."""
 FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6}
 MOMENTS = {"Nm": 1.0, "kNm": 1e3, "MNm": 1e6}
+PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 MASSES = {"g": 1e-3, "kg": 1.0, "t": 1e3}
 ANGLES = ("deg", "°")
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"))

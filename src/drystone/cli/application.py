@@ -17,16 +17,20 @@ import click
 
 from drystone.base.errors import DrystoneError
 from drystone.cli.analysis.check_command import check
+from drystone.cli.analysis.fall_command import fall
 from drystone.cli.analysis.limit_commands import friction, load, shrink, tilt
 from drystone.cli.analysis.limit_models import imperfections, thickness
+from drystone.cli.analysis.push_command import push
 from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, Command, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
+from drystone.cli.design.shape_command import shape
 from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
+from drystone.cli.design.tune_command import tune
 from drystone.cli.files.convert_command import convert
 from drystone.cli.files.demo_command import demo
 from drystone.cli.files.inspect_command import inspect
@@ -97,6 +101,7 @@ COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
     demo,
+    fall,
     inspect,
     limit,
     live,
@@ -104,10 +109,13 @@ COMMANDS: tuple[click.Command, ...] = (
     mend,
     models,
     plan,
+    push,
     reproduce,
     settle,
+    shape,
     sharpen,
     shell,
+    tune,
 )
 app = _group(
     "drystone",

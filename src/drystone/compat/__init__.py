@@ -1,4 +1,4 @@
-"""Other packages' objects in and out, and their functions under their own names."""
+"""Conversion of COMPAS objects, and the functions of compas_cra under their own names."""
 
 from drystone.compat.compas import from_compas, to_compas
 

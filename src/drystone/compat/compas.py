@@ -1,7 +1,8 @@
-"""Assemblies of compas_assembly and block models of compcontents_of and compas_dem, in and out.
+"""Conversion from and to assemblies of compas_assembly and models of compas_model.
 
-Objects are asked for what they are, by the attributes that their packages document; nothing of
-COMPAS is imported to read them. To make them, the packages must be installed (extra ``compas``).
+The ``BlockModel`` of compas_dem is a model of compas_model. Objects are recognised by the
+attributes that their packages document. Reading them does not import COMPAS. Making them needs the
+packages (extra ``compas``).
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ class CompasKind(enum.Enum):
     ASSEMBLY = "compas_assembly"
     """An ``Assembly`` of compas_assembly."""
     BLOCK_MODEL = "compas_dem"
-    """A ``BlockModel`` of compas_dem, which is a ``Model`` of compcontents_of."""
+    """A ``BlockModel`` of compas_dem, which is a ``Model`` of compas_model."""
 
 
 def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
@@ -45,9 +46,9 @@ def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
     ----------
     obj
         An ``Assembly`` of compas_assembly or of a class derived from it; a ``Model`` of
-        compcontents_of, such as the ``BlockModel`` of compas_dem. It is not changed.
+        compas_model, such as the ``BlockModel`` of compas_dem. It is not changed.
     friction
-        Of all contacts: COMPAS keeps none with them.
+        Of all contacts: COMPAS objects do not store it.
 
     Returns
     -------
@@ -58,7 +59,7 @@ def from_compas(obj: Any, *, friction: float = DEFAULT_FRICTION) -> Contents:
     Raises
     ------
     InputError
-        Neither of the two, or a block that cannot be used.
+        Another type, or a block that cannot be used.
     """
     if hasattr(obj, "node_block"):
         return _from_assembly(obj, friction)
@@ -105,7 +106,7 @@ def _is_mesh(geometry: Any) -> bool:
 
 
 def block_of(mesh: Any, name: str, density: float | None = None) -> Block:
-    """The block that a COMPAS mesh bounds; its ``density`` attribute holds where none is given.
+    """The block of a COMPAS mesh; its ``density`` attribute is used if none is given.
 
     Raises
     ------
@@ -141,7 +142,7 @@ def _contacts(graph: Any, nodes: list[Any], key: str, friction: float) -> Contac
 
 
 def interface_frame(stored: Any, points: Floats) -> Floats:
-    """Rows n, u, v of a stored interface; its own frame where that spans a plane."""
+    """Rows n, u, v of a stored interface; a frame from its points if its own is not valid."""
     frame = frame_of(np.array(list(stored.frame.xaxis)), np.array(list(stored.frame.yaxis)))
     if frame is not None:
         return frame
@@ -159,7 +160,7 @@ def to_compas(
     Parameters
     ----------
     model
-        A result brings its contacts and its corner forces [N].
+        A result also gives its contacts and its corner forces [N].
     kind
 
     Raises
@@ -176,7 +177,7 @@ def to_compas(
 
 
 def _packages(content: Any) -> set[str]:
-    """Packages whose classes the content names."""
+    """Names of the packages whose classes occur in the content."""
     if isinstance(content, dict):
         own = {content["dtype"].partition(".")[0]} if "dtype" in content else set()
         return own.union(*(_packages(value) for value in content.values()))

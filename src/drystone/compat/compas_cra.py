@@ -1,4 +1,4 @@
-"""The functions of compas_cra by their own names, on its own assemblies, solved by drystone.
+"""The functions of compas_cra under their own names, on its assemblies, solved by drystone.
 
 Change one import line::
 
@@ -6,8 +6,8 @@ Change one import line::
 
 Assemblies are changed as compas_cra 0.8 changes them: interfaces are added to the edges, corner
 forces are written to ``interface.forces``, displacements to the nodes. An assembly that does not
-stand raises ``ValueError``. Weights are volume times density, gravity being one, as there. What
-would be printed goes to the log of this module.
+stand raises ``ValueError``. Weights are volume times density with a gravity of one, as in
+compas_cra. Messages go to the log of this module.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from drystone.stability import (
 _log = logging.getLogger(__name__)
 
 WIDEST_GAP = 0.25
-"""Largest gap asked of the contact search, relative to the block size, chosen: blocks must not be
-joined across each other however large ``tmax`` is."""
+"""Largest gap of the contact search, relative to the block size, for any ``tmax``. Chosen: contacts
+must not reach through blocks."""
 
 
 def assembly_interfaces_numpy(
@@ -52,10 +52,10 @@ def assembly_interfaces_numpy(
     assembly
         ``CRA_Assembly``; changed in place.
     nmax
-        Not needed: all neighbours are looked at.
+        Not used: all neighbours are searched.
     tmax : [m]
-        Faces this far apart still touch, or further where the default of
-        :class:`drystone.DetectionOptions` says so.
+        Largest distance of faces that touch. The default of :class:`drystone.DetectionOptions` is
+        used if it is larger.
     amin : [m2]
         Smallest area of an interface.
 
@@ -68,7 +68,7 @@ def assembly_interfaces_numpy(
     size = float(np.median(np.cbrt(ours.volume)))
     gap = min(max(DetectionOptions().gap, float(tmax) / size), WIDEST_GAP)
     contacts = find_contacts(ours, options=DetectionOptions(gap=gap)).contacts
-    frame_type: Any = importlib.import_module("compas.geometry").Frame  # there, as the assembly is
+    frame_type: Any = importlib.import_module("compas.geometry").Frame  # installed
     known = {frozenset(edge) for edge in assembly.graph.edges()}
     for i in np.flatnonzero(contacts.area >= amin).tolist():
         a, b = int(contacts.block_a[i]), int(contacts.block_b[i])
@@ -103,7 +103,7 @@ def rbe_solve(
     density
         Where a block has no density of its own.
     verbose, timer
-        Tell the log more.
+        Write more to the log.
 
     Returns
     -------
@@ -128,10 +128,10 @@ def cra_solve(
     verbose: bool = False,
     timer: bool = False,
 ) -> Any:
-    """Forces and displacements that fit together.
+    """Compatible forces and displacements.
 
-    Where it stands but no state with equal overlaps is found within ``d_bnd``, the state that was
-    found is written, and that is logged.
+    If no state with equal overlaps is found within ``d_bnd``, another rest state is written, with a
+    line in the log.
 
     Parameters
     ----------
@@ -141,10 +141,10 @@ def cra_solve(
     density
         Where a block has no density of its own.
     d_bnd, eps
-        Bound of the displacements, and the overlap; only their ratio matters for the answer.
-        Without an overlap displacements are written such that the largest is ``d_bnd``.
+        Bound of the displacements, and the overlap. Only their ratio changes the answer. With a
+        zero overlap the displacements are scaled so that the largest is ``d_bnd``.
     verbose, timer
-        Tell the log more.
+        Write more to the log.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def cra_solve(
     Raises
     ------
     ValueError
-        It does not stand, or that could not be decided.
+        The assembly does not stand, or this is undecided.
     """
     options = CRAOptions(slide_limit=d_bnd / eps if eps > 0.0 else float("inf"))
     solve = partial(solve_cra, options=options)
@@ -172,14 +172,14 @@ def cra_penalty_solve(
     verbose: bool = False,
     timer: bool = False,
 ) -> Any:
-    """As :func:`cra_solve`, with tension where it does not stand: this one always answers.
+    """As :func:`cra_solve`, with tension where the assembly does not stand.
 
     Parameters
     ----------
     assembly
         Changed in place: ``interface.forces`` (``c_nn`` is tension) and ``displacement``.
     mu, density, d_bnd, eps, verbose, timer
-        As there.
+        As in :func:`cra_solve`.
 
     Returns
     -------
@@ -195,14 +195,14 @@ def cra_penalty_solve(
 
 
 def density_setup(assembly: Any, density: Mapping[Any, float]) -> None:
-    """Give blocks a density of their own, by node.
+    """Give blocks a density, by node.
 
     Parameters
     ----------
     assembly
         Changed in place.
     density
-        Nodes that are not named keep theirs.
+        Other nodes keep their density.
     """
     for node in assembly.graph.nodes():
         if node in density:
@@ -217,7 +217,7 @@ def _solved(
     verbose: bool,
     timer: bool,
 ) -> tuple[Taken, Result]:
-    """The assembly as ours and what a solver says of it, which is logged."""
+    """The converted assembly and the result of a solver, with log messages."""
     read = taken(assembly, mu, density)
     begin = time.perf_counter()
     result = solve(Model(read.assembly, read.contacts, LoadCase.gravity(read.assembly, 1.0)))

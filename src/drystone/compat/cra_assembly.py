@@ -1,4 +1,4 @@
-"""Assemblies of compas_cra: read as ours, and changed as compas_cra changes them."""
+"""Conversion of assemblies of compas_cra, and results written as compas_cra writes them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drystone.results import Result
 
 @dataclass(frozen=True)
 class Taken:
-    """A COMPAS assembly as ours, and the way back."""
+    """A converted COMPAS assembly, with the references needed to write results back."""
 
     assembly: Assembly
     contacts: Contacts
@@ -75,7 +75,7 @@ def write_back(
     read
     result
     scale
-        Overlap of pressed corners, or largest displacement where that is zero.
+        Overlap of corners in compression, or the largest displacement if the overlap is zero.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def write_back(
 
 
 def _factor(eps: float, d_bnd: float, read: Taken, result: Result) -> float:
-    """By how much displacements grow for pressed corners to overlap by ``eps``."""
+    """The factor on displacements with which corners in compression overlap by ``eps``."""
     if result.force is None or result.displacement is None:
         return 1.0
     moved = corner_motion(read.assembly, read.contacts, result.displacement)

@@ -1,4 +1,4 @@
-"""From an assembly to its contacts, with a report of what was found, left out and why."""
+"""The contacts of an assembly, with a report of what was found and what was left out."""
 
 from drystone.detection.detection_options import DetectionOptions, EdgeContacts
 from drystone.detection.find import Detection, find_contacts, find_overlaps

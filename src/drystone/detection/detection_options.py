@@ -1,4 +1,4 @@
-"""What counts as touching: every tolerance of the contact search, in one place."""
+"""The tolerances of the contact search."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 
 LARGEST = {"gap": 0.5, "angle": 45.0, "warp": 0.5, "sliver": 0.5, "merge": 1.0, "search": 0.5}
-"""The largest value of each tolerance, chosen: beyond, blocks join across each other."""
+"""The largest value of each tolerance. Chosen: with larger values, contacts reach through
+blocks."""
 
 
 class EdgeContacts(StrEnum):
-    """For which blocks contacts along an edge or in a corner are looked for.
+    """Which blocks are searched for contacts along an edge or at a corner.
 
     Attributes
     ----------
     ISOLATED
-        For blocks that touch nothing with a face: a block that stands on an edge or a corner.
+        Blocks without a face contact, such as a block that stands on an edge or a corner.
     ALWAYS
-        For every pair of blocks that shares no face contact.
+        Every pair of blocks without a face contact.
     NEVER
         Face contacts only.
     """
@@ -34,34 +35,34 @@ class EdgeContacts(StrEnum):
 class DetectionOptions(Options):
     """Tolerances, dimensionless; lengths are relative to the local block size.
 
-    The size of a block is six times its volume over its surface, the edge of a cube; of two blocks
-    the smaller counts. So thin slabs and small stones have small tolerances.
+    The size of a block is 6 V / A with its volume V and its surface A: for a cube, the edge. Of two
+    blocks the smaller size counts. So thin slabs and small stones have small tolerances.
 
     Parameters
     ----------
     gap
-        Faces this far apart, or this deep in each other, still touch. Where faces are warped or
-        approximate a curve, their own deviation from the plane is granted on top of it. The default
-        lies on the plateau of the models that it was chosen on: their numbers of interfaces are the
-        same from 1e-5 to 0.02 (see :func:`drystone.detection.gap_sweep`).
+        Faces touch up to this distance or this overlap. For faces that are warped or approximate a
+        curve, their deviation from the plane is added. The default lies on a plateau: in the models
+        on which it was chosen, the number of interfaces is the same from 1e-5 to 0.02 (see
+        :func:`drystone.detection.gap_sweep`).
     angle : [deg]
-        Largest angle between two faces that touch. Warp and curvature are granted on top of it.
+        Largest angle between two faces that touch. The angles due to warp and curvature are added.
     warp
-        Faces farther from planar than this share of the block size join nothing.
+        Faces that deviate from a plane by more than this share of the block size have no contacts.
     sliver
         Overlaps narrower than this (twice the area over the perimeter) are dropped.
     merge
         Interfaces narrower than this share of a neighbour of the same two blocks are merged into
-        it, where a curved joint is meshed differently on its two sides.
+        it. They occur where a curved joint is meshed differently on its two sides.
     search
-        Pairs up to this far apart are reported as near misses, with the gap that would join them.
+        Pairs up to this distance are reported as near misses, with the gap that would join them.
     edges
-        When to look for contacts along edges and in corners.
+        When to search for contacts along edges and at corners.
 
     Raises
     ------
     InputError
-        A tolerance is negative, not finite or so large that blocks join across each other.
+        A tolerance is negative, not finite or too large.
     """
 
     gap: float = 0.005

@@ -1,4 +1,4 @@
-"""From an assembly to its contacts, and a report of how they came about."""
+"""The contacts of an assembly, with a report of the search."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drystone.detection.freeform.shortfall import Shortfall, shortfalls
 from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.contact_report import ContactReport
 from drystone.detection.report.edgemisses import edge_misses
-from drystone.detection.report.misses import dropped, judge, misses
+from drystone.detection.report.misses import compare_with_tolerances, dropped, misses
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import (
     Pairs,
@@ -36,12 +36,12 @@ from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.mend.coincidence import duplicates
 
 SAME = 1e-6
-"""Blocks whose vertices agree within this share of their size are one block twice."""
+"""Blocks whose vertices agree within this share of their size are duplicates."""
 
 
 @dataclass(frozen=True)
 class Detection(Card):
-    """Contacts, and how they came about.
+    """Contacts, with a report of the search.
 
     Attributes
     ----------
@@ -67,10 +67,10 @@ def find_contacts(
 ) -> Detection:
     """The planar interfaces at which the blocks of an assembly touch.
 
-    Faces touch when they look at each other, are near each other, and share an area in projection;
-    see :class:`DetectionOptions` for the tolerances. Every connected piece of shared area is an
-    interface of its own, in the plane halfway between the faces; an area with a hole is
-    cut into several. Interfaces are ordered by their blocks (``block_a < block_b``) and faces.
+    Two faces touch when they face each other, are near each other, and share an area in projection;
+    see :class:`DetectionOptions` for the tolerances. Every connected piece of shared area is one
+    interface, in the plane halfway between the faces. An area with a hole is cut into several
+    interfaces. Interfaces are ordered by their blocks (``block_a < block_b``) and faces.
 
     Parameters
     ----------
@@ -87,8 +87,8 @@ def find_contacts(
 
     Notes
     -----
-    The result does not depend on units, place or rotation, nor, up to order, on numbering.
-    Time and memory grow as the number of faces.
+    The result does not depend on units, position or rotation. Numbering changes its order only.
+    Time and memory are proportional to the number of faces.
 
     Examples
     --------
@@ -127,30 +127,30 @@ def find_contacts(
 def _face_contacts(
     patches: Patches, pairs: Pairs, options: DetectionOptions
 ) -> tuple[Interfaces, list[Missed], tuple[Shortfall, ...]]:
-    """Interfaces with an area, near misses, and what curved joints lack."""
+    """Interfaces with an area, near misses, and missing area of curved joints."""
     f, g = facing_patches(patches, pairs, options)
     order = np.lexsort((g, f, patches.owner[g], patches.owner[f]))
     planes = planes_between(patches, f[order], g[order])
     shared = overlaps(patches, planes)
-    judgement = judge(patches, planes, shared, options)
-    near = within(shared.select(judgement.accepted), planes, judgement.tolerance)
+    checked = compare_with_tolerances(patches, planes, shared, options)
+    near = within(shared.select(checked.accepted), planes, checked.tolerance)
     wide = widths(near) > options.sliver * planes.size[near.row]
     wide &= ~negligible(patches, planes, near)
     touching = near.select(wide)
     found, hidden = uncovered(patches, planes, touching)
     missed = [
-        *misses(patches, planes, shared, found, judgement, options),
+        *misses(patches, planes, shared, found, checked, options),
         *dropped(patches, planes, near.select(~wide), found, Reason.SLIVER),
         *dropped(patches, planes, touching.select(hidden[touching.row]), found, Reason.HIDDEN),
     ]
-    short = shortfalls(patches, planes, shared, found, judgement, options)
-    return from_pieces(patches, planes, found, judgement.partial), missed, short
+    short = shortfalls(patches, planes, shared, found, checked, options)
+    return from_pieces(patches, planes, found, checked.partial), missed, short
 
 
 def _pairs_for_edges(
     patches: Patches, pairs: Pairs, found: Interfaces, options: DetectionOptions
 ) -> Pairs:
-    """Near pairs for which contacts along edges and in corners are looked for."""
+    """Near pairs that are searched for contacts along edges and at corners."""
     a, b = pairs
     count = len(patches.size)
     apart = ~np.isin(a * count + b, found.block_a * count + found.block_b)
@@ -164,7 +164,7 @@ def _pairs_for_edges(
 
 
 def _less(pairs: Pairs, known: set[tuple[int, int]]) -> Pairs:
-    """The pairs of which nothing is known yet."""
+    """The pairs that are not in ``known``."""
     a, b = pairs
     couples = zip(a.tolist(), b.tolist(), strict=True)
     keep = np.array([couple not in known for couple in couples], dtype=bool)
@@ -217,9 +217,9 @@ def _report(
 def find_overlaps(
     assembly: Assembly, options: DetectionOptions | None = None
 ) -> tuple[Overlap, ...]:
-    """Pairs of blocks that are deeper in each other than the tolerances allow.
+    """Pairs of blocks that overlap deeper than the tolerances allow.
 
-    :func:`find_contacts` reports them too; this is for contacts that come from elsewhere.
+    :func:`find_contacts` reports them too. Use this function for contacts from another source.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def _overlaps(
 
 
 def _parts(assembly: Assembly, patches: Patches) -> tuple[tuple[int, int], ...]:
-    """Blocks of several separate parts, and how many."""
+    """Blocks that consist of separate parts, and the number of parts."""
     counts = []
     for i in np.flatnonzero(~patches.one_surface).tolist():
         block = assembly.blocks[i]
@@ -263,7 +263,7 @@ def _parts(assembly: Assembly, patches: Patches) -> tuple[tuple[int, int], ...]:
 
 
 def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tuple[int, int], ...]:
-    """Pairs of blocks with the same vertices; only those with the same box are compared."""
+    """Pairs of blocks with the same vertices; only blocks with the same box are compared."""
     a, b = pairs
     low, high = block_boxes(patches)
     apart = np.maximum(np.abs(low[a] - low[b]), np.abs(high[a] - high[b])).max(axis=1)

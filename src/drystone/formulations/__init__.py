@@ -1,1 +1,1 @@
-"""From blocks and contacts to numerical problems, and back."""
+"""Numerical problems from blocks and contacts, and the conversion of their solutions."""

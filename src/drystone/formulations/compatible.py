@@ -1,12 +1,12 @@
-"""Forces that agree with a given motion, and a motion that agrees with given forces.
+"""Forces compatible with a given motion, and a motion compatible with given forces.
 
-Coupled rigid-block analysis asks for corner forces in equilibrium and block motions q such that a
-corner presses only where it closes, and friction acts only against its slide (Kao et al. 2022,
-eq. 5.6). For a given motion the forces solve a convex program. For given forces the motion does.
-:mod:`drystone.formulations.improvement` solves both in turn.
+Coupled rigid-block analysis needs corner forces in equilibrium and block motions q such that a
+corner is in compression only where it closes, and friction acts only against its slide (Kao et al.
+2022, eq. 5.6). For a given motion the forces are the solution of a convex program; for given forces
+the motion is. :mod:`drystone.formulations.improvement` solves both alternately.
 
-A pressed corner has two unknowns. They are the factors, >= 0, of a straight force ``n`` and of a
-force at the limit of friction against the unit slide t, ``n - mu t``.
+A corner in compression has two unknowns, both >= 0: the factor of the normal force ``n``, and the
+factor of ``n - mu t``, a force at the friction limit against the unit slide t.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ NORMAL = np.array([1.0, 0.0, 0.0])
 """Local direction of a normal force."""
 
 PRESSED = 1e-3
-"""Least overlap of a pressed corner, by the largest displacement. The source bounds slides by eta =
-10 to 1000 overlaps. A force at a smaller overlap would in effect be prestress."""
+"""Least overlap of a corner in compression, relative to the largest displacement. The source bounds
+slides by eta = 10 to 1000 overlaps. A force at a smaller overlap would in effect be prestress."""
 
 DENSE = 40_000
-"""Entries up to which forces are found by an active set on the dense matrix. It ends at exact
-zeros. Measured against an interior point: two to four times as fast at 7,000 to 20,000 entries;
-from 60,000 on either may be faster."""
+"""Largest number of matrix entries for an active-set method on the dense matrix, which gives exact
+zeros. Measured against an interior-point method: two to four times as fast with 7,000 to 20,000
+entries; from 60,000 entries on either may be faster."""
 
 
 def compatible_forces(
@@ -39,7 +39,7 @@ def compatible_forces(
     *,
     pressing: Bools | None = None,
 ) -> tuple[Floats, float]:
-    """Forces that agree with a motion and leave the least load unbalanced.
+    """Forces compatible with a motion that leave the least load unbalanced.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def compatible_forces(
 
 
 def compatible_motion(statics: Statics, force: Floats) -> Floats | None:
-    """The motion (n, 6) that agrees best with given forces; None if the program fails.
+    """The motion (n, 6) most compatible with given forces; None if the program fails.
 
     Loaded corners overlap by 1 or more. Slides are opposite to the friction forces as nearly as the
     blocks allow.
@@ -125,9 +125,9 @@ def _nonnegative(matrix: sparse.csc_matrix, right: Floats) -> Floats | None:
     if rows * columns <= DENSE:
         try:
             return np.asarray(optimize.nnls(matrix.toarray(), right)[0])
-        except RuntimeError:  # the active set cycles now and then; the interior point does not
+        except RuntimeError:  # the active-set method may cycle; the interior-point method does not
             pass
-    # the residual is an unknown of its own: the program stays sparse
+    # the residual is a separate unknown, so the program stays sparse
     program = ProgramBuilder()
     factor = program.variable("factor", columns, quadratic=1e-9)
     rest = program.variable("rest", rows, quadratic=1.0)
@@ -140,7 +140,7 @@ def _nonnegative(matrix: sparse.csc_matrix, right: Floats) -> Floats | None:
 
 
 def _refined(matrix: sparse.csc_matrix, right: Floats, factor: Floats) -> Floats:
-    """The same factors, their last digits corrected by least squares."""
+    """The factors with their last digits corrected by least squares."""
     active = factor > 1e-7 * factor.max(initial=0.0)
     kept = np.where(active, factor, 0.0)
     rest = right - matrix @ kept

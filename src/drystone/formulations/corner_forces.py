@@ -1,4 +1,4 @@
-"""Corner forces as unknowns of a convex program: equilibrium, no pull, and friction as rows."""
+"""Corner forces as unknowns of a convex program: equilibrium, no tension, friction."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.solvers.program import ProgramBuilder, Term, Variable
-from drystone.statics import Statics
+from drystone.statics import UNLIMITED, Statics
 
 SLIPPERY = 0.01
-"""Below this friction coefficient, rows of their own say that a corner cannot pull: the exact cone
-says so with a tolerance on mu times the normal force. Chosen, so that a tolerance on the cone is at
-most a hundred times itself on the normal force."""
+"""Below this friction coefficient, separate rows exclude tension: the exact cone limits mu times
+the normal force with a tolerance. Chosen: the tolerance on the normal force is at most a hundred
+times the tolerance on the cone."""
 
 
 class FrictionRule(enum.Enum):
@@ -27,7 +27,7 @@ class FrictionRule(enum.Enum):
     PLUS = "friction+"
     """Compression only: always feasible."""
     NET = "friction-net"
-    """Compression less tension: may be infeasible."""
+    """Compression minus tension: may be infeasible."""
 
 
 @dataclass(frozen=True)
@@ -41,14 +41,14 @@ class FrictionCone(Options):
     circumscribed
         Pyramid around the cone (claims of impossibility) or inside it (claims of equilibrium).
     local
-        Coefficient at single corners, where that of the interface bounds the resultant of the whole
-        interface only: a corner may then use more friction than its own pressure allows, on account
-        of its neighbours. ``None``: every corner obeys the coefficient of the interface.
+        Friction coefficient of single corners. The coefficient of the interface then bounds only
+        the resultant of the whole interface, so a corner may use more friction than its own normal
+        force allows. ``None``: every corner has the coefficient of the interface.
 
     Notes
     -----
-    ``FrictionCone.octagon()`` is the eight-sided circumscribed pyramid of the source: it grants up
-    to 1 / cos(22.5 deg) - 1 = 8.2 % more friction than the coefficient says.
+    ``FrictionCone.octagon()`` is the eight-sided circumscribed pyramid of the source: it allows up
+    to 1 / cos(22.5 deg) - 1 = 8.2 % more friction than the coefficient.
     """
 
     sides: int = 0
@@ -64,12 +64,12 @@ class FrictionCone(Options):
 
     @classmethod
     def exact(cls) -> FrictionCone:
-        """The Coulomb cone itself."""
+        """The exact Coulomb cone."""
         return cls(0)
 
     @classmethod
     def octagon(cls) -> FrictionCone:
-        """Eight sides, circumscribed: for reproducing published figures."""
+        """Eight sides, circumscribed, to reproduce published figures."""
         return cls(8, circumscribed=True)
 
     def directions(self) -> tuple[Floats, float]:
@@ -88,9 +88,9 @@ class CornerForces:
     force
         (k, 3) in local n, u, v; its normal part is compression.
     tension
-        (k,) subtracted from the normal part, where a pull is allowed.
+        (k,) subtracted from the normal part, where tension is allowed.
     length
-        (k,) bound on the length of the friction force, where that has a price.
+        (k,) bound on the length of the friction force, where it has a cost.
     rule
     """
 
@@ -100,7 +100,7 @@ class CornerForces:
     rule: FrictionRule = FrictionRule.PLUS
 
     def wrench(self, statics: Statics) -> list[Term]:
-        """What the corners exert on the blocks."""
+        """The terms of the corner forces in the equilibrium of the blocks."""
         terms: list[Term] = [(self.force, statics.matrix)]
         if self.tension is not None:
             terms.append((self.tension, -statics.matrix_by_column[:, ::3]))
@@ -108,7 +108,7 @@ class CornerForces:
 
     @property
     def bearing(self) -> list[tuple[Variable, Floats]]:
-        """The normal force of a corner that carries friction, as shares of its unknowns."""
+        """The normal force that carries friction, as factors of the unknowns."""
         shares = [(self.force, np.array([1.0, 0.0, 0.0]))]
         if self.tension is not None and self.rule is FrictionRule.NET:
             shares.append((self.tension, np.array([-1.0])))
@@ -134,32 +134,65 @@ def add_corner_forces(
 def add_contact_rows(
     program: ProgramBuilder, statics: Statics, cone: FrictionCone, unknowns: CornerForces
 ) -> None:
-    """Rows that say that corners do not pull and stay within friction."""
+    """Rows that exclude tension and limit friction."""
     k = statics.corner_count
     one = sparse.identity(k, format="csr")
-    pull = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]]))
+    pull = sparse.kron(one, np.array([[-1.0, 0.0, 0.0]])).tocsr()
     at_corner = statics.friction if cone.local is None else np.full(k, cone.local)
-    slippery = np.flatnonzero(at_corner < SLIPPERY)
-    if unknowns.tension is not None or cone.sides:
-        program.at_most("no pull", np.zeros(k), (unknowns.force, pull))
-    elif len(slippery):
-        program.at_most(
-            "no pull", np.zeros(len(slippery)), (unknowns.force, pull.tocsr()[slippery])
-        )
+    bounded = np.ones(k, dtype=bool)
+    if unknowns.tension is None and not cone.sides:  # the exact cone of a dry corner says it
+        bounded = (at_corner < SLIPPERY) | (statics.cohesion > 0.0)
+    bounded &= statics.tension < UNLIMITED
+    if bounded.any():
+        program.at_most("no pull", statics.tension[bounded], (unknowns.force, pull[bounded]))
     if unknowns.tension is not None:
         program.at_most("tension", np.zeros(k), (unknowns.tension, -1.0))
     if unknowns.length is not None:
         length = [(unknowns.length, np.ones(1))]
         around = replace(cone, circumscribed=True)
         _bounded(program, "length of friction", unknowns.force, one, np.ones(k), length, around)
-    bearing = unknowns.bearing
-    _bounded(program, "friction", unknowns.force, one, at_corner, bearing, cone)
+    bearing, cohesion = unknowns.bearing, statics.cohesion
+    holds = cohesion < UNLIMITED
+    rows = one[holds]
+    _bounded(
+        program,
+        "friction",
+        unknowns.force,
+        rows,
+        at_corner[holds],
+        bearing,
+        cone,
+        constant=cohesion[holds],
+    )
+    limited = statics.shear < UNLIMITED
+    if limited.any():
+        rows, most = one[limited], statics.shear[limited]
+        _bounded(
+            program,
+            "shear",
+            unknowns.force,
+            rows,
+            np.zeros(len(most)),
+            bearing,
+            cone,
+            constant=most,
+        )
     if cone.local is not None and k:
         joints, first = np.unique(statics.interface, return_index=True)
         row = np.searchsorted(joints, statics.interface)
         together = sparse.csr_matrix((np.ones(k), (row, np.arange(k))), shape=(len(joints), k))
         whole = statics.friction[first]
-        _bounded(program, "friction of joints", unknowns.force, together, whole, bearing, cone)
+        sums = np.bincount(row, cohesion, minlength=len(joints)).astype(np.float64)
+        _bounded(
+            program,
+            "friction of joints",
+            unknowns.force,
+            together,
+            whole,
+            bearing,
+            cone,
+            constant=sums,
+        )
 
 
 def _bounded(
@@ -170,8 +203,13 @@ def _bounded(
     coefficient: Floats,
     bound: list[tuple[Variable, Floats]],
     cone: FrictionCone,
+    *,
+    constant: Floats | float = 0.0,
 ) -> None:
-    """``|sums of tangential forces| <= coefficient (sums of the bound)``, exact or as a pyramid."""
+    """``|sums of tangential forces| <= coefficient (sums of the bound) + constant``.
+
+    Exact or as a pyramid.
+    """
     scaled = sparse.diags(coefficient) @ sums
     if cone.sides:
         normals, reach = cone.directions()
@@ -182,7 +220,8 @@ def _bounded(
         terms = [(force, -sparse.kron(sums, np.diag([0.0, 1.0, 1.0])))]
         each = np.array([[-1.0], [0.0], [0.0]])
     terms += [(variable, sparse.kron(scaled, each * share)) for variable, share in bound]
-    right = np.zeros(len(each) * len(coefficient))
+    # the constant enters as the bound does: with its factor of every row
+    right = np.kron(np.broadcast_to(constant, len(coefficient)), -each[:, 0])
     if cone.sides:
         program.at_most(name, right, *terms)
     else:

@@ -1,4 +1,4 @@
-"""Coupled rigid-block analysis after eq. 5.6: all pressed corners overlap by the same depth.
+"""Coupled rigid-block analysis after eq. 5.6: equal overlap of all corners in compression.
 
 ``fn (dn + eps) = 0, dn + eps >= 0``: no overlap exceeds eps, and a corner carries force only where
 its overlap is eps. A family of laws leads from springs (overlap = fn / kn) to this one:
@@ -17,13 +17,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.formulations.rest.compliance import Compliance, corner_load, normal_stiffness
-from drystone.formulations.rest.friction import SlipLength
+from drystone.formulations.rest.friction import Bound, SlipLength
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.formulations.rest.tangent import TangentSystem
 
 SPRING_LEFT = 1e-7
-"""1 - theta at the end of the path: relative difference of overlaps, a tenth of what is asked."""
+"""1 - theta at the end of the path: relative difference of overlaps, a tenth of the tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class EqualOverlap:
     state
         Motions in units of the overlap eps.
     reached
-        Whether the path came to its end.
+        Whether the path reached its end.
     iterations
     """
 
@@ -60,10 +60,10 @@ def equal_overlap(
     start
         A rest state on springs of uniform stiffness and the given slip length.
     slip
-        Slip length of the friction law, by the local overlap.
+        Slip length of the friction law, relative to the local overlap.
     stop
     step_limit
-        Points of the path tried.
+        Largest number of points of the path.
     """
     statics = system.statics
     gap = statics.displacement(start.motion)[:, 0]
@@ -72,7 +72,7 @@ def equal_overlap(
     if not mean > 0.0:
         return EqualOverlap(start, False, 0)
     spring = mean * normal_stiffness(statics)
-    reach = SlipLength(statics.friction, slip * corner_load(statics) / spring)
+    reach = SlipLength(Bound(statics.friction), slip * corner_load(statics) / spring)
     options = RestOptions(ground=1e-10, tolerance=1e-9, iteration_limit=40, warm_relaxation=1e-2)
     state = replace(start, motion=start.motion / mean)
     left, factor, iterations = 1.0, 0.3, 0

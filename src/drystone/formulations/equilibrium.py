@@ -29,15 +29,16 @@ from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics
 
 STILL = 1e-4
-"""A corner that opens or slides by less than this share of the fastest one is taken as still, if
-the result is a mechanism. Chosen: on 11 tilted shelves all values from 1e-5 to 3e-2 give one."""
+"""A corner that opens or slides by less than this share of the fastest one counts as fixed, if the
+result is a mechanism. Chosen: on 11 tilted shelves all values from 1e-5 to 3e-2 give a
+mechanism."""
 
 
 class Objective(enum.Enum):
     """What is minimised."""
 
     QUADRATIC = "quadratic"
-    """Sum of weighted squares: unique, and spread over corners evenly."""
+    """Sum of weighted squares: unique, with forces spread evenly over corners."""
     LINEAR = "linear"
     """Sum of weighted forces: a vertex of the set of admissible forces, not unique."""
 
@@ -66,7 +67,7 @@ class EquilibriumSolution:
 
     Attributes
     ----------
-    force : (k, 3) net of tension, when solved
+    force : (k, 3) minus tension, when solved
     tension : (k,) when it was allowed
     multiplier : (n, 6) virtual velocity of the blocks: the mechanism when infeasible
     raw
@@ -85,8 +86,8 @@ class FactorSolution:
     Attributes
     ----------
     factor
-        Infinite where the live load never brings it down, minus infinity where no factor can be
-        balanced, NaN where the solver failed.
+        Infinite if every live load can be balanced, minus infinity if no factor can, NaN if the
+        solver failed.
     state
         Forces at the limit; its multiplier is the mechanism.
     """
@@ -113,15 +114,15 @@ def build_equilibrium(
     objective
     weights
     tension
-        Allow a penalised pull.
+        Whether to allow tension at a cost.
     rule
-        Matters with tension only.
+        Used with tension only.
     """
     chosen = weights if weights is not None else Weights()
     k, unit = statics.corner_count, statics.force_unit
     program = ProgramBuilder()
     if objective is Objective.QUADRATIC:
-        # a small weight keeps the friction forces unique where they cost nothing
+        # a small weight keeps friction forces without cost unique
         least = 1e-6 * chosen.compression
         across = max(chosen.friction, least)
         costs = np.tile([max(chosen.compression, least), across, across], k)
@@ -161,7 +162,7 @@ def solve_equilibrium(
         As for :func:`build_equilibrium`.
     options
     stop
-        Asked at every step of the interior point; here and below.
+        Called at every step of the interior-point solver.
     """
     program = build_equilibrium(
         statics, cone=cone, objective=objective, weights=weights, tension=tension, rule=rule
@@ -251,7 +252,9 @@ def solve_extreme_force(
 def project_on_mechanisms(
     statics: Statics, *, stop: Callable[[], bool] | None = None
 ) -> EquilibriumSolution | None:
-    """The virtual velocity nearest to the loads at which no corner resists; None if that fails.
+    """The mechanism nearest to the loads; None if the solver fails.
+
+    It is for dry joints; None where there are others.
 
     ::
 
@@ -261,6 +264,8 @@ def project_on_mechanisms(
     the work ``|v|^2``, and ``p - v`` is the nearest load that can be balanced (Moreau 1962: the
     cones of mechanisms and of balanced loads are polar).
     """
+    if not statics.dry:
+        return None
     k = statics.corner_count
     scale = np.ones((k, 3))
     scale[:, 1:] = statics.friction[:, None]
@@ -277,11 +282,11 @@ def project_on_mechanisms(
 
 
 def held_still(statics: Statics, solution: EquilibriumSolution) -> EquilibriumSolution:
-    """The nearest velocity at which nearly still corners are still.
+    """The nearest velocity at which nearly fixed corners are fixed.
 
-    An interior point ends strictly inside the cone of mechanisms. The cone of blocks between
-    parallel faces has no interior. There the solver leaves small motions at corners that do not
-    move.
+    The solution of an interior-point method lies strictly inside the cone of mechanisms. For blocks
+    between parallel faces this cone has no interior. There the solver leaves small motions at
+    corners that do not move.
     """
     moved = np.abs(statics.displacement(solution.multiplier)).max(axis=1)
     still = np.flatnonzero(moved < STILL * moved.max(initial=0.0))

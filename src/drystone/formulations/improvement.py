@@ -1,8 +1,8 @@
 """Forces and a motion with equal overlaps, as in eq. 5.6 of Kao et al. 2022.
 
-All pressed corners overlap by the same depth. The motion changes step by step until the forces that
-agree with it balance the loads. Each step is a quadratic program in forces and motion, linearised
-about the present motion, with a trust region on the slides. No stiffness is assumed.
+All corners in compression overlap by the same depth. The motion changes step by step until
+compatible forces balance the loads. Each step is a quadratic program in forces and motion,
+linearised about the present motion, with a trust region on the slides. No stiffness is assumed.
 :mod:`drystone.formulations.stiffness_range` allows different overlaps.
 """
 
@@ -26,24 +26,24 @@ from drystone.solvers.program import Entries, ProgramBuilder, Variable
 from drystone.statics import Statics
 
 EQUAL = 1e-6
-"""Difference of overlaps, by the overlap, that counts as none."""
+"""Relative difference of overlaps that counts as zero."""
 
 PATIENCE = 4
-"""Steps with little progress after which a motion is given up. Solutions were found in fewer."""
+"""Steps with little progress after which the iteration stops. Solutions needed fewer."""
 
 PROGRAMS = 60
-"""Most convex programs of one motion."""
+"""Largest number of convex programs for one motion."""
 
 EXACT = 1e-9
-"""Unbalanced norm, by the norm of the loads, that counts as zero."""
+"""Unbalanced norm, relative to the norm of the loads, that counts as zero."""
 
 TURN = 0.02
-"""Every slide may change by this share of the mean slide, even where it is smaller."""
+"""Least permitted change of a slide, relative to the mean slide."""
 
 
 @dataclass(frozen=True, eq=False)
 class CompatibleState:
-    """Forces that agree with a motion, and the load that they leave unbalanced.
+    """Forces compatible with a motion, and the unbalanced load.
 
     Attributes
     ----------
@@ -67,15 +67,15 @@ def improve(
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
-    """Change a motion until the forces that agree with it balance the loads.
+    """Change a motion until compatible forces balance the loads.
 
     Parameters
     ----------
     statics
     motion : (n, 6)
-        Where to start. Corners may close and open on the way.
+        Initial motion. Corners may close and open during the iteration.
     stop
-        Asked before every step.
+        Called before every step.
     """
     goal = EXACT * float(np.linalg.norm(statics.load))
     equal = _with_equal_overlap(statics, motion)
@@ -110,7 +110,7 @@ def _pressing(statics: Statics, motion: Floats) -> Bools:
 
 
 def _with_equal_overlap(statics: Statics, motion: Floats) -> Floats | None:
-    """The nearest motion at which all pressed corners overlap by 1."""
+    """The nearest motion at which all corners in compression overlap by 1."""
     gap = statics.displacement(motion)[:, 0]
     force, _ = compatible_forces(statics, motion)
     loaded = np.flatnonzero(force[:, 0] > 1e-6 * force[:, 0].max(initial=0.0))
@@ -151,7 +151,7 @@ def _step(
     pressing: Bools,
     trust: float,
 ) -> Floats | None:
-    """Change of motion (n, 6) that leaves least unbalanced, to first order."""
+    """Change of motion (n, 6) with the least unbalanced load, to first order."""
     moved = statics.displacement(motion)
     corner = np.flatnonzero(pressing)
     if len(corner) == 0:
@@ -189,7 +189,7 @@ def _step(
 
 
 def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats) -> Entries:
-    """Change of wrenches (6 n, 6 n) by a change of motion: friction turns as the slide turns.
+    """Change of wrenches (6 n, 6 n) by a change of motion, due to the rotation of the slide.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def turned_friction(statics: Statics, moved: Floats, corner: Ints, held: Floats)
         Corner displacements.
     corner : (c,)
     held : (c,)
-        Friction force by slide.
+        Friction force divided by slide.
     """
     direction = slide_directions(moved)[corner]
     zero = np.zeros(len(corner))
@@ -218,7 +218,7 @@ def add_trust_region(
     slide: Floats,
     trust: float,
 ) -> None:
-    """Rows that bound the change of slides (c,) by a share of them."""
+    """Rows that bound the change of slides (c,) to a share of them."""
     # a corner that slides little may reverse its slide
     reach = trust * np.maximum(slide, TURN * slide.mean())
     for axis in (1, 2):

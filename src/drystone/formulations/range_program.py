@@ -1,4 +1,4 @@
-"""Elastic linear program: forces that agree with a motion, on joints of bounded stiffness.
+"""Elastic linear program: forces compatible with a motion, on joints of bounded stiffness.
 
 At each chosen corner the overlap o is given. The unknowns are the normal force n and the shear t
 against the slide:
@@ -26,19 +26,19 @@ from drystone.solvers.program import Entries, ProgramBuilder, Term
 from drystone.statics import Statics
 
 ELASTIC_WEIGHT = 3.0
-"""Cost of unbalanced load, by the load of its block, where cohesion costs 1. Chosen."""
+"""Cost of unbalanced load, relative to the load of its block; cohesion costs 1. Chosen."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrustRegion:
-    """How far the motion may change.
+    """Bound of the change of motion.
 
     Attributes
     ----------
     force : (k, 3)
-        Present forces; their friction turns as the slides turn.
+        Present forces; their friction rotates with the slides.
     share
-        Share of a slide by which it may change.
+        Permitted change of a slide, as a share of it.
     """
 
     force: Floats
@@ -73,7 +73,7 @@ def elastic_forces(
     tolerance: float = 1e-10,
     stop: Callable[[], bool] | None = None,
 ) -> ElasticForces | None:
-    """Forces of least infeasibility, and within a trust region a change of motion.
+    """Forces with the least infeasibility and, within a trust region, a change of motion.
 
     Parameters
     ----------
@@ -81,13 +81,13 @@ def elastic_forces(
     moved : (k, 3)
         Corner displacements, in units in which the softest joint has a stiffness of 1.
     corner : (c,)
-        Corners that press. The others stay open.
+        Corners in compression. The others stay open.
     ratio
         Largest stiffness by the smallest.
     region
-        Left out, the motion is held.
+        When left out, the motion is fixed.
     tolerance
-        Of the program, relative.
+        Relative tolerance of the program.
     stop
 
     Returns

@@ -1,14 +1,14 @@
 """Rest states on joints whose stiffnesses differ within bounds.
 
-In the rigid limit equally pressed corners may share a load in any proportion. Springs share it by
-their stiffness. Here every closed corner presses with its overlap times a stiffness of its own.
-The stiffness ratio, largest by smallest, is bounded. Friction acts against the slide, up to its
-limit. The motion changes step by step until such forces balance the loads.
+In the rigid limit corners with equal overlap may share a load in any proportion. Springs share it
+by their stiffness. Here the normal force of every closed corner is its overlap times its own
+stiffness. The stiffness ratio, largest divided by smallest, is bounded. Friction acts against the
+slide, up to its limit. The motion changes step by step until such forces balance the loads.
 
 Each step is a linear program in motion and forces, linearised about the present motion within a
 trust region on the slides. It is elastic: cohesion and unbalanced load are slack variables
-(:mod:`drystone.formulations.range_program`). With enough cohesion almost any motion balances the
-loads, so the iteration seldom ends at a motion without any balancing forces.
+(:mod:`drystone.formulations.range_program`). With enough cohesion almost every motion has forces
+that balance the loads, so the iteration rarely stops at a motion without such forces.
 """
 
 from __future__ import annotations
@@ -25,32 +25,32 @@ from drystone.formulations.range_program import TrustRegion, elastic_forces
 from drystone.statics import Statics
 
 TOUCHING = 1e-7
-"""A gap below this share of the largest overlap is zero: the corner may close or open."""
+"""A gap below this share of the largest overlap counts as zero: the corner may close or open."""
 
 ROUNDING = 1.0 + 1e-6
 """Factor by which a stiffness ratio may exceed its bound."""
 
 BALANCED = 1e-8
-"""Unbalanced load, by the load, of a state that is worth checking."""
+"""Largest unbalanced load, relative to the load, of a state that is checked."""
 
 LOADED = 1e-6
-"""Forces below this share of the largest one are left out of the stiffness ratio."""
+"""Forces below this share of the largest one do not count in the stiffness ratio."""
 
 SOFT = 1.0 / 3.0
-"""Scale of the first motion, by the scale that puts the stiffnesses in the middle of the range.
-Measured: with 0.1 to 1 equally many starts led to a rest state."""
+"""Scale of the first motion, relative to the scale that puts the stiffnesses in the middle of the
+range. Measured: with 0.1 to 1 the same number of starts led to a rest state."""
 
 STEPS = 40
-"""Steps after which a motion is given up."""
+"""Largest number of steps."""
 
 EXACT = 1e-9
 """Elastic infeasibility that counts as zero: ten times the tolerance of the programs."""
 
 PATIENCE = 6
-"""Steps with little progress after which a motion is given up."""
+"""Steps with little progress after which the iteration stops."""
 
 SHARES = (0.3, 0.6, 0.85, 0.95)
-"""Shares of a stiffness ratio that are tried, one after the other, to reduce it."""
+"""Factors that are tried, one after the other, to reduce a stiffness ratio."""
 
 SMALL_RATIO = 2.0
 """A stiffness ratio that is not reduced further."""
@@ -63,17 +63,17 @@ def rest_within_ratio(
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
-    """Change a motion until springs within the stiffness ratio balance the loads with it.
+    """Change a motion until springs within the stiffness ratio balance the loads.
 
     Parameters
     ----------
     statics
     motion : (n, 6)
-        Where to start; its size does not matter.
+        Initial motion; its size has no effect.
     ratio
         Largest stiffness by the smallest.
     stop
-        Asked before every step.
+        Called before every step.
     """
     return _TrustRegionMethod(statics, ratio, stop).run(motion)
 
@@ -85,13 +85,13 @@ def with_reduced_ratio(
     *,
     stop: Callable[[], bool] | None = None,
 ) -> CompatibleState:
-    """A rest state near a given one, with a smaller stiffness ratio where one is found.
+    """A rest state near a given one, with a smaller stiffness ratio if one is found.
 
     Parameters
     ----------
     statics
     state
-        Of :func:`rest_within_ratio`, balanced.
+        Balanced result of :func:`rest_within_ratio`.
     enough
         Ratio that is small enough.
     stop
@@ -117,7 +117,7 @@ def with_reduced_ratio(
 
 
 def stiffness_ratio(statics: Statics, state: CompatibleState) -> float:
-    """Largest by smallest stiffness of the corners that press."""
+    """Largest divided by smallest stiffness of the corners in compression."""
     overlap = -statics.displacement(state.motion)[:, 0]
     normal = state.force[:, 0]
     pressed = (normal > LOADED * normal.max(initial=0.0)) & (overlap > 0.0)
@@ -127,7 +127,7 @@ def stiffness_ratio(statics: Statics, state: CompatibleState) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A motion, the best forces that agree with it, and their elastic infeasibility."""
+    """A motion, the best compatible forces, and their elastic infeasibility."""
 
     motion: Floats
     force: Floats
@@ -189,7 +189,7 @@ class _TrustRegionMethod:
         return motion * (SOFT * middle / np.sqrt(self.ratio))
 
     def _forces(self, motion: Floats) -> _Point:
-        """Forces within the ratio that agree with a motion, of least infeasibility."""
+        """Compatible forces within the ratio, with the least infeasibility."""
         statics = self.statics
         moved = statics.displacement(motion)
         corner = np.flatnonzero(moved[:, 0] < 0.0)

@@ -8,7 +8,7 @@ import shapely
 from drystone.base.arrays import Bools, Floats, Ints
 
 BATCH = 20_000
-"""Boxes asked about at a time, chosen: bounds the memory."""
+"""Boxes in one batch. Chosen: bounds the memory."""
 
 
 def overlapping(low: Floats, high: Floats) -> tuple[Ints, Ints]:
@@ -50,8 +50,9 @@ def between(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> tup
 
     Notes
     -----
-    shapely's STRtree finds those that overlap along two axes. Left out is the axis along which the
-    boxes reach over the largest part of the whole: it would part the fewest.
+    shapely's STRtree finds the boxes that overlap along two axes. The third axis is the one along
+    which the boxes cover the largest part of the extent. It would separate the fewest pairs, and is
+    tested last.
     """
     none = np.zeros(0, dtype=np.intp)
     if len(low_a) == 0 or len(low_b) == 0:

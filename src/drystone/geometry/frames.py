@@ -26,7 +26,7 @@ def unit(vector: Floats, what: str = "direction") -> Floats:
 def frames_from_normals(normal: Floats) -> Floats:
     """Right-handed frames (m, 3, 3), rows n, u, v, for unit normals (m, 3).
 
-    u is horizontal where the normal allows it; nothing in the mechanics depends on the choice.
+    u is horizontal unless the normal is vertical. The mechanics do not depend on the choice.
     """
     n = np.asarray(normal, dtype=np.float64).reshape(-1, 3)
     steep = np.abs(n[:, 2]) > 0.9

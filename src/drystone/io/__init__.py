@@ -1,4 +1,4 @@
-"""Model files in and out: one file per format, behind a registry.
+"""Reading and writing of model files: one module per format, and a registry.
 
 >>> from drystone.io import FORMATS
 >>> {".json", ".obj"} <= {suffix for format in FORMATS for suffix in format.suffixes}

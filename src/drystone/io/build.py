@@ -1,4 +1,4 @@
-"""From what a file says to blocks: scaled, closed, mended where that is safe, and checked."""
+"""Blocks from the data of a file: scaled, closed, repaired where that is safe, and checked."""
 
 from __future__ import annotations
 
@@ -25,11 +25,12 @@ LARGEST_COORDINATE = 1e9
 LIKELY_EXTENT = (0.01, 1000.0)
 LIKELY_BLOCK = (0.002, 4.0)
 LIKELY_MASS = 1e10
-"""[m, m, kg], chosen: a model that is smaller or larger, whose blocks are in the median, or that is
-heavier than the Great Pyramid (6e9 kg) is answered, with a remark on its unit."""
+"""[m, m, kg], chosen: range of the model size, range of the median block size, largest mass (the
+Great Pyramid has 6e9 kg). Outside them the model is accepted, with a remark on its unit."""
 USUAL_BLOCK = 0.5
 METRIC = ("mm", "cm", "m")
-"""[m], chosen: the metric unit is suggested in which the median block is nearest to this."""
+"""[m], chosen: the suggested unit is the metric unit that brings the median block nearest to this
+size."""
 SAME_PLACE = 1e-9
 """Vertices nearer than this share of their block's size are the same point."""
 MANY = 5
@@ -38,7 +39,7 @@ MANY = 5
 
 @dataclass(frozen=True)
 class Built:
-    """Blocks made from a draft, and what kept the others from being made.
+    """Blocks made from a draft, and the defects of the others.
 
     Attributes
     ----------
@@ -49,10 +50,9 @@ class Built:
         One error per fault, in order.
     notes
     bare
-        Faces (c, 3) [m] of open meshes, beside which another is missing.
+        Faces (c, 3) [m] of open meshes with a missing neighbour.
     faulty
-        Positions of blocks that were made and must not be used: they touch themselves, or are
-        there twice.
+        Positions of blocks that must not be used: they touch themselves, or are duplicates.
     """
 
     blocks: tuple[Block | None, ...]
@@ -64,7 +64,7 @@ class Built:
 
     @cached_property
     def assembly(self) -> Assembly | None:
-        """Of all blocks; ``None`` when there are defects."""
+        """The assembly of all blocks; ``None`` if there are defects."""
         if self.defects:
             return None
         blocks = tuple(block for block in self.blocks if block is not None)
@@ -72,7 +72,7 @@ class Built:
 
     @cached_property
     def usable(self) -> Assembly | None:
-        """Of the blocks without defects, the first of each name; ``None`` without any."""
+        """The assembly of the blocks without defects, the first of each name, or ``None``."""
         first: dict[str, tuple[Block, bool]] = {}
         for i, (block, held) in enumerate(zip(self.blocks, self.fixed, strict=True)):
             if block is not None and i not in self.faulty:
@@ -91,12 +91,12 @@ def build(
     split: bool = False,
     skip_defects: bool = False,
 ) -> Contents:
-    """The model of a draft; with ``skip_defects`` of those of its blocks that can be used.
+    """The model of a draft; with ``skip_defects`` without the blocks that cannot be used.
 
     Raises
     ------
     InputError
-        The first defect, the number of further ones is told; or no block can be used.
+        The first defect, with the number of others; or no block can be used.
     """
     built = try_blocks(draft, path, units, split=split)
     assembly = built.assembly
@@ -118,9 +118,9 @@ def build(
 
 
 def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: bool = False) -> Built:
-    """Every block that can be made of a draft, and all that is wrong with the others.
+    """Every block that can be made of a draft, and all defects of the others.
 
-    With ``split``, separate parts of a block become blocks of their own.
+    With ``split``, the separate parts of a block become separate blocks.
     """
     if units is not None and draft.units is not None and units != draft.units:
         if draft.finish is not None:
@@ -137,7 +137,7 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
     scale = scale_of(units or draft.units or "m")
     if split and draft.finish is not None:
         raise FormatError(
-            "its contacts, loads and results are about whole blocks",
+            "its contacts, loads and results refer to whole blocks",
             where=str(path),
             remedy="leave --split out",
         )
@@ -179,7 +179,7 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
 
 
 def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]:
-    """A block whose shells are all turned as they should be; its parts where that is asked for."""
+    """A block with correctly oriented shells, or its parts if ``split``."""
     parts, turned = separate_parts(block.vertices, block.faces)
     if turned:
         loops = tuple(loop for part in parts for loop in part)
@@ -198,9 +198,9 @@ def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]
 
 
 def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
-    """The block of each shape, or what keeps it from being one.
+    """The block of each shape, or its defect.
 
-    Coincident vertices are merged, and faces that are there twice left out, where that closes it.
+    Coincident vertices are merged, and repeated faces left out, where this closes the surface.
     """
     made: list[Block | InputError] = []
     for shape in shapes:
@@ -232,7 +232,7 @@ def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
 
 
 def _faces_at_holes(shape: Shape, scale: float) -> list[Floats]:
-    """Corners (c, 3) [m] of the faces beside which another is missing."""
+    """Corners (c, 3) [m] of the faces with a missing neighbour."""
     vertices = _scaled(shape, scale)
     loops = [tuple(face) for face in shape.faces]
     return [vertices[list(loops[i])] for i in polyhedron.open_faces(loops)]
@@ -269,7 +269,7 @@ def _name_defects(shapes: tuple[Shape, ...], path: Path) -> list[InputError]:
         places[shape.name].append(shape.where or f"block {i}")
     return [
         FormatError(
-            f"{len(at)} blocks have one name, '{name}' ({' and '.join(at[:3])})",
+            f"{len(at)} blocks have the same name, '{name}' ({' and '.join(at[:3])})",
             where=str(path),
             remedy="rename all but one of them",
         )
@@ -279,7 +279,7 @@ def _name_defects(shapes: tuple[Shape, ...], path: Path) -> list[InputError]:
 
 
 def _self_contact_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
-    """A defect for each place in which a block touches itself, and which blocks do."""
+    """A defect for each place where a block touches itself, and the positions of these blocks."""
     found = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
     return [
         FormatError(
@@ -292,11 +292,11 @@ def _self_contact_defects(blocks: list[Block], path: Path) -> tuple[list[InputEr
 
 
 def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
-    """A defect for each pair of blocks that are one, and the second of each pair."""
+    """A defect for each pair of duplicate blocks, and the second of each pair."""
     pairs = coincidence.duplicates([block.vertices for block in blocks], SAME_PLACE)
     return [
         FormatError(
-            f"blocks '{blocks[a].name}' and '{blocks[b].name}' are one block twice,"
+            f"blocks '{blocks[a].name}' and '{blocks[b].name}' are the same block twice,"
             " at the same place",
             where=str(path),
             remedy="remove one of them",
@@ -307,16 +307,16 @@ def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError
 
 
 def _repair_notes(blocks: list[Block]) -> list[str]:
-    """One note per kind of repair, naming the first blocks that it befell."""
+    """One note per kind of repair, with the names of the first repaired blocks."""
     names: dict[str, list[str]] = defaultdict(list)
     for block in blocks:
         for repair in block.repairs:
             names[repair].append(f"'{block.name}'")
     notes = []
-    for repair, befell in names.items():
-        shown = ", ".join(befell[:MANY])
-        more = f" and {len(befell) - MANY} more" if len(befell) > MANY else ""
-        notes.append(f"{'block' if len(befell) == 1 else 'blocks'} {shown}{more}: {repair}")
+    for repair, repaired in names.items():
+        shown = ", ".join(repaired[:MANY])
+        more = f" and {len(repaired) - MANY} more" if len(repaired) > MANY else ""
+        notes.append(f"{'block' if len(repaired) == 1 else 'blocks'} {shown}{more}: {repair}")
     return notes
 
 

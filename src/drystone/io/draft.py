@@ -1,4 +1,4 @@
-"""What a file says, before anything is believed: shapes that may be open, flat or doubled."""
+"""The unchecked content of a file: shapes that may be open, flat or repeated."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Extras: TypeAlias = tuple[Contacts | None, tuple[LoadCase, ...], tuple[Result, .
 
 @dataclass(frozen=True)
 class Shape:
-    """One block as a file gives it.
+    """One block of a file, unchecked.
 
     Attributes
     ----------
@@ -27,12 +27,12 @@ class Shape:
     faces
         Loops of vertex indices.
     where
-        Its place in the file, for errors: a line, or a field path.
+        Position in the file, for errors: a line, or a field path.
     density : [kg/m3]
     fixed
     metadata
     repairs
-        Mended already when the file was written.
+        Repairs made before the file was written.
     """
 
     name: str
@@ -47,18 +47,18 @@ class Shape:
 
 @dataclass(frozen=True)
 class Draft:
-    """Everything that a reader took from one file.
+    """The unchecked content of one file.
 
     Attributes
     ----------
     shapes
     units
-        Unit of length of the shapes, where the file says it.
+        Unit of length of the shapes, if the file has one.
     finish
-        Makes contacts, loads and results for the finished assembly, since they refer to its blocks,
-        and a scale [m per unit of the file]; ``None`` where the file has none.
+        Function of the finished assembly and a scale [m per unit of the file] that makes contacts,
+        loads and results; ``None`` if the file has none.
     notes
-        What the reader had to assume.
+        Assumptions of the reader.
     """
 
     shapes: tuple[Shape, ...]
@@ -69,7 +69,7 @@ class Draft:
 
 @dataclass(frozen=True)
 class Contents(OneLine):
-    """What a file holds: an assembly, and perhaps contacts, load cases and results.
+    """The content of a file: an assembly, and optionally contacts, load cases and results.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Contents(OneLine):
     results
         Each refers to the assembly and the contacts of this model.
     notes
-        What the reader assumed or mended, one sentence each.
+        Assumptions and repairs of the reader, one sentence each.
     """
 
     assembly: Assembly

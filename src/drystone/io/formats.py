@@ -1,4 +1,4 @@
-"""What a file format is to the rest: a name, suffixes, a reader and a writer."""
+"""Description of a file format: name, suffixes, reader and writer."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ class Format(OneLine):
     Attributes
     ----------
     name
-        By which it is asked for.
+        Identifier.
     title
-        For people.
+        Name for display.
     suffixes
         Lower case, with the dot.
     read
-        ``read(data, path)``, the draft of a file's bytes; the path is for errors and for files
-        beside it. ``None`` when the format is only written.
+        ``read(data, path)`` makes a draft from the bytes of a file; the path serves errors and
+        files in the same folder. ``None`` if the format is only written.
     write
-        ``write(model, path)``; ``None`` when it is only read.
+        ``write(model, path)``; ``None`` if it is only read.
     loses
-        What of a model the format has no place for, in words; empty when it keeps everything.
+        The parts of a model that the format cannot hold, as text; empty if it holds everything.
     axes_unknown
-        Whether files do not say which axis points up.
+        Whether files do not define the vertical axis.
     layers
         Whether it has layers; ``read`` then takes ``layers`` and ``hidden`` too.
     """

@@ -1,4 +1,4 @@
-"""Strict reading of JSON: every value is asked for by type, every error names its path."""
+"""Strict reading of JSON: every value has a required type, every error names its path."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drystone.base.errors import FormatError
 from drystone.base.files import decode
 
 LARGEST_WHOLE = 2**53
-"""Up to here floats hold every whole number."""
+"""Floats represent all whole numbers up to this one."""
 
 
 def parse(data: bytes, path: Path) -> Field:
@@ -67,7 +67,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Field:
-    """A value in a JSON file that knows its path there.
+    """A value in a JSON file, with its path.
 
     Attributes
     ----------
@@ -91,12 +91,12 @@ class Field:
             raise self.error(f"must be {name}, is {_kind(self.value)}")
 
     def object(self) -> Field:
-        """Itself, an object for certain."""
+        """The field itself, checked to be an object."""
         self._expect(dict, "an object")
         return self
 
     def has(self, key: str) -> bool:
-        """Whether the object has a value other than null under ``key``."""
+        """Whether the object has a value other than null for ``key``."""
         return self.object().value.get(key) is not None
 
     def __getitem__(self, key: str) -> Field:
@@ -105,7 +105,7 @@ class Field:
         return Field(self.value[key], f"{self.path}.{key}".lstrip("."), self.file)
 
     def get(self, key: str, default: Any) -> Field:
-        """The field under ``key``, or one that holds ``default`` where it is missing or null."""
+        """The field of ``key``; a field with ``default`` if it is missing or null."""
         return self[key] if self.has(key) else Field(default, f"{self.path}.{key}", self.file)
 
     def only(self, keys: Mapping[str, Any] | tuple[str, ...]) -> None:
@@ -158,7 +158,7 @@ class Field:
     def floats(self, *shape: int | None) -> Floats:
         """Nested lists of finite numbers of the given shape; ``None`` stands for any length.
 
-        The usual case is converted at once; only when that fails is the culprit looked for.
+        The usual case is converted in one step. Only if this fails, the wrong value is searched.
         """
         try:
             array = np.array(self.value if self.value != [] else np.zeros(_empty(shape)))
@@ -198,7 +198,7 @@ class Field:
 
 
 def _holds_numbers(value: Any, depth: int) -> bool:
-    """Whether lists nested so deep hold numbers only; numpy would take true for 1."""
+    """Whether nested lists hold numbers only; numpy would convert true to 1."""
     for _ in range(depth - 1):
         value = chain.from_iterable(value)
     return {type(one) for one in value} <= {int, float}

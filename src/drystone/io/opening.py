@@ -1,4 +1,4 @@
-"""From a file to a model that is ready to be checked."""
+"""A model, ready to be checked, from a file."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ UP = {
     "z": np.eye(3),
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
 }
-"""Turns the axis that points up in a file into z."""
+"""Rotations from the vertical axis of a file to z."""
 
 Given: TypeAlias = Model | Assembly | PathLike
-"""What an analysis takes: a model, or an assembly or a file that one is made of."""
+"""The input of an analysis: a model, an assembly, or a file."""
 
 
 class How(TypedDict, total=False):
@@ -80,34 +80,36 @@ def read(
     Parameters
     ----------
     path
-        Its suffix tells the format.
+        Its suffix determines the format.
     supports
         Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns; see
-        :func:`drystone.supports.select`. Heights are along z, or along the axis that is nearest to
-        straight up where ``load`` is an acceleration. Left out, those that the file marks.
+        :func:`drystone.supports.select`. Heights are along z; if ``load`` is an acceleration, along
+        the axis nearest to its opposite. When left out: the blocks that the file marks as fixed.
     friction
-        Coefficient of every interface. Left out, that of the file, else 0.6.
+        Coefficient of every interface. When left out: that of the file, else 0.6.
     density : [kg/m3]
-        Of every block. Left out, that of the file, else 2400.
+        Of every block. When left out: that of the file, else 2400.
     load
-        A load case, a multiple of gravity, or an acceleration (3,) [m/s2]. Left out, the first
+        A load case, a multiple of gravity, or an acceleration (3,) [m/s2]. When left out: the first
         load case of the file, else self-weight.
     detection
         Tolerances of the contact search.
     units
-        Unit of length of the file: mm, cm, m, in or ft. Left out, what the file says, else metres.
+        Unit of length of the file: mm, cm, m, in or ft. When left out: the unit in the file, else
+        metres.
     up
-        The axis that points up in the file, ``z`` or ``y``.
+        The vertical axis of the file, ``z`` or ``y``.
     split
-        Separate parts of a block become blocks of their own.
+        Separate parts of a block become separate blocks.
     search
-        Search the contacts although the file has some.
+        Search contacts even if the file has some.
     anyway
         Accept blocks that overlap by more than a tenth of the smaller one.
     skip_defects
         Leave out blocks that cannot be used, with a note.
     layers
-        Names of the layers to read, hidden ones too; 3dm only. Left out, all that are visible.
+        Names of the layers to read, including hidden ones; 3dm only. When left out: all visible
+        layers.
     hidden
         Read hidden layers and objects too; 3dm only.
     max_size : [MiB]
@@ -191,7 +193,7 @@ def read(
 
 
 def as_model(given: Given, **how: Unpack[How]) -> Model:
-    """The model that an analysis is given, made of an assembly or a file where it is one.
+    """The model for an analysis, made from an assembly or a file if necessary.
 
     Parameters
     ----------
@@ -204,7 +206,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     Raises
     ------
     InputError
-        It is none of these, or ``how`` does not fit it.
+        It is of another type, or ``how`` does not apply to it.
     """
     for name in how:
         if name not in How.__annotations__:

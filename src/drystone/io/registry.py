@@ -1,4 +1,4 @@
-"""Reading and writing by suffix: which format serves which file."""
+"""Reading and writing: the format of a file by its suffix."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from drystone.io.compas import compas_json, compas_json_write
 from drystone.io.draft import Contents, Draft
 from drystone.io.formats import Format
 from drystone.io.mesh import glb, glb_write, obj, ply, stl
-from drystone.io.own import drystone_json, drystone_json_write
+from drystone.io.own import brick_list, drystone_json, drystone_json_write
 from drystone.io.wording import one_line_errors
 from drystone.model import Model
 from drystone.results import Result
 
 
 def _read_json(data: bytes, path: Path) -> Draft:
-    """Any of the JSON formats, told apart by what the file says."""
+    """Any of the JSON formats, recognised by the content of the file."""
     top = jsontext.parse(data, path)
     if compas_json.is_compas(top):
         return compas_json.read(top)
@@ -60,15 +60,16 @@ FORMATS: tuple[Format, ...] = (
     ),
     Format("ply", "PLY", (".ply",), ply.read, ply.write, CONTACTS, axes_unknown=True),
     Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino_write.write, CONTACTS, layers=True),
+    Format("bricks", "stud-and-tube bricks", (".bricks",), brick_list.read),
     Format(
         "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
     ),
 )
-"""In order of preference where several share a suffix."""
+"""In order of preference where several formats share a suffix."""
 
 
 def format_of(path: PathLike, name: str | None = None) -> Format:
-    """The format called ``name``, else the first that has the suffix of ``path``.
+    """The format with this name, else the first with the suffix of ``path``.
 
     Raises
     ------
@@ -100,20 +101,22 @@ def read_file(
     hidden: bool = False,
     max_size: float | None = None,
 ) -> Contents:
-    """Read what a file holds, with its contacts where it has some.
+    """Read the content of a file, with its contacts if it has some.
 
     Parameters
     ----------
     path
-        Its suffix tells the format.
+        Its suffix determines the format.
     units
-        Unit of length of the file: mm, cm, m, in or ft. Left out, what the file says, else metres.
+        Unit of length of the file: mm, cm, m, in or ft. When left out: the unit in the file, else
+        metres.
     split
-        Separate parts of a block become blocks of their own.
+        Separate parts of a block become separate blocks.
     skip_defects
         Leave out blocks that cannot be used, with a note.
     layers
-        Names of the layers to read, hidden ones too; 3dm only. Left out, all that are visible.
+        Names of the layers to read, including hidden ones; 3dm only. When left out: all visible
+        layers.
     hidden
         Read hidden layers and objects too; 3dm only.
     max_size : [MiB]
@@ -152,7 +155,7 @@ def inspect(
     hidden: bool = False,
     max_size: float | None = None,
 ) -> Built:
-    """Read the blocks that can be used, with every defect of the others; see :func:`read_file`."""
+    """Read the usable blocks, and every defect of the others; see :func:`read_file`."""
     with one_line_errors():
         draft = _draft(path, units, layers, hidden, max_size)
         return try_blocks(draft, Path(path), units, split=split)
@@ -197,10 +200,10 @@ def write(
     ----------
     model
     path
-        Its suffix tells the format, unless ``format`` does. An existing file is replaced once the
-        new one is complete.
+        Its suffix determines the format, unless ``format`` is given. An existing file is replaced
+        when the new one is complete.
     format
-        Name of the format, for suffixes that several share.
+        Name of the format, for suffixes of several formats.
 
     Raises
     ------
@@ -214,7 +217,7 @@ def write(
 
 
 def contents_of(model: Model | Assembly | Result | Contents) -> Contents:
-    """What there is to write about a model, an assembly or a result."""
+    """The content to write for a model, an assembly or a result."""
     if isinstance(model, Contents):
         return model
     if isinstance(model, Model):

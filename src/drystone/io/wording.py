@@ -1,4 +1,4 @@
-"""Text from files made fit for one line on a terminal."""
+"""Text from files, converted to one printable line."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from drystone.base.errors import InputError
 
 LONGEST = 300
-"""Characters of one part of an error, chosen: a path and a name, not a whole file."""
+"""Largest number of characters of one part of an error. Chosen: enough for a path and a name."""
 
 
 def printable(text: str, limit: int = LONGEST) -> str:
@@ -28,7 +28,7 @@ def printable(text: str, limit: int = LONGEST) -> str:
 
 @contextmanager
 def one_line_errors() -> Iterator[None]:
-    """Errors that quote a file keep to one printable line."""
+    """Convert errors that quote a file to one printable line."""
     try:
         yield
     except InputError as error:

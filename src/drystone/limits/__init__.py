@@ -1,4 +1,4 @@
-"""Limits: how far tilt, load, friction, thickness and imperfection can go."""
+"""Limits of tilt, load, friction and thickness; imperfections."""
 
 from drystone.limits.imperfections import (
     Imperfections,

@@ -33,7 +33,7 @@ def rbe(
     stop: Stop | None,
     model: Model,
 ) -> Result:
-    """Whether any forces balance the load; nothing is said about tension."""
+    """Result of rigid-block equilibrium without the penalty form."""
     return solve_rbe(model, options=RBEOptions.feasibility(cone), stop=stop)
 
 
@@ -78,9 +78,9 @@ def tilt_bound(
 ) -> Bracket:
     """The limit of equilibrium under tilt.
 
-    A load normal to the axis turns in a plane, where those loads that can be balanced form a
-    convex cone: its rim is found quarter by quarter, as the largest factor of the load turned
-    by 90 degrees on top of the load. Any other load is bisected.
+    A load normal to the axis rotates in a plane. There the loads that can be balanced form a convex
+    cone. Its edge is found quarter by quarter: as the largest factor of the load rotated by 90
+    degrees, added to the load. Any other load is bisected.
     """
     if not family.is_planar():
         return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop)
@@ -113,7 +113,7 @@ def _confirmed(
     cone: FrictionCone,
     stop: Stop | None,
 ) -> Bracket:
-    """A bracket around a value that a solver claims, closed by checked answers at both sides."""
+    """A bracket around the value of a solver, with checked answers at both sides."""
     search = _search(family, cone, stop)
     try:
         if value >= end:

@@ -34,14 +34,14 @@ from drystone.stability.problem import Clock
 from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
-"""Default width on larger models, by the way to the limit of equilibrium. A finer bracket would
-depend on the iteration more than on the structure. It is a scan of six steps, each halved four
-times."""
+"""Default width for larger models, relative to the distance between the start and the limit of
+equilibrium. A finer bracket would depend more on the iteration than on the structure. It is the
+result of a scan of six steps, each halved four times."""
 
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """What a search works with. Without a check, drystone's own is made in two steps."""
+    """Settings of a search. Without a check, that of drystone is made in two steps."""
 
     check: Check | None
     options: LimitOptions
@@ -52,7 +52,7 @@ class Means:
 
     @cached_property
     def clock(self) -> Clock:
-        """The time since the start; remembers the wish to stop."""
+        """The time since the start; keeps a request to stop."""
         return Clock(self.time_limit_s, self.stop)
 
     def search(
@@ -61,7 +61,7 @@ class Means:
         check: Callable[..., Result],
         meaning: Mapping[Verdict, bool | None] = STANDS,
     ) -> Search:
-        """A search with one of our own checks, which can be stopped where it runs here."""
+        """A search with a check of drystone, which can be stopped in this process."""
         limited = self.stop is not None or np.isfinite(self.time_limit_s)
         if limited and self.executor is None:
             check = partial(check, stop=self.clock.late)
@@ -74,7 +74,7 @@ class Means:
 
 
 def bisected(family: Family, start: float, end: float, width: float, means: Means) -> Limit:
-    """A limit whose convex bound has to be bisected; the width of the options comes first."""
+    """A limit whose convex bound is found by bisection; uses the width of the options."""
     chosen = width if means.options.width is None else means.options.width
     cone = means.options.cone
     return searched(
@@ -96,12 +96,12 @@ def searched(
     bound: Callable[[Stop], tuple[Bracket, float]],
     means: Means,
 ) -> Limit:
-    """The convex bound and its width first, then the full verdict inside it.
+    """The convex bound and its width, then the limit of the full verdict inside it.
 
     Raises
     ------
     InputError
-        Nothing is free, or nothing is loaded.
+        No block is free, or no free block is loaded.
     """
     _refuse_nothing_to_do(family, start)
     began = time.perf_counter()
@@ -146,9 +146,10 @@ def _in_two_steps(
 ) -> tuple[Found, Found, Bracket | None]:
     """Limits for uniform stiffness, of the verdict, and of standing for every stiffness.
 
-    The scan and the first bisection use uniform stiffness, which is cheap. The verdict is computed
-    on both sides of that limit, and beyond them only where those do not close the bracket. The last
-    limit is searched only where contact stiffness decides before the limit of the verdict.
+    The scan and the first bisection use uniform stiffness, which is fast. The verdict is computed
+    on both sides of that limit, and beyond them only if these do not close the bracket. The limit
+    of standing for every stiffness is searched only if contact stiffness decides before the limit
+    of the verdict.
     """
     (start, last), scan = span, means.options.scan
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
@@ -176,7 +177,7 @@ def _in_two_steps(
 def _robust(
     family: Family, full: Search, rest: Bracket, start: float, width: float, means: Means
 ) -> Bracket | None:
-    """Where standing for every stiffness ends, of which the verdict knows some values."""
+    """The limit of standing for every stiffness, from known values of the verdict."""
     search = means.search(family, every_stiffness, STANDS_OR_NOT)
     for value, result in full.results.items():
         robust = _is_robust(result)

@@ -1,6 +1,6 @@
-"""What a limit varies: models that depend on one number.
+"""Families of models that depend on one parameter.
 
-A family is a value that can be called, and pickled, so that any executor can work on it.
+A family can be called and pickled, so any executor can use it.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ class Family(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Tilt(OneLine):
-    """The whole assembly turned counter-clockwise about an axis, its loads staying upright.
+    """The assembly rotated counter-clockwise about an axis; loads keep their direction.
 
     Attributes
     ----------
     model
-        At rest. Its forces and moments keep their direction in space while the blocks turn.
+        The model before rotation. Its forces and moments keep their direction in space.
     axis : (3,)
     """
 
@@ -58,7 +58,7 @@ class Tilt(OneLine):
         return self.model.with_load(self.turned(value))
 
     def turned(self, angle_deg: float) -> LoadCase:
-        """The load as the turned model feels it."""
+        """The load in the axes of the rotated model."""
         turn = rotation_about(self.axis, angle_deg)
         wrench = self.model.load.wrench
         both = np.concatenate([wrench[:, :3] @ turn, wrench[:, 3:] @ turn], axis=1)
@@ -66,7 +66,7 @@ class Tilt(OneLine):
         return replace(self.model.load, wrench=both, name=name)
 
     def is_planar(self) -> bool:
-        """Whether every force and moment lies in the plane that the axis is normal to."""
+        """Whether forces are normal to the axis, and moments along it."""
         along = self.model.load.wrench.reshape(-1, 3) @ unit(self.axis, "axis")
         return bool(np.abs(along).max() <= 1e-12 * np.abs(self.model.load.wrench).max())
 
@@ -126,16 +126,16 @@ class Shrunk(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Parametric(OneLine):
-    """A parametric model under its own weight, its contacts found anew for every value.
+    """A parametric model under its own weight, with a contact search for every value.
 
     Attributes
     ----------
     build
-        The model of a value.
+        Function from a value to an assembly.
     find
-        The contacts of a model.
+        Function that finds the contacts.
     parameter
-        Name of what varies.
+        Name of the parameter.
     unit
     """
 

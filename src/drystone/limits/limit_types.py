@@ -1,4 +1,4 @@
-"""How a limit is searched, and what is found."""
+"""Options of the search for limits, and limits."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from drystone.settlement import Outcome
 
 @dataclass(frozen=True)
 class LimitOptions(Options):
-    """How a limit is searched.
+    """Options of the search for a limit.
 
     Attributes
     ----------
     width
-        Of the brackets, in the unit of the parameter; left out, a default of each limit.
+        Width of the brackets, in the unit of the parameter; when left out, a default of each limit.
     scan
-        Steps between the start and the limit of equilibrium that are tried before it is bisected:
-        an island narrower than a step can be missed.
+        Number of steps between the start and the limit of equilibrium before bisection. An island
+        narrower than a step can be missed.
     cone
-        Of the equilibrium limit.
+        Friction cone of the equilibrium limit.
     full
         Whether to search the full verdict too.
     """
@@ -48,31 +48,31 @@ class LimitOptions(Options):
 
 @dataclass(frozen=True, eq=False)
 class Limit(Card):
-    """A limit by both definitions.
+    """A limit of equilibrium and of rest.
 
     Attributes
     ----------
     parameter, unit
     start, end
-        Range that was searched, from where it should stand.
+        Searched range, from a value at which it should stand.
     equilibrium
         Some forces balance the loads (associative friction).
     rest
         The verdict of :func:`drystone.check` on both sides. Where contact stiffness decides, the
-        blocks were followed by finite steps. ``None`` where it was not asked for.
+        blocks were followed by finite steps. ``None`` if not requested.
     uniform
-        Stands for uniform contact stiffness, as a discrete-element program sees it to first order.
-        ``None`` with a check of one's own.
+        It stands for uniform contact stiffness, like in a discrete-element program, to first order.
+        ``None`` with another check.
     robust
-        Stands for every contact stiffness that is tried. ``None`` with a check of one's own, and
-        where it was not searched.
+        It stands for every tried contact stiffness. ``None`` with another check, and if not
+        searched.
     islands
-        Values beyond the first fall at which it stands again, as far as they were tried.
+        Ranges beyond the first fall in which it stands again, as far as they were tried.
     evaluations
-        Values that were tried, in ascending order.
+        Tried values, in ascending order.
     time_s
     stopped
-        Why the search ended before the brackets were as narrow as asked for; else empty.
+        Why the search stopped before the brackets had the required width; else empty.
     """
 
     parameter: str
@@ -115,15 +115,16 @@ class Limit(Card):
 
     @property
     def best(self) -> Bracket:
-        """The bracket of the full verdict, or that of equilibrium where there is no other."""
+        """The bracket of the full verdict, or that of equilibrium if there is no other."""
         return self.equilibrium if self.rest is None else self.rest
 
     @property
     def sensitive_between(self) -> tuple[float, float] | None:
         """Values between which contact stiffness decides whether it stands.
 
-        From the last at which it stands for every stiffness that was tried, to where it falls by
-        the verdict and for uniform stiffness. ``None`` where the verdict changes at one value.
+        The first is the last value at which it stands for every tried stiffness. The second is the
+        value at which it falls by the verdict and for uniform stiffness. ``None`` if the verdict
+        changes at one value.
         """
         if self.robust is None or self.rest is None:
             return None
@@ -138,7 +139,7 @@ class Limit(Card):
 
     @property
     def is_sensitive(self) -> bool:
-        """Whether contact stiffness decides somewhere before the limit, or a little beyond it."""
+        """Whether contact stiffness decides at some value near the limit."""
         return self.sensitive_between is not None
 
     @property
@@ -159,7 +160,7 @@ class Limit(Card):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Sentences that tell where the answer depends on the joints."""
+        """Sentences about values at which the answer depends on the joints."""
         unit = f" {self.unit}" if self.unit else ""
         told = []
         if self.sensitive_between is not None:
@@ -179,7 +180,7 @@ class Limit(Card):
         return tuple(told)
 
     def table(self) -> Table:
-        """The values that were tried, in ascending order, and what stands there."""
+        """The tried values, in ascending order, with their verdicts."""
         tried = self.evaluations
         columns = {
             "value": [one.value for one in tried],
@@ -191,7 +192,7 @@ class Limit(Card):
         return Table(self.parameter, columns, {"value": self.unit} if self.unit else {})
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values; blocks that fall by name."""
+        """Plain values; falling blocks by name."""
         falling = self.best.falling
         return {
             "parameter": self.parameter,

@@ -1,8 +1,8 @@
 """Limits: largest tilt and load, least friction, thickness and joint size.
 
 Every limit is found twice. The limit of *equilibrium* is a convex problem: some forces balance the
-loads, with associative friction. That is necessary for standing. The limit of *rest* is that of the
-full verdict: the forces arise without prestress. It is searched inside the first.
+loads, with associative friction. This is necessary for standing. The limit of *rest* is that of the
+full verdict: the forces arise without prestress. It is searched inside the limit of equilibrium.
 """
 
 from __future__ import annotations
@@ -71,24 +71,23 @@ def limit_tilt(
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     axis : (3,) or a name
-        ``x``, ``y``, ``-x``, ``-y`` or a vector; the turn is counter-clockwise about it.
-    upper : [degrees]
-        Where the search ends.
+        ``x``, ``y``, ``-x``, ``-y`` or a vector; the rotation is counter-clockwise about it.
+    upper : [degrees] Largest angle of the search.
     check
-        Any function that answers whether an assembly stands. Left out, that of drystone: with
-        uniform contact stiffness first, with others where that falls.
+        A function that gives the verdict on a model. When left out, that of drystone: first with
+        uniform contact stiffness, then with others where it falls.
     options
         The default width is 0.05 degree.
     executor
-        Works on the values of a scan side by side; the answer does not depend on it.
+        Computes the values of a scan in parallel; the answer does not depend on it.
     progress
     stop
-        Asked often; True ends the search with the brackets found by then. Where an executor works,
-        it is asked between the answers.
+        Called often; True ends the search with the brackets found so far. With an executor it is
+        called between the answers.
     time_limit_s
-        After it the brackets found by then are the answer.
+        Time after which the search ends with the brackets found so far.
 
     Examples
     --------
@@ -137,10 +136,10 @@ def limit_friction(
     Parameters
     ----------
     upper
-        Where the search starts; left out, the largest coefficient of the joints (with ``scaled``,
-        one).
+        Start of the search; when left out, the largest coefficient of the joints (1 with
+        ``scaled``).
     scaled
-        Search the share of each joint's own coefficient instead of one coefficient for all.
+        Search the factor on the coefficient of each joint instead of one coefficient for all.
     options
         The default width is 0.001.
     """
@@ -175,7 +174,7 @@ def limit_load(
     ----------
     live
     upper
-        Where the search ends.
+        Largest factor of the search.
     options
         The default width is 1e-4 of the limit.
     """
@@ -213,8 +212,8 @@ def limit_shrink(
 ) -> Limit:
     """The least share of the size of all joints at which it stands; see :func:`limit_tilt`.
 
-    Its inverse is a geometric safety factor, after Heyman 1982: how many times larger the joints
-    are than they need to be. The default width is 0.001.
+    Its inverse is a geometric safety factor, after Heyman 1982: the size of the joints divided by
+    the required size. The default width is 0.001.
     """
     chosen = LimitOptions.of(options)
     model = as_model(given, **how)
@@ -246,13 +245,13 @@ def limit_thickness(
     Parameters
     ----------
     build
-        From the parameter to the model.
+        Function from the parameter to an assembly.
     thick, thin
-        Where the search starts, which should stand, and where it ends.
+        Start of the search, where it should stand, and its end.
     friction
         Of all joints.
     find
-        The contacts of a model; left out, those of :func:`drystone.find_contacts`.
+        Function that finds the contacts; when left out, :func:`drystone.find_contacts`.
     parameter, unit
         For tables.
     options

@@ -1,4 +1,4 @@
-"""Tilt limits in every direction."""
+"""Tilt limits in all directions."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class TiltSweep(OneLine):
     limits : (d,)
         The axis of each is the azimuth turned by 90 degrees.
     missing : [degrees]
-        Directions that were asked for and are not known.
+        Requested directions without a result.
     stopped
         Why they are missing; else empty.
     """
@@ -65,7 +65,7 @@ class TiltSweep(OneLine):
 
     @property
     def rest(self) -> Floats:
-        """(d,) [degrees], the largest tilt that the full verdict lets stand."""
+        """(d,) [degrees], the largest tilt at which the full verdict is STABLE."""
         return np.array([_stands(limit.best) for limit in self.limits])
 
     @property
@@ -87,17 +87,17 @@ class TiltSweep(OneLine):
 
     @property
     def lowest(self) -> int:
-        """The known direction with the least tilt; the weakest one where all are known."""
+        """The known direction with the least tilt; the weakest one if all are known."""
         if not self.limits:
             raise InputError("no direction is known", remedy="let the sweep go on")
         return int(np.argmin(np.nan_to_num(self.rest, nan=-1.0).round(6)))
 
     @property
     def rank(self) -> str:
-        """What the lowest direction is called, for messages."""
+        """The name of the lowest direction in messages."""
         if not self.missing:
             return f"the weakest of {counted(self._asked, 'direction')}"
-        return f"the lowest of {len(self.limits)} known directions ({self._asked} were asked for)"
+        return f"the lowest of {len(self.limits)} known directions ({self._asked} requested)"
 
     def table(self) -> Table:
         """The limits by direction."""
@@ -133,21 +133,21 @@ def tilt_sweep(
 ) -> TiltSweep:
     """The tilt limit towards equally spaced directions.
 
-    What is not listed here is as in :func:`limit_tilt`.
+    Other parameters are as in :func:`limit_tilt`.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     directions
         Number of azimuths, the first along x: the assembly leans towards each of them.
     executor
-        Works on the directions side by side; the answer does not depend on it.
+        Computes the directions in parallel; the answer does not depend on it.
     stop
-        Asked often, with an executor between the directions; True ends the sweep with the
-        directions that are complete.
+        Called often, with an executor between the directions; True ends the sweep with the complete
+        directions.
     time_limit_s
-        After it those that are complete are the answer.
+        Time after which the sweep ends with the complete directions.
     """
     if whole(directions, "the number of directions") < 1:
         raise InputError(f"{directions} directions", remedy="give one or more")

@@ -1,4 +1,4 @@
-"""Where a verdict changes: a scan, then bisection. The verdict need not be monotone."""
+"""Search for the change of a verdict: a scan, then bisection. The verdict need not be monotone."""
 
 from __future__ import annotations
 
@@ -19,28 +19,29 @@ from drystone.results import Result, Samples, Verdict
 from drystone.settlement import Outcome, SettlementOptions
 
 Check: TypeAlias = Callable[[Model], Result]
-"""Any function that answers whether a model stands."""
+"""A function that gives the verdict on a model."""
 
 Stop: TypeAlias = Callable[[], bool]
 """Whether to stop. Once True, it must stay True."""
 
 SEARCHED = 500
-"""Corners up to which uniform stiffness is followed as patiently as by :func:`drystone.check`.
-Chosen: for larger models that fall one such try takes seconds, and two quick ones are made."""
+"""Largest number of corners with which uniform stiffness is checked as thoroughly as by
+:func:`drystone.check`. Chosen: for larger models that fall one such try takes seconds; two quick
+ones are made instead."""
 
 ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
 STIFFNESSES = stability.CheckOptions(settle=False)
 FOLLOWED = stability.CheckOptions(settlement=SettlementOptions(fall=0.05))
-"""The verdict of :func:`drystone.check`. A block that went by a twentieth of its size is not
-followed farther: it is beyond what stands."""
+"""The verdict of :func:`drystone.check`. A block that moved by a twentieth of its size is not
+followed further: the structure does not stand."""
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 """Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
-the quick level gives the limits of the patient one in half of the time."""
+the quick level gives the same limits as the patient one in half of the time."""
 
 
 def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """Whether it stands with uniform contact stiffness, the cheapest proof that it stands."""
+    """Whether it stands with uniform contact stiffness: the fastest proof."""
     if model.contacts.corner_count > SEARCHED:
         return stability.try_rest(model, screening=UNIFORM, stop=stop)
     return stability.check(model, options=ONE_STIFFNESS, stop=stop)
@@ -70,7 +71,7 @@ STANDS: Mapping[Verdict, bool | None] = {
 STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
     kind: stands is True for kind, stands in STANDS.items()
 }
-"""The same, but an undecided value counts as falling."""
+"""As above, but an undecided value counts as falling."""
 
 
 @dataclass(frozen=True)
@@ -100,13 +101,13 @@ class Bracket(OneLine):
     Attributes
     ----------
     stands
-        The last value that stands; ``None`` where none was found.
+        The last value at which it stands; ``None`` if none was found.
     falls
-        The first value beyond it that falls; ``None`` where all that were tried stand.
+        The first value beyond at which it falls; ``None`` if it stands at all tried values.
     standing, falling
         The states there; the falling one has the mechanism.
     computed
-        The limit between them that a convex program gives, where there is one.
+        The limit from a convex program, if there is one.
     """
 
     stands: float | None = None
@@ -130,7 +131,7 @@ class Bracket(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a search found.
+    """Result of a search.
 
     Attributes
     ----------
@@ -152,18 +153,18 @@ class Stopped(Exception):
 
 
 class Search:
-    """A search along one family; remembers what was tried.
+    """A search along one family; keeps all tried values.
 
     Parameters
     ----------
     family
     check
     executor
-        Works on the values of a scan side by side.
+        Computes the values of a scan in parallel.
     meaning
         What each verdict counts as.
     stop
-        Asked before every value and after it.
+        Called before and after every value.
     """
 
     def __init__(
@@ -192,7 +193,7 @@ class Search:
         Raises
         ------
         Stopped
-            An undecided answer by then may have been broken off, and is not kept.
+            The request to stop. An undecided answer then may be incomplete and is not kept.
         """
         new = [value for value in dict.fromkeys(values) if value not in self.results]
         if new and self.stop():
@@ -212,16 +213,16 @@ class Search:
     def run(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
     ) -> Found:
-        """Bracket the first change of the verdict on the way from ``start`` to ``end``.
+        """Bracket the first change of the verdict between ``start`` and ``end``.
 
         Parameters
         ----------
         start
-            Where the structure is expected to stand.
+            Value at which the structure should stand.
         end
             Either above or below it.
         width
-            Of the bracket, where no value between is undecided.
+            Width of the bracket, if no value in it is undecided.
         scan
             Number of steps of the scan; 1 tries the two ends only.
         beyond
@@ -230,7 +231,7 @@ class Search:
         Returns
         -------
         Found
-            Where the search was stopped, what the values tried by then tell.
+            If the search was stopped: the result of the values tried so far.
         """
         try:
             return self._run(start, end, width, scan, beyond)
@@ -238,7 +239,7 @@ class Search:
             return self.so_far(start, beyond)
 
     def so_far(self, start: float, beyond: Bracket | None = None) -> Found:
-        """What the values that were tried tell, in order from the start."""
+        """The result of the values tried so far, in order from the start."""
         tried = sorted(self.results, key=lambda value: abs(value - start))
         held = [self.meaning[self.results[value].verdict] for value in tried]
         first = next((i for i, stands in enumerate(held) if stands is not True), len(tried))
@@ -335,7 +336,7 @@ class Search:
     ) -> tuple[float, float | None]:
         """Bisect between a value that stands and one that falls.
 
-        Undecided values between them, in order from the inside, are closed in from both sides.
+        Undecided values between them are enclosed from both sides.
         """
         doubtful = list(doubtful)
         while True:
@@ -366,7 +367,7 @@ class Search:
         return Found(bracket, islands, self.evaluations())
 
     def evaluations(self) -> tuple[Evaluation, ...]:
-        """What was tried, in ascending order."""
+        """Tried values, in ascending order."""
         return tuple(
             Evaluation(
                 value,

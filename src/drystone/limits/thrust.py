@@ -1,4 +1,4 @@
-"""Thrust bounds: the least and the most that a structure can push on a support."""
+"""Thrust bounds: the least and the largest thrust of a structure on a support."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class ThrustBounds(OneLine):
     block
     direction : (3,) unit
     least, most : [N]
-        NaN where there is no equilibrium at all; infinite where prestress has no bound.
+        NaN if there is no equilibrium; infinite if prestress has no bound.
     least_state, most_state
-        Results with the forces, where they exist.
+        Results with the forces, if they exist.
     """
 
     block: str
@@ -69,7 +69,7 @@ def thrust_bounds(
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     block
         Any block, usually a support.
     direction : (3,)
@@ -119,7 +119,7 @@ def _state(
     solution: EquilibriumSolution,
     force_unit: float,
 ) -> Result | None:
-    """The state as a result, when it passes our own checks."""
+    """The state as a result, if its residuals pass the checks."""
     if solution.raw.status is not ConicStatus.SOLVED:
         return None
     force = np.zeros((model.contacts.corner_count, 3))

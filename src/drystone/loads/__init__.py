@@ -1,4 +1,4 @@
-"""Load cases: one wrench per block, and motions of supports. Nothing is implicit."""
+"""Load cases: one wrench per block, and motions of supports."""
 
 from drystone.loads.case import DOWN, STANDARD_GRAVITY, LoadCase
 

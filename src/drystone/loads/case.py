@@ -1,4 +1,4 @@
-"""Load cases: one wrench per block, and motions of supports. Nothing is implicit."""
+"""Load cases: one wrench per block, and motions of supports."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ class LoadCase(OneLine):
     Parameters
     ----------
     wrench : (n, 6) [N, N m]
-        Force and moment about each block's centroid, world axes. What acts on fixed blocks is
-        carried by the ground and changes nothing.
+        Force and moment about each block's centroid, world axes. Loads on fixed blocks have no
+        effect.
     name
         For tables.
     notes
-        What the user should hear about the load: a point that lies off its block.
+        Remarks for the user, such as a load point that lies outside its block.
     motion : (n, 6) [m, rad], optional
         Prescribed motion of supports: translation of the centroid and rotation vector about it,
-        world axes. Only :func:`drystone.settle` answers to it; every other analysis refuses it.
+        world axes. Only :func:`drystone.settle` uses it; every other analysis refuses it.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class LoadCase(OneLine):
 
     @classmethod
     def of(cls, assembly: Assembly, load: Any = None) -> LoadCase:
-        """A load case from what a caller gives.
+        """A load case from a load case, a number or a vector.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class LoadCase(OneLine):
         Raises
         ------
         InputError
-            The load case belongs to another assembly, or it is neither of these.
+            The load case belongs to another assembly, or the load is of another type.
 
         Examples
         --------
@@ -136,7 +136,7 @@ class LoadCase(OneLine):
     ) -> LoadCase:
         """Self-weight when the whole assembly is turned counter-clockwise about ``axis``.
 
-        The blocks stay where they are and gravity turns the other way, which is the same.
+        The blocks are not moved; gravity turns the other way, which is equivalent.
 
         Parameters
         ----------
@@ -158,7 +158,7 @@ class LoadCase(OneLine):
         ----------
         assembly
         kx, ky
-            Seismic coefficients: horizontal acceleration along x and y by that of gravity.
+            Seismic coefficients: horizontal acceleration along x and y divided by g.
         g : [m/s2]
         """
         x, y = number(kx, "kx"), number(ky, "ky")
@@ -177,7 +177,7 @@ class LoadCase(OneLine):
             Position or name of a free block.
         force : (3,) [N]
         at : (3,) [m], optional
-            Left out, the centroid. A point off the block is used as given, with a note.
+            The centroid when left out. A point outside the block is used as given, with a note.
 
         Raises
         ------
@@ -226,14 +226,15 @@ class LoadCase(OneLine):
         traction : (3,) or number [Pa]
             A vector, or a pressure against the faces.
         faces
-            Which faces of the block; or
+            Numbers of the faces; or
         facing : (3,)
-            those that look along this direction, within 30 degrees. Left out both, all.
+            the faces with a normal within 30 degrees of this direction. All faces when both are
+            left out.
 
         Raises
         ------
         InputError
-            No such face, none that looks that way, or faces chosen in both ways.
+            No such face, no face with that direction, or both ways of choosing at once.
         """
         i = free_block(assembly, block)
         force, point = surface_forces(assembly.blocks[i], traction, faces, facing)
@@ -257,7 +258,7 @@ class LoadCase(OneLine):
         g: float = STANDARD_GRAVITY,
         direction: Any = DOWN,
     ) -> LoadCase:
-        """The weight of something [kg] that stands on a free block, at a point or its centroid."""
+        """The weight of a mass [kg] on a free block, at a point or at the centroid."""
         carried = float(frozen_floats(mass, (), "mass"))
         if carried < 0.0:
             raise InputError(f"mass is {carried}", remedy="give kg of zero or more")
@@ -267,27 +268,27 @@ class LoadCase(OneLine):
 
     @classmethod
     def settlement(cls, assembly: Assembly, block: int | str, motion: Any) -> LoadCase:
-        """A prescribed motion of a support; no force by itself.
+        """A prescribed motion of a support, without a force.
 
         Parameters
         ----------
         assembly
         block
-            Position or name; whether it is fixed is asked where the case is used.
+            Position or name. :func:`drystone.settle` checks that it is fixed.
         motion : (3,) [m] or (6,) [m, rad]
             Translation of its centroid, and a rotation vector about it; world axes.
 
         Raises
         ------
         InputError
-            There is no such block, or not 3 or 6 finite numbers.
+            There is no such block, or the motion is not 3 or 6 finite numbers.
         """
         of_type(assembly, Assembly, "the assembly")
         i = int(assembly.indices([block])[0])
         values = frozen_floats(motion, (None,), f"motion of block '{assembly.names[i]}'")
         if len(values) not in (3, 6):
             raise InputError(
-                f"the motion of block '{assembly.names[i]}' has not 3 or 6 numbers",
+                f"the motion of block '{assembly.names[i]}' does not have 3 or 6 numbers",
                 remedy="give a translation, or a translation and a rotation vector",
             )
         moved = np.zeros((len(assembly), 6))
@@ -298,7 +299,7 @@ class LoadCase(OneLine):
     def combine(
         cls, parts: Iterable[tuple[float, LoadCase]], name: str = "combination"
     ) -> LoadCase:
-        """The sum of load cases times their factors.
+        """The sum of load cases, each multiplied by its factor.
 
         Examples
         --------
@@ -312,7 +313,7 @@ class LoadCase(OneLine):
             cases = [float(factor) * load for factor, load in parts]
         except (TypeError, ValueError) as error:
             remedy = "give pairs of a factor and a load case"
-            raise InputError("load cases cannot be combined so", remedy=remedy) from error
+            raise InputError("load cases are combined as pairs", remedy=remedy) from error
         if not cases:
             raise InputError("there is nothing to combine", remedy="give a load case")
         return replace(sum(cases[1:], cases[0]), name=name)

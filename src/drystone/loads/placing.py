@@ -1,4 +1,4 @@
-"""Where a load acts: points and faces of a block."""
+"""Points and faces of a block on which a load acts."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from drystone.geometry.plane.polygon import area_vectors
 from drystone.geometry.plane.triangulate import triangulate
 
 OFF_BLOCK = 1e-6
-"""A point farther from a block than this share of the block's size is told to be off it; chosen,
-above the rounding of coordinates in model files."""
+"""A point farther from a block than this share of the block's size lies outside it. Chosen: above
+the rounding of coordinates in model files."""
 
 FACING = np.cos(np.deg2rad(30.0))
-"""A face looks along a direction when its normal is within 30 degrees of it; chosen, so that the
-top of a voussoir counts as its top."""
+"""A face faces a direction when its normal is within 30 degrees of it. Chosen: the inclined top of
+a voussoir still counts as its top."""
 
 
 def free_block(assembly: Assembly, block: int | str) -> int:
@@ -60,7 +60,7 @@ def wrench_of_masses(assembly: Assembly, g: float, direction: Floats) -> Floats:
 
 
 def off_block(block: Block, point: Floats) -> tuple[str, ...]:
-    """A note where a point (3,) lies off a block."""
+    """A note if a point (3,) lies outside a block."""
     faces = stack_faces([block.vertices], [block.faces])
     corner = faces.point[faces.loop]
     triangles = corner[triangulate(corner, faces.start)[0]]
@@ -104,7 +104,7 @@ def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: s
         chosen = np.array([whole(face, "a face", least=0) for face in listed], dtype=np.intp)
         if len(chosen) == 0 or chosen.max() >= part.count:
             raise InputError(
-                f"faces {chosen.tolist()} are not all there",
+                f"some of the faces {chosen.tolist()} do not exist",
                 where=where,
                 remedy=f"they are numbered 0 to {part.count - 1}",
             )
@@ -115,7 +115,7 @@ def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: s
     along = area @ unit(facing, "facing")
     chosen = np.flatnonzero(along > (FACING - 1e-12) * np.linalg.norm(area, axis=1))
     if len(chosen) == 0:
-        raise InputError("no face looks that way", where=where, remedy="choose faces by number")
+        raise InputError("no face has this direction", where=where, remedy="choose faces by number")
     return chosen
 
 

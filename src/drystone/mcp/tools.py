@@ -93,8 +93,8 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
                 ) from None
             except anyio.BrokenWorkerProcess:
                 raise ToolError(
-                    "the calculation ended without an answer, perhaps for lack of memory; give a "
-                    "smaller model"
+                    "the calculation ended without an answer, perhaps because memory ran out; "
+                    "give a smaller model"
                 ) from None
         if "error" in told:
             raise ToolError(told["error"])

@@ -33,9 +33,9 @@ def random_pack(count: int = 30, seed: int = 0, edge: float = 1.0) -> Assembly:
     """
     require(count > 0, f"a pack of {count} boxes", "one or more")
     random = np.random.default_rng(seed)
-    heap = [(-(edge**3), (0.0, 0.0, 0.0), (edge, edge, edge))]
-    while len(heap) < count:
-        _, low, high = heappop(heap)
+    boxes = [(-(edge**3), (0.0, 0.0, 0.0), (edge, edge, edge))]
+    while len(boxes) < count:
+        _, low, high = heappop(boxes)
         length = np.subtract(high, low)
         axis = int(random.choice(3, p=length / length.sum()))
         place = low[axis] + float(random.uniform(0.3, 0.7)) * float(length[axis])
@@ -43,8 +43,8 @@ def random_pack(count: int = 30, seed: int = 0, edge: float = 1.0) -> Assembly:
             (low, (*high[:axis], place, *high[axis + 1 :])),
             ((*low[:axis], place, *low[axis + 1 :]), high),
         ):
-            heappush(heap, (-float(np.prod(np.subtract(child[1], child[0]))), *child))
-    corners = sorted((low, high) for _, low, high in heap)
+            heappush(boxes, (-float(np.prod(np.subtract(child[1], child[0]))), *child))
+    corners = sorted((low, high) for _, low, high in boxes)
     blocks = tuple(
         box(np.subtract(high, low).tolist(), low, f"box-{i}")
         for i, (low, high) in enumerate(corners)

@@ -1,4 +1,4 @@
-"""Assembly planning: in which order, what to hold, what to prop."""
+"""Assembly planning: the order of placement, held blocks and props."""
 
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
 from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling

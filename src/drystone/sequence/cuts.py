@@ -1,7 +1,8 @@
-"""Cutting a monolithic shape into blocks that stand: propose a cut, check, accept or change it.
+"""Cutting a monolithic shape into blocks that stand: propose a cut, check it, accept or reject it.
 
-From the bottom up: all below a cut is fixed, what is above it is one block that must stand on the
-cut face by contact and friction. The first cut proposed for a place that lets it stand is taken.
+The cuts are made from the bottom up. All blocks below a cut are fixed. The part above is one block;
+it must stand on the cut face by contact and friction. At each place the first proposed cut with
+which it stands is taken.
 
 Source: Kao et al. 2022 (design loop of stability-aware blocks).
 """
@@ -35,8 +36,8 @@ class Cut(OneLine):
     normal : (3,)
         Towards the part above.
     wedge_deg : [degrees]
-        Angle of each plane of a wedge to the plane of ``normal``: the part above sits in a groove.
-        Zero for a plane, negative for a ridge.
+        Angle of each plane of a wedge to the plane of ``normal``. Positive: the part above sits in
+        a groove. Zero for a plane, negative for a ridge.
     edge : (3,)
         Direction of the wedge's edge.
     """
@@ -64,7 +65,7 @@ class Cut(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Trial(OneLine):
-    """A cut that was tried at a place, and what became of the part above it."""
+    """A cut that was tried at a place, and the result for the part above it."""
 
     place: int
     cut: Cut
@@ -72,7 +73,7 @@ class Trial(OneLine):
 
     @property
     def accepted(self) -> bool:
-        """Whether what is above stands on it."""
+        """Whether the part above stands on it."""
         return self.result.verdict is Verdict.STABLE
 
 
@@ -93,12 +94,12 @@ class CutDesign(OneLine):
 
     @property
     def cuts(self) -> tuple[Cut, ...]:
-        """The accepted ones."""
+        """The accepted cuts."""
         return tuple(trial.cut for trial in self.trials if trial.accepted)
 
 
 def cut_block(block: Block, cut: Cut) -> tuple[list[Block], list[Block]]:
-    """The pieces above and below a cut, as blocks named after the whole.
+    """The pieces above and below a cut, as blocks with names derived from the whole.
 
     Raises
     ------
@@ -130,7 +131,7 @@ def design_cuts(
     check: Check = check_both,
     name: str = "c",
 ) -> CutDesign:
-    """Cut a shape from the bottom up, taking at each place the first cut that works.
+    """Cut a shape from the bottom up, at each place with the first cut that is accepted.
 
     Parameters
     ----------
@@ -140,14 +141,14 @@ def design_cuts(
         Per place, from the bottom up, cuts in the order of preference.
     friction
     check
-        The verdict on what is above a cut.
+        Function that gives the verdict on the part above a cut.
     name
-        Blocks are called ``c00-block``, ``c01-block`` and so on.
+        Prefix of the block names ``c00-block``, ``c01-block`` and so on.
 
     Raises
     ------
     InputError
-        No cut of a place lets the part above it stand, or one takes it apart.
+        With no cut of a place the part above stands, or a cut divides it into several parts.
     """
     if not proposals:
         raise InputError("no place to cut at", where="proposals")
@@ -159,7 +160,7 @@ def design_cuts(
             above, below = cut_block(rest, cut)
             if len(above) > 1 or len(below) > 1:
                 raise InputError(
-                    f"the cut at place {place} takes the shape into {len(above)} parts above and "
+                    f"the cut at place {place} divides the shape into {len(above)} parts above and "
                     f"{len(below)} below",
                     remedy="turn it, or cut the parts one by one",
                 )
@@ -171,7 +172,7 @@ def design_cuts(
                 break
         else:
             raise InputError(
-                f"none of {len(choices)} cuts at place {place} lets what is above stand",
+                f"none of {len(choices)} cuts at place {place} lets the part above stand",
                 remedy="propose other cuts, or more friction",
             )
     pieces.append(rest.renamed(f"{name}{len(proposals):02d}-block"))
@@ -181,7 +182,7 @@ def design_cuts(
 def tilted_cuts(
     point: Floats, normal: Floats, edge: Floats, tilts_deg: Sequence[float], wedge_deg: float = 0.0
 ) -> tuple[Cut, ...]:
-    """The same cut turned by each of some angles about an edge through its point."""
+    """The cut rotated by several angles about an edge through its point."""
     axis, base = unit(edge, "edge"), unit(normal, "normal")
     return tuple(
         Cut(point, rotation_about(axis, tilt) @ base, wedge_deg, axis) for tilt in tilts_deg

@@ -1,7 +1,7 @@
-"""A plan as work for robots: where each block goes, on which way, by whom, and who holds what.
+"""A plan as data for robots: place and path of each block, the robot that places it, and the holds.
 
-Data only: joints and motions of an arm are found by whoever drives it. The frame of a block has its
-origin at the centroid and, in place, the axes of the world; all poses are of that frame.
+The joint angles of a robot arm are not calculated. The frame of a block has its origin at the
+centroid; in place its axes are the world axes. All poses refer to that frame.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stage.stages import members
 
 COVERED = 0.01
-"""Share of a face that joints may take while it still counts as free to grip; chosen, for edges
-that a neighbour grazes."""
+"""Largest share of a face that joints may cover while it counts as free to grip. Chosen: a
+neighbour may touch its edge."""
 OPPOSITE = 0.996
-"""Cosine between a face and the opposite of another one, from which a gripper holds on to both:
-5 degrees, chosen."""
+"""Cosine between one face and the opposite of another above which a gripper can hold both: 5
+degrees, chosen."""
 
 
 @dataclass(frozen=True, eq=False)
 class GripFace(OneLine):
-    """A face that touches nothing once the block is in place.
+    """A face without contact when the block is in place.
 
     Attributes
     ----------
@@ -56,29 +56,29 @@ class GripFace(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Placement(OneLine):
-    """One block, put in its place.
+    """The placement of one block.
 
     Attributes
     ----------
     step
-        Of the plan, from 0.
+        Number of the step in the plan, from 0.
     block, name
     robot
-        Who places it; empty where no robots were given, or none can.
+        The robot that places it; empty if no robots were given, or none can place it.
     frame : (4, 4)
-        Its frame in place.
+        Frame of the block in place.
     approach : (p, 4, 4)
-        Frames on the way in, the last one in place; empty where no way was found.
+        Frames on the path into place, the last one in place; empty if no path was found.
     clearance : (p,) [m]
-        Distance from what stands at each of them.
+        Distance from the blocks in place at each of them.
     turning
-        Whether it turns on the way.
+        Whether the block rotates on the path.
     mass : [kg]
     grips
         Faces to grip, the largest first.
     pairs
-        Pairs of them that look away from each other: positions in ``grips``, and the distance [m]
-        that a gripper must open.
+        Pairs of opposite faces: positions in ``grips``, and the distance [m] that a gripper must
+        open.
     """
 
     step: int
@@ -102,12 +102,12 @@ class Hold(OneLine):
     ----------
     block, name
     robot
-        Who holds it; empty where no robots were given.
+        The robot that holds it; empty if no robots were given.
     until
-        Name of the block that is in place when it is let go.
+        Name of the block after whose placement it is released.
     force : (3,) [N]
     moment : (3,) [N m]
-        The largest that the hold supplies, about the centroid.
+        Largest force and moment of the hold, about the centroid.
     """
 
     block: int
@@ -128,7 +128,7 @@ class Handling(OneLine):
     robots
     placements, holds
     notes
-        What no robot can do, and blocks without a way, one sentence each.
+        Placements that no robot can do, and blocks without a path, one sentence each.
     """
 
     plan: Plan
@@ -167,7 +167,7 @@ class Handling(OneLine):
         }
 
     def rows(self) -> list[dict[str, Any]]:
-        """A row per placement: who, where, how heavy, from where, and the widest grip."""
+        """A row per placement: robot, position, mass, direction of approach and widest grip."""
         held = {one.name: one for one in self.holds}
         return [
             {
@@ -211,19 +211,19 @@ def handling(
     options: WayOptions | None = None,
     progress: Progress | None = None,
 ) -> Handling:
-    """What robots need to know to carry out a plan.
+    """The placements and holds of a plan, for robots.
 
-    Robots take turns: a block is placed by the next one after that which placed the last block,
-    passing over those that hold something or cannot manage it.
+    Robots take turns. The next robot in the list places the next block; robots that hold a block or
+    cannot place it are skipped.
 
     Parameters
     ----------
     plan
-        Its steps; a plan without steps has no placements.
+        A plan; without steps it has no placements.
     robots
-        Left out, nobody is named.
+        When left out, placements have no robot.
     options
-        How ways in are searched; up is against the load unless it is given.
+        Options of the search for paths; up is opposite to the load unless given.
     progress
 
     Examples
@@ -257,7 +257,7 @@ def handling(
             robot = "" if who is None else team[who].name
             found = finder.way(block, here)
             if isinstance(found, NoWay):
-                notes.append(f"'{body.name}': no way in was found: {found.reason}")
+                notes.append(f"'{body.name}': no path was found: {found.reason}")
             after = here.copy()
             after[block] = True
             for other in step.blocks[:place]:
@@ -278,7 +278,7 @@ def handling(
 
 
 def _next(team: Sequence[Robot], turn: int, busy: set[int], body: Block) -> int | None:
-    """The robot whose turn it is and who can place a block."""
+    """The next robot that can place a block."""
     for i in range(len(team)):
         who = (turn + i) % len(team)
         if who not in busy and bool(team[who].manages(body.centroid, np.array(body.mass))):
@@ -309,7 +309,7 @@ def _placed(
 
 
 def grip_faces(body: Block, joints: Joints) -> list[GripFace]:
-    """Faces of a block that none of some joints lies on, the largest first.
+    """Faces of a block without any of the given joints, the largest first.
 
     Parameters
     ----------
@@ -335,7 +335,7 @@ def grip_faces(body: Block, joints: Joints) -> list[GripFace]:
 
 
 def _pairs(grips: Sequence[GripFace]) -> list[tuple[int, int, float]]:
-    """Pairs of faces that look away from each other, the largest first, and their distance."""
+    """Pairs of opposite faces, the largest first, and their distance."""
     out = []
     for i, one in enumerate(grips):
         for j in range(i + 1, len(grips)):
@@ -372,7 +372,7 @@ def _placement(one: Placement) -> dict[str, Any]:
 
 
 def _finite(value: float) -> float | None:
-    """A number, or nothing where there is no limit."""
+    """The number, or ``None`` for infinity."""
     return value if np.isfinite(value) else None
 
 

@@ -1,7 +1,7 @@
 """Which blocks can leave while others are in place.
 
-Straight directions that the joints leave free are looked at first: most blocks have one. Where
-there is none a way that turns is searched, free of collision against everything that is in place.
+Straight directions that no joint blocks are tried first: most blocks have one. If there is none, a
+path with rotation is searched, without collision with the blocks in place.
 """
 
 from __future__ import annotations
@@ -20,11 +20,12 @@ from drystone.sequence.stage.stages import members
 from drystone.sequence.stage.structure import Structure
 
 EFFORT = 1500
-"""Swept volumes that are tested before a block counts as blocked while a plan is made; chosen."""
+"""Number of swept volumes that are tested before a block counts as blocked during planning.
+Chosen."""
 
 
 class RemovalTest(OneLine):
-    """Which blocks can leave while others are in place.
+    """Tests which blocks can be removed while others are in place.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ class RemovalTest(OneLine):
         return repr(self.model)
 
     def freedom(self, block: int, placed: int) -> Freedom:
-        """How a block can leave the blocks in place straight (it may be one of them)."""
+        """Straight directions in which a block can be removed from the blocks in place."""
         key = self._key(block, placed)
         if key not in self._known:
             normals = self._joints(*key).normal
@@ -52,19 +53,18 @@ class RemovalTest(OneLine):
         return self._known[key]
 
     def way(self, block: int, placed: int) -> Floats | None:
-        """The free direction (3,) nearest to up in which a block can leave; None when blocked."""
+        """The free direction (3,) nearest to up; None when blocked."""
         normals = self._joints(*self._key(block, placed)).normal
         if (normals @ self.model.up >= 0.0).all():
             return self.model.up
         return self.freedom(block, placed).preferred
 
     def free(self, block: int, placed: int) -> bool:
-        """Whether it can leave at all, straight or turning."""
+        """Whether it can be removed, straight or with rotation."""
         key = self._key(block, placed)
         if key not in self._free:
             normals = self._joints(*key).normal
-            # most blocks can go straight up, or away from all of their joints; where these face
-            # each other their sum is no direction
+            # most blocks can move straight up or away from all joints; opposite joints have no sum
             away = normals.sum(axis=0)
             length = float(np.linalg.norm(away))
             quick = np.stack([self.model.up, away] if length > self.tolerance else [self.model.up])
@@ -73,14 +73,14 @@ class RemovalTest(OneLine):
         return self._free[key] or self._turns(block, placed)
 
     def path(self, block: int, placed: int) -> Way | NoWay:
-        """The finite way on which a block leaves what is in place, or why there is none."""
+        """The path on which a block is removed from those in place, or why there is none."""
         key = (block, placed & ~(1 << block))
         if key not in self._ways:
             self._ways[key] = self._finder.way(block, self._here(placed))
         return self._ways[key]
 
     def reason(self, block: int, placed: int) -> str:
-        """Why a block cannot leave, with the blocks and faces that are in the way."""
+        """Why a block cannot be removed, with the blocking faces."""
         joints = self._joints(*self._key(block, placed))
         body = self.model.assembly.blocks[block]
         rows = twist_rows(joints.corner, joints.normal[joints.interface], body.centroid, body.size)
@@ -90,10 +90,10 @@ class RemovalTest(OneLine):
             return found.reason if isinstance(found, NoWay) else ""
         which = np.unique(joints.interface[twists.blocking]).tolist()
         faces = in_words(obstacles(self.model.assembly, joints, which))
-        return f"its joints leave no motion free, straight or turning: {faces}"
+        return f"its joints block every motion, straight or with rotation: {faces}"
 
     def _turns(self, block: int, placed: int) -> bool:
-        """Whether a block without a straight way has one that turns."""
+        """Whether a block without a straight path has one with rotation."""
         joints = self._joints(*self._key(block, placed))
         body = self.model.assembly.blocks[block]
         rows = twist_rows(joints.corner, joints.normal[joints.interface], body.centroid, body.size)
@@ -107,7 +107,7 @@ class RemovalTest(OneLine):
         return WayFinder(self.model.model, WayOptions(effort=EFFORT, up=tuple(up)))
 
     def _key(self, block: int, placed: int) -> tuple[int, int]:
-        """The block, and its neighbours among those in place: all that joints depend on."""
+        """The block and its neighbours in place; the joints depend on these only."""
         return block, self.model.neighbours[block] & placed & ~(1 << block)
 
     def _here(self, placed: int) -> Bools:

@@ -1,13 +1,13 @@
-"""Does an assembly hold together by its shape alone, whatever load acts on it?
+"""Interlocking: whether an assembly holds by its shape alone under any load.
 
-With some blocks fixed, an assembly without friction holds in every direction of load if and only if
-no motion of its blocks opens or slides along all of its joints:
+With some blocks fixed, an assembly without friction is in equilibrium under every load if and only
+if no motion of its blocks is free, that is, opens joints or slides along them:
 
     B q >= 0  has no solution but q = 0,
 
-with a row of B for each corner of a joint: the speed at which it opens. A linear program looks for
-a motion that opens some joint. Where it finds none, a motion that only slides lies in the null
-space of B. Source: Wang, Song, Pauly 2018 ("DESIA", ACM Trans. Graph. 37 (6)); Wang, Song,
+with a row of B for each corner of a joint: the speed at which it opens. A linear program searches
+for a motion that opens some joint. If there is none, a free motion can only slide; it lies in the
+null space of B. Source: Wang, Song, Pauly 2018 ("DESIA", ACM Trans. Graph. 37 (6)); Wang, Song,
 Isvoranu, Pauly 2019 ("Design and structural optimization of topological interlocking assemblies",
 ACM Trans. Graph. 38 (6)), who show that this is the same as equilibrium under every load.
 """
@@ -37,10 +37,10 @@ from drystone.solvers.program import ProgramBuilder
 from drystone.stability import RBEOptions, check, solve_rbe
 
 OPENS = 1e-6
-"""Least mean of the opening speeds that counts, where the largest is 1; above the solver's
-tolerance."""
+"""Least mean of the opening speeds that counts as opening, with the largest speed 1; above the
+solver's tolerance."""
 SLIDES = 1e-7
-"""Squares of singular values of B below this share of the largest are zero; chosen, well above
+"""Squares of singular values of B below this share of the largest are zero. Chosen: well above
 rounding."""
 
 
@@ -51,16 +51,17 @@ class Interlocking(OneLine):
     Attributes
     ----------
     model
-        With what is held fixed.
+        With the key fixed.
     holds
-        Whether no motion is free: it bears every load, without friction.
+        Whether no motion is free: it carries every load without friction.
     motion : (n, 6) or None
-        Translation [m] and rotation vector [rad] of each block in a free motion, the fastest block
-        moving by 1 m; None where it holds.
+        Translation [m] and rotation vector [rad] of each block in a free motion; the fastest block
+        moves by 1 m. None where it holds.
     moving
         Positions of the blocks that move in it.
     first
-        Positions of the blocks that can move alone while all others stay: they come out first.
+        Positions of the blocks that can move while all others are at rest. They can be removed
+        first.
     """
 
     model: Model
@@ -71,23 +72,23 @@ class Interlocking(OneLine):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the blocks that can move alone."""
+        """Names of the blocks that can move alone."""
         return tuple(self.model.assembly.names[b] for b in self.first)
 
 
 def interlocking(
     given: Given, key: int | str | Sequence[int | str] | None = None, **how: Unpack[How]
 ) -> Interlocking:
-    """Whether an assembly holds under every load without friction, with a key fixed.
+    """Whether an assembly with a fixed key holds under every load without friction.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     key
-        The block or blocks that are held. Left out, the supports of the model. Of a puzzle whose
-        key slides out hold the key and one other piece: with the key alone all others may slide
-        away from it together.
+        The block or blocks that are held; the supports of the model when left out. For a puzzle
+        with a sliding key, hold the key and one other piece: with the key alone fixed, all other
+        pieces may slide away together.
 
     Raises
     ------
@@ -127,8 +128,7 @@ def interlocking(
 def opening_rows(model: Model) -> sparse.csr_matrix:
     """Rows (k, 6 f) that give the opening speed of each corner from the twists of f free blocks.
 
-    Velocities are measured by the size of each block. Corners between two fixed blocks are left
-    out.
+    Velocities are relative to the size of each block. Corners between two fixed blocks are omitted.
     """
     assembly, contacts = model.assembly, model.contacts
     place = np.full(len(assembly), -1, dtype=np.intp)
@@ -153,7 +153,7 @@ def opening_rows(model: Model) -> sparse.csr_matrix:
 
 
 def _alone(model: Model, block: int) -> bool:
-    """Whether the joints of one block with all others leave it no motion."""
+    """Whether the joints with all other blocks block every motion of one block."""
     here = np.ones(len(model.assembly), dtype=bool)
     joints = Joints.of(model.contacts, block, here)
     body = model.assembly.blocks[block]
@@ -166,7 +166,7 @@ def _opening(rows: sparse.csr_matrix) -> Floats | None:
     count, size = rows.shape
     if not count:
         return np.ones(size)
-    # the opening of a corner counts from zero to one
+    # openings are between zero and one
     program = ProgramBuilder()
     motion = program.variable("motion", size, quadratic=1e-9)
     opening = program.variable("opening", count, linear=-1.0)
@@ -175,7 +175,7 @@ def _opening(rows: sparse.csr_matrix) -> Floats | None:
     program.at_most("least opening", np.zeros(count), (opening, -1.0))
     found = program.build().solve()
     if found.status is not ConicStatus.SOLVED:
-        raise SolverError("the program of interlocking was not solved")
+        raise SolverError("the linear program of interlocking was not solved")
     speed = found.x[motion.place]
     opened = float(np.minimum(rows @ speed, 1.0).sum())
     return speed if opened > OPENS * count else None
@@ -192,7 +192,7 @@ def _sliding(rows: sparse.csr_matrix) -> Floats | None:
 
 @dataclass(frozen=True, eq=False)
 class GravityRegion(OneLine):
-    """In which directions of gravity an assembly stands.
+    """The directions of gravity in which an assembly stands.
 
     Attributes
     ----------
@@ -200,11 +200,11 @@ class GravityRegion(OneLine):
     direction : (g, 3) unit
         Directions of gravity.
     frictionless : (g,)
-        Whether forces without friction balance it.
+        Whether there are contact forces in equilibrium without friction.
     balanced : (g,)
-        Whether forces with the friction of the model balance it.
+        Whether there are contact forces in equilibrium with the friction of the model.
     stands : (g,) or None
-        Whether :func:`drystone.check` lets it stand; None where that was not asked for.
+        Whether the verdict of :func:`drystone.check` is STABLE; None if not requested.
     """
 
     model: Model
@@ -215,7 +215,7 @@ class GravityRegion(OneLine):
 
     @property
     def shares(self) -> dict[str, float]:
-        """Shares of the directions in which it holds."""
+        """Share of the directions for each of the three questions."""
         out = {
             "frictionless": float(self.frictionless.mean()),
             "balanced": float(self.balanced.mean()),
@@ -238,15 +238,15 @@ def gravity_region(
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     key
-        The block or blocks that are held. Left out, the supports of the model.
+        The block or blocks that are held; the supports of the model when left out.
     directions
-        Their number, spread evenly over the sphere, or the directions (g, 3) themselves.
+        Number of directions, evenly spread over the sphere, or the directions (g, 3).
     stands
-        Whether the full verdict is asked for as well. It takes longer.
+        Whether to compute the full verdict too. It takes longer.
     executor
-        Where directions are checked side by side.
+        Checks directions in parallel.
     progress
 
     Examples

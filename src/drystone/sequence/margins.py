@@ -1,4 +1,4 @@
-"""By how much each stage of a plan stands, and at which friction there is a plan without props."""
+"""Margins of each stage of a plan, and the least friction at which a plan needs no props."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ Given = TypeVar("Given")
 Found = TypeVar("Found")
 
 PlanAt: TypeAlias = Callable[[Model], Plan]
-"""The planner with everything given but the model."""
+"""The planner with all arguments except the model."""
 
 
 @dataclass(frozen=True)
 class MarginOptions(Options):
-    """How closely margins are asked.
+    """Accuracy of margins.
 
     Attributes
     ----------
     friction_width
-        Of the bracket of the least friction.
+        Width of the bracket of the least friction.
     tilt_width, tilt_upper : [degrees]
-        Of the bracket of the tilt limit, and the angle at which its search ends.
+        Width of the bracket of the tilt limit, and the largest angle of its search.
     directions
-        Horizontal directions of tilt.
+        Number of horizontal directions of tilt.
     """
 
     friction_width: float = 0.01
@@ -58,15 +58,14 @@ class MarginOptions(Options):
 
 @dataclass(frozen=True)
 class Margin:
-    """How far a stage is from falling.
+    """The margins of one stage.
 
     Attributes
     ----------
     least_friction
-        Coefficient, one for all joints, down to which it stands; infinity where it does not.
+        Least coefficient, one for all joints, with which it stands; infinity if it does not stand.
     tilt : [degrees]
-        Down to the direction in which it can be tilted least; the end of the search where it stands
-        until there.
+        Tilt limit in the weakest direction; the largest angle of the search if it stands there.
     """
 
     least_friction: float
@@ -82,7 +81,7 @@ class Margins(OneLine):
     plan
     stages
     stopped
-        Why margins of the last stages are missing; empty where all are known.
+        Why margins of the last stages are missing; empty if all are known.
     """
 
     plan: Plan
@@ -94,18 +93,18 @@ class Margins(OneLine):
 
     @property
     def least_friction(self) -> float:
-        """The coefficient that the most demanding stage needs: the order works down to it."""
+        """Least coefficient with which every stage stands."""
         known = (one.least_friction for one in self.stages if not math.isnan(one.least_friction))
         return max(known, default=0.0)
 
     @property
     def weakest(self) -> int:
-        """The step after which the least tilt makes it fall."""
+        """The step after which the tilt limit is smallest."""
         tilts = [math.inf if math.isnan(one.tilt) else one.tilt for one in self.stages]
         return int(np.argmin(tilts))
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain values: each stage, the weakest one, the friction that the order needs."""
+        """Plain values: all stages, the weakest one, the least friction."""
         stages = [
             {"step": i, "least_friction": one.least_friction, "tilt_deg": one.tilt}
             for i, one in enumerate(self.stages)
@@ -138,21 +137,21 @@ def margins(
     stop: Callable[[], bool] | None = None,
     time_limit_s: float = float("inf"),
 ) -> Margins:
-    """Least friction and tilt limit of every stage of a plan, its props being in place.
+    """Least friction and tilt limit of every stage of a plan, with its props in place.
 
-    Equilibrium gives the bound, and the plan's own verdict is asked inside it.
+    Equilibrium gives the bound; inside it the verdict of the plan decides.
 
     Parameters
     ----------
     plan
     options
     executor
-        Works on stages side by side.
+        Computes stages in parallel.
     progress
     stop
-        Asked between two stages; True ends the work.
+        Called between two stages; True ends the work.
     time_limit_s
-        After it the work ends. Margins of the stages that are left are not a number.
+        Time after which the work ends. Margins of the remaining stages are NaN.
     """
     of_type(plan, Plan, "the plan", "give what drystone.plan answers")
     chosen = MarginOptions.of(options)
@@ -172,7 +171,7 @@ def in_turn(
     progress: Progress | None,
     clock: Clock,
 ) -> Iterator[Found]:
-    """What a task answers for each of some values, in order, until it is late."""
+    """Results of a task for several values, in order, until the time limit."""
     futures = [] if executor is None else [executor.submit(task, value) for value in values]
     try:
         for number, value in enumerate(values):
@@ -213,7 +212,7 @@ def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> 
 
 @dataclass(frozen=True, eq=False)
 class FrictionSweep(OneLine):
-    """The same structure planned at several coefficients.
+    """Plans of one structure at several friction coefficients.
 
     Attributes
     ----------
@@ -246,7 +245,7 @@ def sweep_friction(
     stop: Callable[[], bool] | None = None,
     time_limit_s: float = float("inf"),
 ) -> FrictionSweep:
-    """Plan at several friction coefficients, one for all joints each.
+    """Plan at several friction coefficients, each the same for all joints.
 
     Parameters
     ----------
@@ -254,12 +253,12 @@ def sweep_friction(
     frictions
     plan_at
     executor
-        Works on coefficients side by side.
+        Computes coefficients in parallel.
     progress
     stop
-        Asked between two plans; True ends the work.
+        Called between two plans; True ends the work.
     time_limit_s
-        After it the work ends. The sweep then has the plans that were found, from the least
+        Time after which the work ends. The sweep then has the plans found so far, from the least
         friction on.
     """
     if not frictions:
@@ -274,23 +273,23 @@ def sweep_friction(
 def least_buildable_friction(
     model: Model, plan_at: PlanAt, *, upper: float, width: float = 0.005
 ) -> tuple[float, float]:
-    """Coefficients between which building without props becomes possible: (too little, enough).
+    """Bracket of the least friction without props: (too little, enough).
 
-    Bisection: it is taken that more friction never hurts.
+    It is found by bisection, on the assumption that more friction never increases the help.
 
     Parameters
     ----------
     model
     plan_at
     upper
-        Where a plan without props exists.
+        Coefficient at which a plan without props exists.
     width
-        Of the answer.
+        Width of the bracket.
 
     Raises
     ------
     InputError
-        There is none at ``upper``.
+        There is no such plan at ``upper``.
     """
     low, high = 0.0, float(upper)
     if not _unpropped(plan_at(model.with_friction(high))):

@@ -1,4 +1,4 @@
-"""Plans: check the complete structure, take it apart, and tell how to put it together."""
+"""Planning: check the complete structure, search its disassembly, and reverse it."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from drystone.sequence.stage.workers import ExecutorFactory
 from drystone.stability.screening import Screening, stage_screening
 
 EFFORT, LARGE = 800.0, 100.0
-"""The planner holds or props blocks after EFFORT / n checks without progress, n being the number of
-free blocks; beyond LARGE blocks after EFFORT * LARGE / n**2. That is 100 checks for 8 blocks, where
-most stages can be checked, 20 for a vault of 40 blocks, 13 for a dome of 60, and none for 400."""
+"""The planner holds or props blocks after EFFORT / n checks without progress, with n free blocks;
+above LARGE blocks after EFFORT * LARGE / n**2. This gives 100 checks for 8 blocks (most stages can
+be checked), 20 for a vault of 40 blocks, 13 for a dome of 60, and none for 400."""
 
 CHECKED = 500
-"""Corners of a model up to which the stages of a plan are given the full verdict where the search
-only screened them, and up to which the complete structure may stand after settling."""
+"""Largest number of corners of a model with which screened stages of a plan are also checked, and
+with which the complete structure may stand after settling."""
 LISTED = 6
-"""Falling blocks that a message names."""
+"""Number of falling blocks named in a message."""
 
 
 @dataclass(frozen=True)
@@ -49,16 +49,16 @@ class PlanOptions(Options):
     ----------
     rules
     exact
-        Search all orders: for models of up to 14 free blocks.
+        Search all orders, for models with at most 14 free blocks.
     patience
-        Checks without getting further before blocks are held or propped; left out, 800 by the
-        number of free blocks, less for more than 100. Infinite: the answer is proved to need the
+        Checks without progress before blocks are held or propped. When left out: 800 divided by the
+        number of free blocks, fewer above 100 blocks. Infinite: the plan is proved to need the
         fewest props.
     width
-        Blocks tried for removal at each stage. The default covers the ends of a course and some
-        more.
+        Number of blocks tried for removal at each stage. The default covers the ends of a course
+        and a few more.
     anyway
-        Plan although the complete structure does not stand; props then stay for good.
+        Plan even if the complete structure does not stand; some props then stay in the end.
     """
 
     rules: Rules = field(default_factory=Rules)
@@ -87,45 +87,44 @@ def plan(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Plan:
-    """In which order to assemble, what to hold, what to prop.
+    """Plan the order of assembly, the held blocks and the props.
 
-    Blocks are taken away from the complete structure such that what remains stands; the order of
-    assembly is the reverse. A stage is the set of blocks in place, and each is given the full
-    verdict.
+    Blocks are removed from the complete structure so that the remaining structure stands. The order
+    of assembly is the reverse. A stage is the set of blocks in place; each stage is checked.
 
     Parameters
     ----------
     given
-        A model of the complete structure; or an assembly or a file, of which ``how`` makes one.
+        A model of the complete structure; or an assembly or a file that ``how`` turns into one.
     options
     check
-        Tells whether a stage stands; :func:`check_both` where it is left out. The complete
+        Function that gives the verdict on a stage; :func:`check_both` when left out. The complete
         structure may also stand after settling.
     screening
-        Levels by which stages are screened before they are checked, in order. Left out: those of
+        Screening levels of a stage before its check, in order. When left out: those of
         :func:`drystone.stability.stage_screening` without ``check``, none with it.
     executor
-        Where stages are checked: an executor, or a function that starts one and is called again
-        when it breaks. The plan does not depend on it.
+        Checks stages in parallel: an executor, or a function that starts one and is called again
+        when it fails. The plan does not depend on it.
     checkpoint
-        File to go on from after an interruption.
+        File from which the search continues after an interruption.
     progress
     stop
-        Asked before each stage; True ends the search.
+        Called before each stage; True ends the search.
     time_limit_s
-        After it the search ends.
+        Time after which the search ends.
 
     Returns
     -------
     Plan
-        Without steps when the complete structure does not stand, or when the search was ended. In
-        the second case ``stopped`` says why, ``complete`` is known, and the checkpoint keeps every
-        stage that was checked.
+        Without steps if the complete structure does not stand, or if the search was stopped. In the
+        second case ``stopped`` has the reason, ``complete`` is known, and the checkpoint keeps
+        every checked stage.
 
     Raises
     ------
     InputError
-        Rules that contradict themselves or name unknown blocks, no hand, no support.
+        Rules contradict each other or name unknown blocks; no hand; no support.
 
     Examples
     --------
@@ -239,18 +238,18 @@ class _Planner:
         )
 
     def proves(self, complete: Answer, found: Found, steps: list[Step]) -> bool:
-        """Whether no order can need less help: there is none, or the search left nothing out."""
+        """Whether no order needs less help: there is no help, or the search was complete."""
         props = {block for step in steps for block in step.props}
         together = sum(len(step.blocks) - 1 for step in steps)
         if self.bound.core:
             return False
         if together == 0 and len(props) <= (0 if complete.stands else 1):
             return True
-        # other props may hold a complete structure that does not stand
+        # other props may support a complete structure that does not stand
         return found.proved and complete.stands
 
     def why(self, step: Step, standing: int, props: int) -> str:
-        """What the check says of a step without its hands and without its new props."""
+        """The result of a step without its hands and without its new props, as text."""
         before = step.placed & ~mask_of(step.blocks)
         alone = []
         if len(step.blocks) > 1:
@@ -266,7 +265,7 @@ class _Planner:
         )
 
     def step(self, before: Node, after: Node, standing: int, props: int) -> Step:
-        """Assembly from one stage to the next; the group of the search left in reverse."""
+        """The step from one stage to the next; its order is the reverse of the search."""
         blocks = before.group[::-1]
         checked = self.model.contacts.corner_count <= CHECKED
         during = []
@@ -294,7 +293,7 @@ class _Planner:
 
 
 def _refusal(complete: Answer, names: Sequence[str]) -> str:
-    """Why nothing is planned."""
+    """Why there is no plan."""
     words = _falls(complete, names)
     words = f": {words.removesuffix('; ')}" if words else ""
     if complete.verdict is Verdict.UNSTABLE:
@@ -306,7 +305,7 @@ def _refusal(complete: Answer, names: Sequence[str]) -> str:
 
 
 def _falls(answer: Answer, names: Sequence[str]) -> str:
-    """The blocks that fall, with a semicolon behind them; nothing where they are not known."""
+    """The blocks that fall, followed by a semicolon; empty if unknown."""
     falling = answer.falling
     if not falling:
         return ""

@@ -1,4 +1,4 @@
-"""A plan: the steps of an assembly, the state of every block, the props, and what they carry."""
+"""A plan: the steps of an assembly, the status of every block, the props and their forces."""
 
 from __future__ import annotations
 
@@ -21,41 +21,41 @@ from drystone.sequence.stage.structure import Structure
 
 
 class Status(enum.Enum):
-    """How a block gets to its place."""
+    """How a block is placed."""
 
     SUPPORT = "support"
-    """It is there from the beginning."""
+    """In place from the beginning."""
     FREE = "free"
-    """Placed alone; stands at once."""
+    """Placed alone; it stands at once."""
     HELD = "held"
-    """Placed together with its partners: one is put down while hands hold the others."""
+    """Placed together with its partners: one is placed while hands hold the others."""
     PROPPED = "propped"
-    """Needs scaffolding for some stages."""
+    """Needs a prop during some stages."""
     IMPOSSIBLE = "impossible"
-    """Cannot be put in at all."""
+    """Cannot be inserted."""
 
 
 @dataclass(frozen=True, eq=False)
 class Step(OneLine):
-    """Blocks that are placed between two stages that stand by themselves or by their props.
+    """The blocks placed between two stages that stand, alone or with props.
 
     Attributes
     ----------
     blocks
-        In the order in which they are put in; all but the last are held until the last is in.
+        In the order of placement; all except the last are held until the last is in place.
     motion : (b, 3) unit
-        Direction in which each of them is moved into place.
+        Direction in which each block is moved into place.
     props
-        Blocks that are propped once the step is done.
+        Blocks that are propped after the step.
     placed
         All free blocks in place, as bits.
     answer
         Of the stage at the end of the step.
     during
-        Answers while blocks are held, one after each block but the last.
+        Answers while blocks are held, one after each block except the last.
     why
-        Why the step needs hands or a new prop: what the check says without them. Empty where it
-        needs none, and in models of more than 100 free blocks.
+        Why the step needs hands or a new prop: the result of the check without them. Empty if it
+        needs none, and in models with more than 100 free blocks.
     """
 
     blocks: tuple[int, ...]
@@ -73,16 +73,16 @@ class Step(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Prop(OneLine):
-    """Scaffolding under one block.
+    """A prop under one block.
 
     Attributes
     ----------
     block
     first, last
-        Steps, counted from 0, after which it is in place; ``last`` is the last of all where the
-        complete structure does not stand without it.
+        First and last step, counted from 0, after which it is in place; ``last`` is the final step
+        if the complete structure does not stand without it.
     wrench : (6,) [N, N m]
-        The largest that it supplies, about the block's centroid.
+        Largest force and moment of the prop, about the block's centroid.
     """
 
     block: int
@@ -92,7 +92,7 @@ class Prop(OneLine):
 
     @property
     def stages(self) -> int:
-        """For how many stages it is needed."""
+        """Number of stages in which it is needed."""
         return self.last - self.first + 1
 
     @property
@@ -111,17 +111,17 @@ class Plan(Card):
     complete
         Answer of the complete structure, without props.
     steps
-        Empty when nothing was planned.
+        Empty if there is no plan.
     impossible
-        Blocks that cannot be put in, and why; they are taken to be there from the beginning.
+        Blocks that cannot be inserted, and why; they count as in place from the beginning.
     message
-        For a person.
+        Text for the user.
     proved
-        Whether no other order needs fewer props, or as many and fewer simultaneous placements.
+        Whether no other order needs fewer props, or equally many and fewer simultaneous placements.
     solved
-        Checks of connected parts that were made; ``solve_s`` is the time that they took.
+        Number of checks of connected parts; ``solve_s`` is their total time.
     stopped
-        Why the search ended before an order was found; empty where it did not.
+        Why the search stopped before an order was found; else empty.
     """
 
     model: Structure
@@ -152,7 +152,7 @@ class Plan(Card):
 
     @property
     def verdict(self) -> Verdict:
-        """Of the plan: STABLE when every stage stands, with the props that it names."""
+        """Verdict on the plan: STABLE if every stage stands, with the props of the plan."""
         if not self.steps:
             return self.complete.verdict
         answers = [a for step in self.steps for a in (*step.during, step.answer)]
@@ -171,7 +171,7 @@ class Plan(Card):
 
     @cached_property
     def props(self) -> tuple[Prop, ...]:
-        """All scaffolding, in the order in which it is needed."""
+        """All props, in the order in which they are needed."""
         out = []
         for block in dict.fromkeys(b for step in self.steps for b in step.props):
             when = [i for i, step in enumerate(self.steps) if block in step.props]
@@ -209,9 +209,10 @@ class Plan(Card):
         return tuple(b for b in together if b != block)
 
     def directions(self, number: int) -> tuple[Floats, ...]:
-        """Per block of a step (g, 3) unit: it can be moved in along sums of these, factors >= 0.
+        """Generators (g, 3), unit, of the directions in which each block of a step can be inserted.
 
-        Its joints with what is in place by then block every other translation.
+        Sums with non-negative factors are free. The joints with the blocks in place block every
+        other translation.
         """
         removal = RemovalTest(self.model)
         placed = placed_before(self, number)
@@ -223,13 +224,13 @@ class Plan(Card):
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of blocks of each status; nothing is known of blocks that were not planned."""
+        """Number of blocks of each status, without blocks that were not planned."""
         known = self.status if self.steps or self.impossible else ()
         return {one.value: sum(s is one for s in known) for one in Status}
 
     @property
     def drop(self) -> float:
-        """[m], how far the work goes down again from one placement to the next, summed."""
+        """[m], sum of the descents from one placement to the next."""
         return drop_of(self.model, [b for step in self.steps for b in step.blocks])
 
     def to_dict(self) -> dict[str, Any]:
@@ -273,7 +274,7 @@ class Plan(Card):
         }
 
     def _why(self, block: int) -> str:
-        """Why a block cannot be put in, or needs help."""
+        """Why a block cannot be inserted, or needs help."""
         if block in self.impossible:
             return self.impossible[block]
         step = self.step_of.get(block)
@@ -314,7 +315,7 @@ class Plan(Card):
 
 
 def drop_of(model: Structure, order: Sequence[int]) -> float:
-    """[m], how far the work goes down again in an order of placement, summed."""
+    """[m], sum of the descents from one placement to the next in an order."""
     height = model.height[list(order)]
     return float(np.maximum(0.0, -np.diff(height)).sum()) if len(height) > 1 else 0.0
 

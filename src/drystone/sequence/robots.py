@@ -1,4 +1,4 @@
-"""Robots: where they stand, how far they reach, and what they carry."""
+"""Robots: base, reach and payload."""
 
 from __future__ import annotations
 
@@ -14,18 +14,17 @@ from drystone.base.errors import InputError
 
 @dataclass(frozen=True)
 class Robot(OneLine):
-    """One arm that places blocks and may hold one.
+    """A robot arm that places blocks and may hold one.
 
     Attributes
     ----------
     name
     base : (3,) [m]
-        Where its first axis stands.
+        Position of its first axis.
     reach : [m]
         Farthest distance from the base at which it can hold the centroid of a block.
     payload : [kg]
-        Heaviest block that it carries. While it holds a block, the force that it bears is no more
-        than the weight of this mass.
+        Heaviest block that it carries. The holding force is limited to the weight of this mass.
     """
 
     name: str
@@ -62,19 +61,21 @@ def check_robots(robots: Sequence[Robot]) -> tuple[Robot, ...]:
     Raises
     ------
     InputError
-        Two have one name, or one is no robot.
+        Two robots have the same name, or one is no robot.
     """
     for robot in robots:
         if not isinstance(robot, Robot):
             raise InputError(f"a {type(robot).__name__} is no robot", where="robots")
     names = [robot.name for robot in robots]
     if len(set(names)) != len(names):
-        raise InputError("two robots have one name", where="robots", remedy="rename one of them")
+        raise InputError(
+            "two robots have the same name", where="robots", remedy="rename one of them"
+        )
     return tuple(robots)
 
 
 def why_not(robots: Sequence[Robot], name: str, centroid: Floats, mass: float) -> str:
-    """Why no robot can place a block: the nearest is too short, or all that reach are too weak."""
+    """Why no robot can place a block: it is out of reach, or too heavy."""
     near = [robot for robot in robots if robot.distance(centroid) <= robot.reach]
     if near:
         strong = max(near, key=lambda robot: robot.payload)

@@ -1,4 +1,4 @@
-"""What a plan must respect: hands, payload, what comes first, in which order to try."""
+"""Rules of a plan: hands, payload, precedence, order of trial."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ from drystone.sequence.stage.stages import mask_of, members
 from drystone.sequence.stage.structure import Structure
 
 COURSE = re.compile(r"^[A-Za-z]+[-_]?(\d+)[-_.]")
-"""Names such as ``c06-b03`` tell their course."""
+"""Names such as ``c06-b03`` give the course."""
 
 
 COUNTLESS = 10**9
-"""Hands beyond which a block is not counted any further."""
+"""Largest number of hands for one block in the calculation."""
 
 
 class Order(enum.Enum):
-    """In which order blocks are tried for removal; assembly runs the other way."""
+    """The order in which blocks are tried for removal; assembly is the reverse."""
 
     COURSE = "course"
-    """Course by course, the last one first; a course is finished before the one before is touched.
-    By name (``c06-b03``), else by the number of joints to a support."""
+    """Course by course, the last one first; a course is removed completely before the next one
+    begins. Courses are taken from names (``c06-b03``), else from the number of joints to a
+    support."""
     TOP = "top"
     """The highest first."""
     BOUNDARY = "boundary"
@@ -40,22 +41,22 @@ class Order(enum.Enum):
 
 @dataclass(frozen=True)
 class Rules(Options):
-    """Limits and wishes.
+    """Limits and preferences of a plan.
 
     Attributes
     ----------
     hands
-        Hands or robots: one places a block, the others may hold one each meanwhile.
+        Number of hands or robots: one places a block, each of the others may hold one.
     payload : [kg]
-        Of each of them; heavier blocks need several, heavier props are scaffolding.
+        Payload of each hand. Heavier blocks need several hands; larger forces need a prop.
     before
         Pairs of names: the first is placed before the second.
     reach
-        Groups of names: every block of a group is placed before any of the next. Blocks that are
-        not named come when they like.
+        Groups of names: every block of a group is placed before any block of the next group. Other
+        blocks can be placed at any time.
     order
-        Or a list of names in the order of assembly, which is then followed where it can be. Blocks
-        that are not named are placed first.
+        Or a list of names in the order of assembly, which is followed where possible. Other blocks
+        are placed first.
     """
 
     hands: int = 2
@@ -68,7 +69,7 @@ class Rules(Options):
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """Rules as they bind one model.
+    """Rules applied to one model.
 
     Attributes
     ----------
@@ -80,9 +81,9 @@ class Bound:
         Hands or robots.
     lifters : (n,) hands that a block needs
     limit : (n,) [kg]
-        Mass whose weight they can hold it with.
+        Mass whose weight these hands can hold.
     core
-        Free blocks that can never be taken out, and so never put in, and why.
+        Free blocks that can never be removed, and so never inserted, with reasons.
     """
 
     rules: Rules
@@ -96,7 +97,7 @@ class Bound:
     reasons: Mapping[int, str] = field(default_factory=dict)
 
     def allows(self, block: int, placed: int) -> bool:
-        """Whether a block may leave before the others that are in place."""
+        """Whether a block may be removed before the others in place."""
         return not self.after[block] & placed
 
 
@@ -121,7 +122,7 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> Bound:
 
 
 def _strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
-    """Hands, hands that each block (n,) needs, and the mass (n,) [kg] that these hold."""
+    """Number of hands, hands needed per block (n,), and mass (n,) [kg] that these can hold."""
     mass = model.assembly.mass
     robots = check_robots(rules.robots)
     if robots:
@@ -129,7 +130,7 @@ def _strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
         strength = np.array([robot.payload for robot in robots])[:, None]
         best: Floats = np.where(able, strength, 0.0).max(axis=0)
         return len(robots), np.where(able.any(axis=0), 1, COUNTLESS).astype(np.intp), best
-    with np.errstate(over="ignore"):  # a payload of next to nothing
+    with np.errstate(over="ignore"):  # a very small payload
         needed = np.ceil(mass / rules.payload * (1.0 - 1e-12))
     lifters = np.clip(needed, 1, COUNTLESS).astype(np.intp)
     limit: Floats = rules.payload * lifters.astype(np.float64)
@@ -137,7 +138,7 @@ def _strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
 
 
 def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
-    """Place (n,) of each block in the order of removal; ties go against the numbering."""
+    """Rank (n,) of each block in the order of removal; ties in reverse numbering."""
     n = len(model.assembly)
     index = np.arange(n)
     if isinstance(order, Order):
@@ -162,8 +163,8 @@ def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
 def courses(model: Structure) -> Floats:
     """Course (n,) of each block, from its name, or the number of joints between it and a support.
 
-    Names tell where all supports come before all other courses; a vault that springs from its first
-    and its last course is counted from both sides.
+    Names are used if all supports have lower courses than all other blocks. In a vault that springs
+    from its first and its last course, joints are counted from both sides.
     """
     found = [COURSE.match(name) for name in model.assembly.names]
     number = np.array([float(match[1]) if match else -1.0 for match in found])
@@ -174,7 +175,7 @@ def courses(model: Structure) -> Floats:
 
 
 def distances(model: Structure) -> Floats:
-    """Joints (n,) to pass from each block to the nearest support; infinity where none is met."""
+    """Number of joints (n,) from each block to the nearest support; infinity if there is none."""
     out = np.full(len(model.assembly), np.inf)
     out[model.assembly.fixed] = 0.0
     frontier = mask_of(i for i in model.assembly.free.tolist() if model.grounds[i])
@@ -231,9 +232,9 @@ def _locked(
     lifters: Ints,
     hands: int,
 ) -> tuple[int, dict[int, str]]:
-    """What is left when every block that can leave has left, whatever falls.
+    """The blocks that remain when all removable blocks are removed, without regard to stability.
 
-    Fewer blocks in place block and forbid less, so the order does not matter.
+    With fewer blocks in place fewer motions are blocked, so the order does not matter.
     """
     left = model.everything
     waiting = left

@@ -1,8 +1,8 @@
-"""Two robots that take turns: one holds the last block while the other places the next.
+"""Two robots that take turns: one holds the last block while the other places the next one.
 
-Nothing else holds the structure up. A block is let go when the next one is in place and held, so
-every stage has one held block, the last. Source: Kao 2023, section 6.4.2; Parascho et al. 2020
-("Robotic vault", sequential assembly of an arch by two robots).
+There is no other support. A block is released when the next one is in place and held, so in every
+stage the last block is held. Source: Kao 2023, section 6.4.2; Parascho et al. 2020 ("Robotic
+vault", sequential assembly of an arch by two robots).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from drystone.sequence.stage.stages import Stage, mask_of
 from drystone.sequence.stage.structure import Structure
 
 GRAVITY = 9.81
-"""[m/s2], by which a payload is a force."""
+"""[m/s2], converts a payload to a force."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,16 +36,16 @@ class Turn(OneLine):
     ----------
     block, name
     robot
-        Who places it, and holds it until the next one is in place.
+        The robot that places it, and holds it until the next one is in place.
     verdict
-        Of the stage with this block held and all before it let go.
+        Verdict on the stage with this block held and all earlier ones released.
     falling
-        Names of the blocks that fall in it.
+        Names of the falling blocks.
     force : (3,) [N]
     moment : (3,) [N m]
-        What the robot supplies, about the centroid of the block.
+        Force and moment of the robot, about the centroid of the block.
     reached, carried
-        Whether the robot reaches the block, and whether it can bear the block and that force.
+        Whether the robot reaches the block, and whether it can carry the block and that force.
     """
 
     block: int
@@ -60,7 +60,7 @@ class Turn(OneLine):
 
     @property
     def works(self) -> bool:
-        """Whether the stage stands and the robot can do its part."""
+        """Whether the stage stands and the robot reaches and carries the block."""
         return self.verdict is Verdict.STABLE and self.reached and self.carried
 
 
@@ -71,9 +71,9 @@ class Turns(OneLine):
     Attributes
     ----------
     turns
-        One per block, in the order of assembly, up to the first that does not work.
+        One per block, in the order of assembly, up to the first failure.
     complete
-        Verdict of the complete structure, with nothing held; None where it was not reached.
+        Verdict on the complete structure without holds; None if it was not reached.
     """
 
     turns: tuple[Turn, ...]
@@ -81,12 +81,12 @@ class Turns(OneLine):
 
     @property
     def works(self) -> bool:
-        """Whether every stage does, and the complete structure stands by itself."""
+        """Whether every stage works and the complete structure stands."""
         return self.complete is Verdict.STABLE and all(turn.works for turn in self.turns)
 
     @property
     def largest(self) -> float:
-        """[N], the largest force that a robot supplies."""
+        """[N], the largest force of a robot."""
         return max((float(np.linalg.norm(turn.force)) for turn in self.turns), default=0.0)
 
 
@@ -104,19 +104,19 @@ def take_turns(
     Parameters
     ----------
     given
-        A model of the complete structure; or an assembly or a file, of which ``how`` makes one.
+        A model of the complete structure; or an assembly or a file that ``how`` turns into one.
     order
-        Free blocks in the order of assembly; as they are numbered when left out.
+        Free blocks in the order of assembly; in numerical order when left out.
     robots
         Two or more. The first places the first block, the second the next one, and so on.
     check
-        The verdict on a stage.
+        Function that gives the verdict on a stage.
     progress
 
     Raises
     ------
     InputError
-        Fewer than two robots, or an order that names a support, a block twice, or not all.
+        Fewer than two robots, or an order with a support, a repeated block or a missing block.
 
     Examples
     --------

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg.lapack import dgetrf, dgetrs
 from scipy.spatial.transform import Rotation
 
 from drystone.base.arrays import Bools, Floats, Ints, cross
@@ -15,12 +16,12 @@ from drystone.settlement.bodies import Bodies
 from drystone.solvers.multifrontal import BlockOrdering
 
 DENSE = 24
-"""Free blocks up to which the tangent is one dense matrix: timed."""
+"""Largest number of free blocks with a dense tangent matrix: from timings."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where all n blocks are, scaled.
+    """The positions of all n blocks, scaled.
 
     Attributes
     ----------
@@ -77,7 +78,7 @@ def place_corners(bodies: Bodies, pose: Pose) -> Placed:
 
 
 def _orthonormal(frame: Floats, along: Floats, left: Floats) -> Floats:
-    """Axes (k, 3, 3) whose normal leans away from that of a frame by (k, 2) in its plane."""
+    """Axes (k, 3, 3) with a normal inclined to that of a frame by (k, 2) in its plane."""
     normal = along[:, None] * frame[:, 0] + np.einsum("ki,kij->kj", left, frame[:, 1:])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     u = frame[:, 1] - (frame[:, 1] * normal).sum(axis=1, keepdims=True) * normal
@@ -124,7 +125,7 @@ class Response(NamedTuple):
 
 
 def respond(bodies: Bodies, gap: Floats, friction: Floats, moved: Floats) -> Response:
-    """Coulomb friction that is built up by increments of slide.
+    """Coulomb friction from increments of slide.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def respond(bodies: Bodies, gap: Floats, friction: Floats, moved: Floats) -> Res
 
 
 def tangents(bodies: Bodies, response: Response) -> Floats:
-    """(k, 3, 3) by how much less force each corner gives per motion."""
+    """Tangent stiffness (k, 3, 3) of each corner."""
     out = np.zeros((len(response.pressed), 3, 3))
     pressed, sliding, along = response.pressed, response.sliding, response.direction
     normal = np.where(pressed, bodies.normal, 0.0)
@@ -164,7 +165,7 @@ def tangents(bodies: Bodies, response: Response) -> Floats:
 
 
 class DenseMaps:
-    """Between corners and the motions of few free blocks, as full matrices."""
+    """Maps between corners and the motions of few free blocks, as full matrices."""
 
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
@@ -197,18 +198,19 @@ class DenseMaps:
         return result
 
     def solve(self, tangent: Floats, weight: Floats, right: Floats) -> Floats:
-        """Motion (f, 6) that ``tangent`` (k, 3, 3) and a diagonal (f, 6) answer with a wrench."""
+        """Motion (f, 6) for a wrench, with ``tangent`` (k, 3, 3) and a diagonal (f, 6)."""
         matrix = self.flat.T @ (tangent @ self.rows).reshape(-1, self.width)
-        matrix[np.diag_indices(self.width)] += weight.ravel()
-        try:
-            motion = np.linalg.solve(matrix, right.ravel())
-        except np.linalg.LinAlgError as error:
-            raise SolverError("the tangent is singular") from error
+        matrix.reshape(-1)[:: self.width + 1] += weight.ravel()
+        # the factors are those of the transpose, so that nothing is copied
+        lu, pivots, failed = dgetrf(matrix.T, overwrite_a=True)
+        if failed:
+            raise SolverError("the tangent is singular")
+        motion, _ = dgetrs(lu, pivots, right.ravel(), trans=1)
         return np.asarray(motion, dtype=np.float64).reshape(-1, 6)
 
 
 class SparseMaps:
-    """The same for many blocks, block by block."""
+    """As :class:`DenseMaps`, for many blocks, as sparse matrices."""
 
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
@@ -273,7 +275,7 @@ class SparseMaps:
 
 
 def imposed(bodies: Bodies, pose: Pose, placed: Placed, motion: Floats) -> Floats:
-    """(k, 3) local motion of b over a at each corner that moving supports (n, 6) cause.
+    """Local motion (k, 3) of b over a at each corner due to moving supports (n, 6).
 
     Rotations are multiplied by the radius of gyration, like those of the free blocks.
     """

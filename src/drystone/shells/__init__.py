@@ -1,4 +1,4 @@
-"""Shells: from a surface to courses, a staggered pattern, and blocks with planar joints."""
+"""Shells: a surface divided into courses and staggered blocks with planar joints."""
 
 from drystone.shells.blocks.extent import shape_volume
 from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise

@@ -48,7 +48,7 @@ SAMPLES: Mapping[str, Mapping[int, Sample]] = MappingProxyType(
         },
     }
 )
-"""Kinds, and about how many voussoirs each size has."""
+"""Kinds, and the approximate number of voussoirs of each size."""
 
 
 def sample_shape(kind: str, thickness: float) -> Shape:

@@ -1,4 +1,4 @@
-"""A shape, a layout and a body make a shell: blocks that fit."""
+"""A shell of blocks from a shape, a layout and a body."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from drystone.shells.blocks.planar_joints import (
     drift_notes,
     hook_notes,
     planar_pins,
-    refuse_register_at_sides,
+    refuse_joggle_at_sides,
     refuse_warped,
     special_remedy,
 )
@@ -59,16 +59,16 @@ class Shell(OneLine):
     mesh, pins
         The cells and the points that they were made from.
     planar
-        What planarising did, by the mean width of a block.
+        Result of the planarisation, relative to the mean width of a block.
     off_surface
-        Largest part of the drift that leads off the surface, by that width; the rest is along it.
+        Largest component of the drift normal to the surface, relative to that width.
     fitted
-        Largest move of a corner off the surface before that, by the mean width of a block: flat
-        cells with their corners on a curved surface would have too little area.
+        Largest move of a corner normal to the surface before planarisation, relative to that width.
+        It compensates the area that flat cells with corners on a curved surface lose.
     ground : (n,) which blocks are ground
     thickness : (v,) [m] at each vertex of the mesh without the ground
     notes
-        What a builder should know: joints that are not planar, a large drift.
+        Remarks for the user: joints that are not planar, a large drift.
     """
 
     shape: Shape
@@ -97,7 +97,7 @@ class Shell(OneLine):
 
     @cached_property
     def beside(self) -> Mapping[frozenset[int], tuple[int, ...]]:
-        """For the points of every side face the blocks that have it: one, or two."""
+        """For the points of every side face its blocks: one or two."""
         users: dict[frozenset[int], tuple[int, ...]] = {}
         for block, cell in enumerate(self.mesh.cells):
             for face in cell_faces(self.mesh, self.pins, cell)[2]:
@@ -107,9 +107,9 @@ class Shell(OneLine):
 
     @cached_property
     def contacts(self) -> Contacts:
-        """The joints between its blocks as they were made, one for each face that two share.
+        """The joints between its blocks, one for each face that two blocks share.
 
-        They are those that :func:`drystone.find_contacts` finds, without a search.
+        They are equal to the result of :func:`drystone.find_contacts`, without a search.
         """
         loops, ends = [], []
         for block, cell in enumerate(self.mesh.cells):
@@ -135,7 +135,7 @@ class Shell(OneLine):
         )
 
     def model(self, *, friction: float = DEFAULT_FRICTION, load: Any = None) -> Model:
-        """The shell as a model, which every analysis takes; its contacts are not searched.
+        """The shell as a model, with its known contacts.
 
         Parameters
         ----------
@@ -169,7 +169,7 @@ def build_shell(
     ----------
     shape
     layout
-        One for all patches or one each.
+        One for all patches or one per patch.
     body
     progress
 
@@ -177,8 +177,7 @@ def build_shell(
     ------
     InputError
         No support, a thickness above the radius of curvature, too few blocks, joints that stay
-        warped, blocks turned inside out, or blocks that overlap: the surface crosses
-        itself.
+        warped, blocks inside out, or blocks that overlap because the surface crosses itself.
 
     Examples
     --------
@@ -194,7 +193,7 @@ def build_shell(
             where=f"shape '{shape.name}'",
             remedy="name the sides that it stands on",
         )
-    refuse_register_at_sides(shape, body)
+    refuse_joggle_at_sides(shape, body)
     layouts = [layout] * len(shape.patches) if isinstance(layout, Layout) else list(layout)
     wrong = [plan for plan in layouts if not isinstance(plan, Layout)]
     if wrong:
@@ -278,10 +277,10 @@ def _finish(
 
 
 def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
-    """What each block does.
+    """The role of each block.
 
-    Springers stand on supports; keystones close an eye, or are the middle course of a patch that
-    stands on its bottom and its top; a ring is around an eye, open or closed by one.
+    Springers stand on supports. Keystones close an eye, or form the middle course of a patch that
+    is supported at its bottom and its top. A ring surrounds an eye.
     """
     ring = _around_openings(mesh)
     last = [int(mesh.course[mesh.of_patch == k].max()) for k in range(len(shape.patches))]
@@ -305,12 +304,12 @@ def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
 
 
 def _around_openings(mesh: Tessellation) -> set[int]:
-    """Cells around an eye: on a closed run of border no part of which is supported."""
+    """Cells around an eye: a closed border without supports."""
     closing = [c for c, name in enumerate(mesh.names) if name == "keystone"]
     cell_of = {
         edge: c for c, cell in enumerate(mesh.cells) if c not in closing for edge in directed(cell)
     }
-    after = {b: a for a, b in cell_of if (b, a) not in cell_of}  # the border, opening on its left
+    after = {b: a for a, b in cell_of if (b, a) not in cell_of}  # the border, opening left
     supported = set(mesh.supported)
     around: set[int] = set()
     while after:

@@ -1,4 +1,4 @@
-"""How a surface is divided, and what its cells become."""
+"""Options of a shell: division of the surface, blocks, form finding."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Intrados(enum.Enum):
     """The inner faces of the blocks."""
 
     OFFSET = "offset"
-    """They follow the surface at the thickness; slightly warped where it is doubly curved."""
+    """They follow the surface; slightly warped where it is doubly curved."""
     STRAIGHT = "straight"
     """Each is planar, so that a block can be sawn; the thickness varies a little. Planar faces in a
     staggered bond need the wedge that the curvatures ask for: ``Layout(wedge=None)``."""
 
 
 class Ground(enum.Enum):
-    """What holds a shell."""
+    """How a shell is supported."""
 
     BLOCKS = "blocks"
     """A fixed block is added under every springer."""
@@ -45,20 +45,20 @@ class Layout(Options):
     Attributes
     ----------
     courses, height, heights
-        One of them: number of full courses, height wanted [m], or relative heights.
+        One of them: number of full courses, target height [m], or relative heights.
     partial
-        Courses that end inside; None lets the height decide.
+        Number of courses that end inside the patch; None: from the height.
     blocks, width
-        One of them: number per course, one or one each, or width wanted [m].
+        One of them: number per course (one value or one per course), or target width [m].
     staggered
     wedge
-        Shift of bed-joint corners towards the neighbouring course, by its height. None takes it
+        Shift of bed-joint corners towards the neighbouring course, relative to its height. None:
         from the curvatures of the surface, for planar inner faces.
 
     Raises
     ------
     InputError
-        A number of courses or blocks that is not whole.
+        The number of courses or blocks is not a whole number.
     """
 
     courses: int | None = None
@@ -78,37 +78,39 @@ class Layout(Options):
                 refuse_unless_count(number, "blocks")
 
 
-LEAST_REGISTER, LARGEST_REGISTER = 10.0, 25.0
-"""[degrees] Below, a hook is too flat for the contact search; above, it cannot be turned out."""
+LEAST_JOGGLE, LARGEST_JOGGLE = 10.0, 25.0
+"""[degrees] A smaller joggle is too flat for the contact search; a larger one blocks every
+rotation."""
 
 
 @dataclass(frozen=True)
 class Body(Options):
-    """What the cells become.
+    """Thickness, material and joints of the blocks of a shell.
 
     Attributes
     ----------
     thickness : [m]
-        One, one per course, or a function of points; left out, that of the shape.
+        One value, one per course, or a function of points; that of the shape when left out.
     density : [kg/m3]
-    register_deg : [degrees]
-        Hooks every block over the course below, 10 to 25, or -25 to -10: no straight lift, but a
-        turn, takes it out. The slope of the first face of the hook; see ``add_register``. 0: none.
+    joggle_deg : [degrees]
+        Joggle that hooks every block over the course below: the slope of its first face, 10 to 25
+        or -25 to -10; 0 for none. A block is then removed by a rotation, not by a straight lift;
+        see ``add_joggle``.
     intrados
     ground
     ground_depth : [m]
-        Depth of the ground blocks; left out, the mean thickness.
+        Depth of the ground blocks; the mean thickness when left out.
     planar
 
     Raises
     ------
     InputError
-        A register out of range, or a value of another type.
+        A joggle out of range, or a value of another type.
     """
 
     thickness: Thickness | None = None
     density: float = DEFAULT_DENSITY
-    register_deg: float = 0.0
+    joggle_deg: float = 0.0
     intrados: Intrados = Intrados.OFFSET
     ground: Ground = Ground.BLOCKS
     ground_depth: float | None = None
@@ -116,11 +118,11 @@ class Body(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        size = abs(self.register_deg)
-        if size != 0.0 and not LEAST_REGISTER <= size <= LARGEST_REGISTER:
+        size = abs(self.joggle_deg)
+        if size != 0.0 and not LEAST_JOGGLE <= size <= LARGEST_JOGGLE:
             raise InputError(
-                f"the register is {self.register_deg} degrees",
-                remedy=f"give {LEAST_REGISTER:g} to {LARGEST_REGISTER:g}, the same below zero, "
+                f"the joggle is {self.joggle_deg} degrees",
+                remedy=f"give {LEAST_JOGGLE:g} to {LARGEST_JOGGLE:g}, the same below zero, "
                 "or 0 for none",
             )
 
@@ -134,14 +136,14 @@ class FormOptions(Options):
     rows, columns
         Nodes of the net along u and v of each patch.
     edge_density
-        Force density of bars on free edges, by that of the others: the higher, the straighter they
-        stay in plan.
+        Force density of bars on free edges, relative to that of the others. With a high value free
+        edges are nearly straight in plan.
     density : [kg/m3]
 
     Raises
     ------
     InputError
-        A density that is not positive, or a number of nodes that is not whole.
+        A density is not positive, or a number of nodes is not a whole number.
     """
 
     rows: int = 25

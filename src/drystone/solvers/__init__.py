@@ -1,1 +1,1 @@
-"""Numerical back ends: numbers in, numbers out. They know no blocks."""
+"""Numerical back ends, independent of blocks and contacts."""

@@ -21,7 +21,7 @@ from drystone.base.settings import Options
 
 
 class ConicStatus(enum.Enum):
-    """What a back end says; it is believed only after a check."""
+    """Status reported by a back end; results are checked before use."""
 
     SOLVED = "solved"
     INFEASIBLE = "infeasible"
@@ -40,7 +40,7 @@ class Cones:
     nonnegative
         Number of rows with s >= 0.
     second_order
-        Size of each second-order cone, first row the length.
+        Size of each second-order cone; its first row is the bound.
     """
 
     zero: int = 0
@@ -57,8 +57,8 @@ class ConicOptions(Options):
     tolerance
         Relative feasibility, dimensionless; 1e-9 is close to what doubles allow.
     gap
-        How near to the optimum, relative; the same when left out. Where any feasible point will do,
-        a coarse one saves a third of the steps.
+        Relative distance from the optimum; the same as ``tolerance`` when left out. If any feasible
+        point is sufficient, a coarse gap saves a third of the steps.
     iteration_limit
     time_limit_s
     """
@@ -106,11 +106,11 @@ def solve_conic(
     matrix : (r, x) sparse
     right : (r,)
     cones
-        Of the r rows, in the order of :class:`Cones`.
+        Cones of the r rows, in the order of :class:`Cones`.
     options
     stop
-        Asked at every step, where Clarabel (from 0.11) can be; True ends the program as FAILED.
-        What it raises, and a Ctrl-C meanwhile, is raised from here at the next step.
+        Called at every step with Clarabel 0.11 and later; True ends the program as FAILED. An
+        exception in it, or Ctrl-C, is raised from here at the next step.
     """
     chosen = options if options is not None else ConicOptions()
     settings = clarabel.DefaultSettings()
@@ -163,11 +163,11 @@ def solve_conic(
 
 
 def _watched(solver: Any, stop: Callable[[], bool] | None) -> Any:
-    """The end of a solver that asks at every step whether to go on.
+    """The solution of a solver that asks at every step whether to continue.
 
-    Clarabel prints and forgets what its callback raises, so nothing may leave it. A signal is
-    handled at the first Python instruction that follows it, which in a function comes before any
-    ``try``; a generator is resumed inside the one that it stopped in.
+    Clarabel prints and discards exceptions of its callback, so none may leave it. Python handles a
+    signal at the next instruction, which in a function comes before any ``try``. A generator
+    resumes inside its ``try``.
     """
     raised: list[BaseException] = []
 

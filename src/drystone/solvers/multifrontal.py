@@ -1,9 +1,9 @@
 """Direct solution of block-sparse systems whose graph has positions in space.
 
-The graph of blocks in contact is nearly planar or a thin solid, and every node has a place: a
-nested dissection by coordinates is then close to the best ordering there is. The order and all
-index maps are made once per graph; a factorisation is a walk over dense fronts, done by LAPACK,
-with partial pivoting inside each front.
+The graph of blocks in contact is nearly planar or a thin solid, and every node has a position. A
+nested dissection by coordinates is then close to the optimal ordering. The order and all index maps
+are made once per graph. A factorisation processes dense fronts with LAPACK, with partial pivoting
+inside each front.
 
 Sources: George 1973 (nested dissection); Duff and Reid 1983 (multifrontal method).
 """
@@ -32,7 +32,7 @@ class _Front:
     pivots, boundary
         Nodes eliminated here, and later nodes that they are coupled with.
     entry, row, column
-        Matrix blocks that enter here, and where in the front.
+        Matrix blocks that enter here, and their place in the front.
     children
         Earlier fronts, with the place of their boundary in this front.
     """
@@ -46,7 +46,7 @@ class _Front:
 
 
 class BlockOrdering:
-    """The symbolic half: where every block of the matrix goes, for a graph that never changes.
+    """The symbolic factorisation: the place of every matrix block, for a fixed graph.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class BlockOrdering:
 
 
 class BlockFactor:
-    """The numerical half: solves with one matrix."""
+    """The numerical factorisation of one matrix."""
 
     def __init__(
         self, ordering: BlockOrdering, factors: list[tuple[Floats, Ints, Floats, Floats]]
@@ -127,7 +127,7 @@ class BlockFactor:
 
 
 def _one_front(count: int, row: Ints, column: Ints) -> list[_Front]:
-    """A matrix of few nodes as a whole."""
+    """A matrix of few nodes as one front."""
     if not count:
         return []
     none = np.zeros(0, dtype=np.intp)
@@ -221,7 +221,7 @@ def _fronts(
                 entry,
                 place[row[entry]],
                 place[column[entry]],
-                # one without a boundary is a part by itself, and leaves nothing behind
+                # a front without a boundary is a separate part
                 tuple((c, place[boundaries[c]].copy()) for c in children if len(boundaries[c])),
             )
         )

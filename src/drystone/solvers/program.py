@@ -1,4 +1,4 @@
-"""Conic programs put together from named variables and named rows.
+"""Conic programs built from named variables and named rows.
 
 minimise  1/2 x' diag(quadratic) x + linear' x   subject to   right - matrix x  in cones
 """
@@ -28,7 +28,7 @@ class Variable:
 
     @property
     def place(self) -> slice:
-        """Where they are in x."""
+        """Their slice of x."""
         return slice(self.start, self.start + self.count)
 
 
@@ -36,7 +36,7 @@ class Variable:
 class Entries:
     """A sparse coefficient as rows, columns and values (m,); values at one place add up.
 
-    Small programs that are built often take this form: a scipy matrix costs more than they do.
+    For small programs that are built often: making a scipy matrix takes more time.
     """
 
     row: Ints
@@ -76,7 +76,7 @@ class ConicProgram(OneLine):
     variables, rows
         Their slices of x and of the rows, by name.
     unit
-        What one means, by variable, such as newtons; 1 where nothing was said.
+        Unit of each variable, such as newtons; 1 if not given.
     """
 
     quadratic: Floats

@@ -1,8 +1,8 @@
 """One BLAS thread while an analysis runs.
 
 The fronts of a factorisation are small matrices of some hundred rows. Threads that share them wait
-for each other: a check takes 4 to 14 times longer with 8 threads than with one. More cores pay only
-where whole analyses run side by side.
+for each other: a check takes 4 to 14 times longer with 8 threads than with one. More cores help
+only when whole analyses run in parallel.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ def _pools() -> list[LibController]:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """BLAS uses one thread inside; as many as before afterwards, also after an error.
+    """Use one BLAS thread inside; restore the number afterwards, also after an error.
 
-    The number belongs to the process. Where analyses run in several Python threads, the first to
-    begin sets it and the last to end sets it back.
+    The number belongs to the process. With analyses in several Python threads, the first to begin
+    sets it and the last to end restores it.
     """
     global _inside
     with _lock:

@@ -1,9 +1,10 @@
-"""Does it stand? The verdict with its proof, and the analyses behind it."""
+"""The verdict with its proof, and the analyses that it uses."""
 
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.solvers.program import ConicProgram
 from drystone.stability.check import check, could_hold
+from drystone.stability.check_many import check_many
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.programs.cra import CRAOptions, solve_cra
 from drystone.stability.programs.penalty import PenaltyOptions, solve_cra_penalty
@@ -28,6 +29,7 @@ __all__ = [
     "build_rbe",
     "build_rbe_penalty",
     "check",
+    "check_many",
     "could_hold",
     "solve_cra",
     "solve_cra_penalty",

@@ -1,4 +1,4 @@
-"""Proofs that a structure falls, and when they hold."""
+"""Proofs that a structure falls, and their conditions."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats
     largest = float(np.abs(solution.multiplier).max(initial=0.0))
     if not 0.0 < largest < np.inf:
         return None
-    # the size of a certificate is arbitrary, and may be beyond what can be squared
+    # the size of a certificate is arbitrary, and its square may overflow
     motion = problem.mechanism(solution.multiplier / largest)
     violation, power = mechanism_defects(problem.model, motion)
     return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
@@ -98,7 +98,8 @@ def first_motion(problem: Problem, state: RestState) -> Floats | None:
         prop=-problem.wrench(state.ground),
     )
     left = (residuals.equilibrium, residuals.tension, residuals.cone, residuals.alignment)
-    violation, power = mechanism_defects(problem.model.with_friction(0.0), motion)
+    dry = problem.model.with_capacity(None).with_friction(0.0)
+    violation, power = mechanism_defects(dry, motion)
     admissible = violation <= WITNESS_TOLERANCE and power > 0.0
     return motion if admissible and max(left) <= WITNESS_TOLERANCE else None
 
@@ -125,11 +126,13 @@ def unpressed(
     acceleration : (n, 6)
         Of each block under its load alone; blocks outside the set rest.
     least
-        Share of its speed by which a block that is pressed approaches a corner.
+        Share of its speed by which a block that is pressed approaches a corner. A block at a joint
+        that is not dry counts as pressed.
     """
     speed = block_speed(assembly, acceleration)
     falling = ~assembly.fixed & (speed > 0.0)
     joint = contacts.interface
+    holds = ~contacts.dry[joint]  # a joint that pulls or coheres need not be pressed
     a, b = contacts.block_a, contacts.block_b
     away_a, away_b = (
         (point_motion(assembly, contacts, acceleration, block[joint]) * contacts.frame[joint, 0])
@@ -138,7 +141,7 @@ def unpressed(
     )  # fmt: skip
 
     def approach(opening: Floats, reach: Floats) -> Bools:
-        near = opening < -least * reach[joint]
+        near = (opening < -least * reach[joint]) | holds
         return np.bincount(joint[near], minlength=contacts.count) > 0
 
     both = approach(away_b - away_a, np.maximum(speed[a], speed[b]))

@@ -52,7 +52,7 @@ MODELS: dict[str, tuple[str, bytes | list[dict[str, Any]], list[str]]] = {
     "open": ("model.json", [block(faces=FACES[1:])], ["block 'a'", "open mesh", "0-1"]),
     "non-manifold": ("model.json", [block(faces=[*FACES, [0, 1, 6, 7]])], ["non-manifold", "0-1"]),
     "self-touching": ("model.json", [SELF_TOUCHING], ["block 'a'", "itself", "separate"]),
-    "one name twice": ("model.json", [block(), block("a", 2.0)], ["one name, 'a'", "rename"]),
+    "one name twice": ("model.json", [block(), block("a", 2.0)], ["same name, 'a'", "rename"]),
     "zero volume": ("model.json", [block(vertices=scaled([1, 1, 0]))], ["volume is zero"]),
     "doubled": ("model.json", [block(), block("b")], ["'a' and 'b'", "twice", "remove"]),
     "no support": (

@@ -121,7 +121,7 @@ def test_a_person_reads_joints_supports_and_changes(model: str, capsys: Capsys) 
     [
         (["--move", "nope:0,0,1"], "--move: no block is called 'nope'"),
         (["--move", "beam:0,0,1"], "block 'beam' is not fixed"),
-        (["--move", "b:0,1"], "--move: the motion of block 'b' has not 3 or 6 numbers"),
+        (["--move", "b:0,1"], "--move: the motion of block 'b' does not have 3 or 6 numbers"),
         (["--move", "b:0,x,1"], "--move: 'x' is not a number"),
         (["--move", "b:0,nan,1"], "--move: is nan"),
         (["--move", "0,0,1"], "--move: '0,0,1' names no block"),

@@ -172,7 +172,7 @@ def test_a_block_that_is_inserted_finds_its_contacts() -> None:
     made = insert_block(model, hat)
     assert made.contacts.count == 2
     assert made.contacts.friction.tolist() == [0.6, 0.6]
-    with pytest.raises(InputError, match="one name"):
+    with pytest.raises(InputError, match="same name"):
         insert_block(model, hat.renamed("block-0"))
 
 

@@ -71,7 +71,7 @@ def test_block_that_is_there_twice_is_named() -> None:
     cube = box((1.0, 1.0, 1.0))
     report = find_contacts(Assembly((SLAB, cube, cube.renamed("again")))).report
     assert report.duplicates == ((1, 2),)
-    assert any("one block twice" in line for line in report.summary())
+    assert any("the same block twice" in line for line in report.summary())
 
 
 def test_report_is_json_and_complete() -> None:
@@ -168,7 +168,7 @@ def test_first_step_is_suggested_as_well_as_the_last() -> None:
 def test_one_block_twice_is_to_be_removed_not_moved() -> None:
     twin = replace_block(SLAB, name="twin")
     assert find_contacts(Assembly((SLAB, twin))).report.suggestions() == (
-        "1 pair of blocks are one block twice: remove one of the two",
+        "1 pair of blocks are the same block twice: remove one of the two",
     )
 
 

@@ -11,7 +11,7 @@ from drystone.geometry.plane.triangulate import triangulate
 from drystone.models import arch, barrel_vault, box, concave, dome, tower, wall
 
 
-def heap(assembly: Assembly, rng: np.random.Generator) -> tuple[Floats, list[Loop], list[int]]:
+def shuffled(assembly: Assembly, rng: np.random.Generator) -> tuple[Floats, list[Loop], list[int]]:
     """All blocks as shuffled triangles over merged vertices, and the block of each triangle."""
     faces = assembly.faces
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
@@ -28,7 +28,7 @@ def heap(assembly: Assembly, rng: np.random.Generator) -> tuple[Floats, list[Loo
     ids=["tower", "arch", "dome", "concave", "wall", "vault"],
 )
 def test_touching_blocks_are_told_apart(assembly: Assembly) -> None:
-    points, loops, _ = heap(assembly, np.random.default_rng(3))
+    points, loops, _ = shuffled(assembly, np.random.default_rng(3))
     kept, number = without_slivers(points, loops, np.full(len(points), 1e-9))
     assert len(number) == len(kept)
     solids = split_solids(points, kept)
@@ -47,7 +47,7 @@ def test_four_cubes_around_an_edge_are_told_apart_however_they_lie(turned: float
     places = [(0, 0, 0), (-1, 0, 0), (-1, -1, 0), (0, -1, 0)]
     blocks = [box((1, 1, 1), at, name=str(i)) for i, at in enumerate(places)]
     assembly = Assembly(tuple(blocks)).transformed(rotation, (1e3, 0.0, 0.0))
-    points, loops, block = heap(assembly, np.random.default_rng(0))
+    points, loops, block = shuffled(assembly, np.random.default_rng(0))
     solids = split_solids(points, loops)
     assert len(solids) == 4
     assert all(len({block[i] for i in solid}) == 1 for solid in solids)
@@ -72,8 +72,8 @@ def test_a_solid_inside_out_next_to_others_is_no_cavity() -> None:
     assert split_solids(points, loops) == [list(range(6)), list(range(6, 12))]
 
 
-def test_a_heap_that_is_inside_out_as_a_whole_is_told_apart_as_well() -> None:
-    points, loops, block = heap(tower(3), np.random.default_rng(1))
+def test_a_soup_that_is_inside_out_as_a_whole_is_told_apart_as_well() -> None:
+    points, loops, block = shuffled(tower(3), np.random.default_rng(1))
     solids = split_solids(points, [loop[::-1] for loop in loops])
     assert len(solids) == 3
     assert all(len({block[i] for i in solid}) == 1 for solid in solids)
@@ -87,18 +87,18 @@ def test_slivers_go_and_their_vertices_stay_on_the_edges_of_their_neighbours() -
     assert kept == [(0, 3, 4, 1, 2), (3, 0, 5), (4, 3, 5), (1, 4, 5)]
 
 
-def test_heaps_are_split_apart_each_for_itself() -> None:
-    """Two heaps of two cubes in one place, one of them inside out."""
-    points, loops, heap = [], [], []
+def test_soups_are_split_apart_each_for_itself() -> None:
+    """Two soups of two cubes in one place, one of them inside out."""
+    points, loops, soup = [], [], []
     for number, (assembly, turned) in enumerate(((tower(2), False), (tower(2), True))):
         vertices, faces, _ = packed(assembly)
         first = sum(map(len, points))
         points.append(vertices)
         loops += [tuple(first + i for i in (f[::-1] if turned else f)) for f in faces]
-        heap += [number] * len(faces)
-    solids = split_solids(np.concatenate(points), loops, np.array(heap))
+        soup += [number] * len(faces)
+    solids = split_solids(np.concatenate(points), loops, np.array(soup))
     assert [len(solid) for solid in solids] == [6, 6, 6, 6]
-    assert all(len({heap[i] for i in solid}) == 1 for solid in solids)
+    assert all(len({soup[i] for i in solid}) == 1 for solid in solids)
 
 
 def packed(assembly: Assembly) -> tuple[Floats, list[Loop], list[int]]:

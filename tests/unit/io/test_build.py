@@ -99,7 +99,7 @@ def test_one_note_tells_of_many_blocks_that_were_mended_alike(tmp_path: Path) ->
 def test_a_block_that_is_there_twice_is_refused(tmp_path: Path) -> None:
     twin = block("copy", vertices=(CUBE.vertices[::-1] + 1e-12).tolist())
     twin["faces"] = [[7 - i for i in face] for face in CUBE.faces]
-    with pytest.raises(FormatError, match="'a' and 'copy' are one block twice"):
+    with pytest.raises(FormatError, match="'a' and 'copy' are the same block twice"):
         io.read_file(file(tmp_path, block("a"), block("b", 1.0), twin))
 
 
@@ -121,7 +121,7 @@ def test_all_defects_of_a_file_are_found_and_counted(tmp_path: Path) -> None:
     built = io.inspect(path)
     assert [b is None for b in built.blocks] == [False, True, True, False]
     assert built.assembly is None
-    assert ["one name" in str(defect) for defect in built.defects] == [False, False, True]
+    assert ["same name" in str(defect) for defect in built.defects] == [False, False, True]
 
 
 def test_unreadable_units_are_refused_before_the_file_is_touched(tmp_path: Path) -> None:

@@ -277,7 +277,7 @@ NODE = "data/graph/data/node/7"
         (f"{NODE}/block", None, ["node.7", "no block"]),
         (f"{NODE}/is_support", "yes", ["node.7.is_support", "true or false"]),
         (f"{NODE}/block/data/vertex/10/x", float("nan"), ["vertex.10.x", "nan"]),
-        (f"{NODE}/block/data/face/0", [10, 11, 99], ["face.0", "names a vertex"]),
+        (f"{NODE}/block/data/face/0", [10, 11, 99], ["face.0", "has a vertex"]),
         (f"{NODE}/block/data/attributes", {"density": -3}, ["density is -3"]),
         ("data/graph/data/edge", {"7": {"8": {"interfaces": [{}]}}}, ["no blocks"]),
         ("data/graph/data/edge", {"7": {"'top'": {"interfaces": [{}]}}}, ["'points' is missing"]),

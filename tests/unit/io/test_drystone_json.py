@@ -211,7 +211,7 @@ NAN, INFINITY = float("nan"), float("inf")
         ("blocks.1.vertices.2", [1.0, 2.0], ["blocks[1].vertices[2]", "2 items, not 3"]),
         ("blocks.1.vertices.2", None, ["blocks[1].vertices[2]", "null"]),
         ("blocks.1.vertices", {}, ["blocks[1].vertices", "a list", "an object"]),
-        ("blocks.1.vertices", [], ["blocks[1].faces[0]", "names no vertex"]),
+        ("blocks.1.vertices", [], ["blocks[1].faces[0]", "is no vertex"]),
         ("blocks.1.vertices.2.0", 1e30, ["block 'b'", "1e+30 m"]),
         ("blocks.1.faces.3.1", 8, ["blocks[1].faces[3][1]", "8", "0 to 7"]),
         ("blocks.1.faces.3.1", -1, ["blocks[1].faces[3][1]", "-1"]),
@@ -221,7 +221,7 @@ NAN, INFINITY = float("nan"), float("inf")
         ("blocks.1.name", "", ["blocks[1].name", "empty"]),
         ("blocks.1.name", KeyError, ["blocks[1]", "'name' is missing"]),
         ("blocks.1.faces", KeyError, ["blocks[1]", "'faces' is missing"]),
-        ("blocks.1.name", "a", ["one name, 'a'", "blocks[0] and blocks[1]"]),
+        ("blocks.1.name", "a", ["same name, 'a'", "blocks[0] and blocks[1]"]),
         ("blocks.1.fixed", 1, ["blocks[1].fixed", "true or false"]),
         ("blocks.1.density", -1, ["blocks[1].density", "-1"]),
         ("blocks.1.density", 1e300, ["blocks[1].density", "1e+300"]),
@@ -358,7 +358,7 @@ def test_arrays_lie_in_the_same_folder_only(tmp_path: Path, name: str, words: st
         ({"npz": "vertices", "rows": [8, 0]}, "which has 24 rows"),
         ({"npz": "vertices", "lengths": [3, 4]}, "do not add up to 24 rows"),
         ({"npz": "vertices", "columns": 3}, "unknown field 'columns'"),
-        ([{"npz": "vertices"}] * 100, "over and over"),
+        ([{"npz": "vertices"}] * 100, "too often"),
     ],
 )
 def test_references_to_arrays_are_checked(tmp_path: Path, reference: Any, words: str) -> None:

@@ -124,8 +124,8 @@ def test_corners_written_once_per_face_are_merged_and_that_is_told(tmp_path: Pat
         ("curv 0 1 2 3\n", ["line 1", "free-form"]),
         ("<html></html>\n", ["line 1", "is not OBJ"]),
         ("call other.obj\n", ["line 1", "is not OBJ"]),
-        (f"o a\n{CUBE}{FACES}o a\n{cube_at(3.0)}{RELATIVE}", ["one name, 'a'", "rename"]),
-        (f"g a\n{CUBE}{FACES}g b\ng a\n{cube_at(3.0)}{RELATIVE}", ["one name, 'a'"]),
+        (f"o a\n{CUBE}{FACES}o a\n{cube_at(3.0)}{RELATIVE}", ["same name, 'a'", "rename"]),
+        (f"g a\n{CUBE}{FACES}g b\ng a\n{cube_at(3.0)}{RELATIVE}", ["same name, 'a'"]),
         (f"o a\n{CUBE}{FACES[:-10]}", ["block 'a'", "open mesh", "close the holes"]),
     ],
 )

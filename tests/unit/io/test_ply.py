@@ -39,7 +39,7 @@ def load(tmp_path: Path, data: bytes | str) -> io.Contents:
 
 
 def binary(assembly: Assembly, order: str) -> bytes:
-    """As other programs write it: one heap, single precision, byte-sized list lengths."""
+    """As other programs write it: one soup, single precision, byte-sized list lengths."""
     faces = assembly.faces
     name = {"<": "little", ">": "big"}[order]
     header = (
@@ -64,7 +64,7 @@ def test_text_is_read_and_polygons_are_kept(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("assembly", [tower(4), arch(), dome(), concave("short"), wall()])
-def test_a_heap_of_touching_solids_is_split_into_blocks(
+def test_a_soup_of_touching_solids_is_split_into_blocks(
     tmp_path: Path, assembly: Assembly, order: str
 ) -> None:
     model = load(tmp_path, binary(assembly, order))
@@ -108,12 +108,12 @@ def test_writing_and_reading_keeps_everything_to_the_last_bit(tmp_path: Path) ->
         (text().replace("property float z", "property float w"), ["x, y and z"]),
         (text().replace("vertex_indices", "corners"), ["has no faces"]),
         (text(faces="4 0 1 2"), ["ends before its data"]),
-        (text(faces="x 0 1 2 3 4"), ["something else than numbers"]),
+        (text(faces="x 0 1 2 3 4"), ["values that are not numbers"]),
         (text().replace("\n4 0 3 2 1", "\n4 0 3 2 9"), ["face 0", "0 to 7"]),
         (text().replace("\n4 0 3 2 1", "\n2 0 3"), ["face 0"]),
-        (text().replace("\n4 0 3 2 1", "\n4 0 3 2 nan"), ["something else than numbers"]),
+        (text().replace("\n4 0 3 2 1", "\n4 0 3 2 nan"), ["values that are not numbers"]),
         (text().replace("\n1 0 0 0", "\nnan 0 0 0"), ["vertex 1 is not finite"]),
-        (text().replace("\n1 0 0 0", "\n1 0 0 " + "9" * 30), ["something else than numbers"]),
+        (text().replace("\n1 0 0 0", "\n1 0 0 " + "9" * 30), ["values that are not numbers"]),
         (binary(tower(2), "<")[:-3], ["ends before its data"]),
         (b"ply\nformat ascii 1.0\ncomment \xff\nend_header\n", ["no text"]),
     ],
@@ -132,7 +132,7 @@ def test_our_own_comments_are_checked(tmp_path: Path) -> None:
     io.write(tower(2), tmp_path / "tower.ply")
     data = (tmp_path / "tower.ply").read_bytes()
     line = data.split(b"\n")[3]
-    with pytest.raises(FormatError, match="belongs to block 1, which is not told"):
+    with pytest.raises(FormatError, match="belongs to block 1, which has no comment"):
         load(tmp_path, data.replace(line + b"\n", b""))
     with pytest.raises(FormatError, match=r"comment\[1\].*'density' is missing"):
         load(tmp_path, data.replace(line, b'comment drystone block {"name": "a", "fixed": true}'))

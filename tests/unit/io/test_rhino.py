@@ -181,7 +181,7 @@ def test_a_curved_extrusion_is_read_through_the_mesh_that_it_carries(tmp_path: P
     model = io.read_file(path)
     exact = 2.0 * 12.0 * np.sin(2.0 * np.pi / 24)
     assert model.assembly.blocks[0].volume == pytest.approx(exact, rel=1e-6)
-    assert any("is curved: read through the mesh" in note for note in model.notes)
+    assert any("is curved: its render mesh" in note for note in model.notes)
 
 
 @needs_rhino

@@ -57,7 +57,7 @@ def test_mjcf_has_the_gravity_and_the_smallest_friction_of_the_model():
 def test_a_load_that_is_no_gravity_is_refused():
     wrench = np.array(MODEL.load.wrench)
     wrench[4, 0] += 100.0
-    with pytest.raises(InputError, match="is no gravity"):
+    with pytest.raises(InputError, match="is not a uniform acceleration"):
         mjcf_text(MODEL.with_load(LoadCase(wrench, "push")))
 
 

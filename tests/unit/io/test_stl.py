@@ -21,7 +21,7 @@ def triangles(assembly: Assembly) -> np.ndarray:
 
 
 def binary(assembly: Assembly, header: bytes = b"solid") -> bytes:
-    """As most programs write it: all triangles of all blocks in one heap, single precision."""
+    """As most programs write it: all triangles of all blocks in one soup, single precision."""
     corner = triangles(assembly)
     records = b"".join(
         struct.pack("<12fH", 0, 0, 0, *points.ravel().tolist(), 0) for points in corner
@@ -30,7 +30,7 @@ def binary(assembly: Assembly, header: bytes = b"solid") -> bytes:
 
 
 @pytest.mark.parametrize("assembly", FAMILIES, ids=NAMES)
-def test_a_binary_heap_of_touching_solids_is_split_into_blocks(
+def test_a_binary_soup_of_touching_solids_is_split_into_blocks(
     tmp_path: Path, assembly: Assembly
 ) -> None:
     path = tmp_path / "model.stl"

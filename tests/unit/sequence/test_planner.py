@@ -203,8 +203,8 @@ def test_a_stage_of_a_small_pile_is_screened_at_every_level():
     blocks = [
         box(tuple(np.subtract(high, low)), low, f"b{i}") for i, (low, high) in enumerate(corners)
     ]
-    heap = Assembly(tuple(blocks), np.arange(6) == 0)
-    quick, best = (planned(heap, 0.2, rules=Rules(hands=1), exact=exact) for exact in (False, True))
+    pile = Assembly(tuple(blocks), np.arange(6) == 0)
+    quick, best = (planned(pile, 0.2, rules=Rules(hands=1), exact=exact) for exact in (False, True))
     assert len(quick.props) == len(best.props) == 2
 
 

@@ -139,7 +139,7 @@ def test_robots_and_orders_that_make_no_sense_are_refused():
     ):
         with pytest.raises(InputError):
             Robot(**bad)
-    with pytest.raises(InputError, match="two robots have one name"):
+    with pytest.raises(InputError, match="two robots have the same name"):
         handling(plan(tower(2)), [Robot("a"), Robot("a")])
     with pytest.raises(InputError, match="cannot take turns"):
         take_turns(tower(2), robots=[Robot("a")])

@@ -178,7 +178,7 @@ def test_a_structure_without_equilibrium_is_undecided() -> None:
     [
         ({"block-1": (0.0, 0.0, 1.0)}, "'block-1' is not fixed"),
         ({"block-0": (0.0, 0.0, 0.0)}, "no support moves"),
-        ({"block-0": (0.0, 1.0)}, "has not 3 or 6 numbers"),
+        ({"block-0": (0.0, 1.0)}, "does not have 3 or 6 numbers"),
         ({"other": (0.0, 0.0, 1.0)}, "no block is called"),
     ],
 )

@@ -204,7 +204,7 @@ def test_options_that_cannot_be_meant_are_refused(given: dict[str, object], word
     ("motion", "words"),
     [
         ({"block-1": (0.0, 0.0, 1.0)}, "'block-1' is not fixed"),
-        ({"block-0": (0.0, 1.0)}, "has not 3 or 6 numbers"),
+        ({"block-0": (0.0, 1.0)}, "does not have 3 or 6 numbers"),
         ({"other": (0.0, 0.0, 1.0)}, "no block is called"),
     ],
 )

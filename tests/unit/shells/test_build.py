@@ -63,8 +63,8 @@ def fan():
 SHELLS = {
     "cross vault": lambda: build_shell(cross_vault(), Layout(courses=11, width=0.8, wedge=0.1)),
     "pavilion vault": lambda: build_shell(pavilion_vault(), Layout(courses=5, width=1.0)),
-    "register": lambda: build_shell(
-        dome(), Layout(courses=6, blocks=12), Body(thickness=0.4, register_deg=15.0)
+    "joggle": lambda: build_shell(
+        dome(), Layout(courses=6, blocks=12), Body(thickness=0.4, joggle_deg=15.0)
     ),
     "straight intrados": lambda: build_shell(
         dome(), Layout(courses=6, blocks=12, wedge=0.2), Body(intrados=Intrados.STRAIGHT)
@@ -114,13 +114,13 @@ def test_a_straight_intrados_is_planar():
     assert warps(shell.pins.point, low).max() < 1e-8
 
 
-def test_a_register_makes_concave_blocks():
-    shell = SHELLS["register"]()
+def test_a_joggle_makes_concave_blocks():
+    shell = SHELLS["joggle"]()
     assert max(len(face) for block in shell.assembly.blocks for face in block.faces) == 10
 
 
-def test_a_register_steps_the_bed_joint():
-    shell = SHELLS["register"]()
+def test_a_joggle_steps_the_bed_joint():
+    shell = SHELLS["joggle"]()
     pins = shell.pins
     stepped = np.flatnonzero(np.diff(pins.start) == 4)
     first = pins.start[stepped]
@@ -251,17 +251,17 @@ def test_an_impossible_thickness_is_refused(thickness, message):
         build_shell(barrel_vault(), LAYOUT, Body(thickness=thickness))
 
 
-def test_a_register_too_deep_for_a_course_names_the_block():
+def test_a_joggle_too_deep_for_a_course_names_the_block():
     with pytest.raises(InputError, match=r"block 'c\d\d-b00': has a face that crosses itself"):
         build_shell(
-            barrel_vault(), Layout(courses=30, blocks=8), Body(thickness=1.2, register_deg=25.0)
+            barrel_vault(), Layout(courses=30, blocks=8), Body(thickness=1.2, joggle_deg=25.0)
         )
 
 
-@pytest.mark.parametrize("register", [25.1, -45.0, 9.0, float("nan")])
-def test_a_register_out_of_range_is_refused(register):
-    with pytest.raises(InputError, match=f"the register is {register} degrees; give 10 to 25"):
-        Body(register_deg=register)
+@pytest.mark.parametrize("joggle", [25.1, -45.0, 9.0, float("nan")])
+def test_a_joggle_out_of_range_is_refused(joggle):
+    with pytest.raises(InputError, match=f"the joggle is {joggle} degrees; give 10 to 25"):
+        Body(joggle_deg=joggle)
 
 
 def bent(courses):
@@ -349,17 +349,15 @@ def test_joints_that_stay_warped_are_refused():
 
 
 @pytest.mark.parametrize("shape", [cross_vault(), pavilion_vault()], ids=lambda shape: shape.name)
-def test_courses_that_end_at_seams_take_no_register(shape):
-    with pytest.raises(InputError, match=r"takes no register: its courses end at seams"):
-        build_shell(shape, Layout(courses=11, width=0.8), Body(thickness=0.2, register_deg=10.0))
+def test_courses_that_end_at_seams_take_no_joggle(shape):
+    with pytest.raises(InputError, match=r"takes no joggle: its courses end at seams"):
+        build_shell(shape, Layout(courses=11, width=0.8), Body(thickness=0.2, joggle_deg=10.0))
 
 
-def test_a_register_that_does_not_fit_is_to_be_left_out():
+def test_a_joggle_that_does_not_fit_is_to_be_left_out():
     form = find_form(three_legged_plan(), height=2.5)
-    with pytest.raises(InputError, match="leave the register out"):
-        build_shell(
-            form.shape, Layout(courses=5, width=1.3), Body(thickness=0.2, register_deg=10.0)
-        )
+    with pytest.raises(InputError, match="leave the joggle out"):
+        build_shell(form.shape, Layout(courses=5, width=1.3), Body(thickness=0.2, joggle_deg=10.0))
 
 
 @pytest.mark.parametrize("side", [Side.LEFT, Side.RIGHT])
@@ -427,7 +425,7 @@ def test_impossible_families_are_refused():
         (lambda: Layout(courses=9, blocks=4.5), "number of blocks is 4.5"),
         (lambda: Layout(courses=2, blocks=[4, 4.5]), "number of blocks is 4.5"),
         (lambda: Layout(courses=9, blocks=4, partial=0.5), "partial is 0.5; give a whole number"),
-        (lambda: Body(register_deg="x"), "register_deg is 'x', not a number"),
+        (lambda: Body(joggle_deg="x"), "joggle_deg is 'x', not a number"),
         (lambda: Body(intrados="bent"), "intrados is 'bent'; give one of 'offset', 'straight'"),
         (lambda: barrel_vault().supported_on("left"), "a border stretch is 'left'"),
         (lambda: patch_from_grid([[[0, 0, 0], [1, 0, 0]], [[0, 1, 0]]]), "control grid.*numbers"),

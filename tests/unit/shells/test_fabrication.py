@@ -162,13 +162,13 @@ def test_triangles_in_a_file_enclose_the_blocks_of_the_schedule(tmp_path: Path, 
     assert again.centroid == pytest.approx(assembly.centroid, abs=1e-6)
 
 
-@pytest.mark.parametrize("register_deg", [15.0, -10.0])
-def test_corner_angles_of_a_hooked_bed_are_those_of_its_section(register_deg: float):
+@pytest.mark.parametrize("joggle_deg", [15.0, -10.0])
+def test_corner_angles_of_a_hooked_bed_are_those_of_its_section(joggle_deg: float):
     """The turns of the section on one side of the joint, and their complement on the other."""
-    body = Body(thickness=0.3, register_deg=register_deg)
+    body = Body(thickness=0.3, joggle_deg=joggle_deg)
     shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=9, blocks=4), body)
     row = next(row for row in schedule(shell) if row.name == "c03-b01")
-    slope = np.tan(np.deg2rad(abs(register_deg)))
+    slope = np.tan(np.deg2rad(abs(joggle_deg)))
     section = np.array([(-1.0, 0.0), *HOOK, (1.0, 0.0)]) * [1.0, slope]
     way = np.diff(section, axis=0)
     turn = np.rad2deg(np.unwrap(np.arctan2(way[:, 1], way[:, 0])))

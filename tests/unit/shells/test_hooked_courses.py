@@ -1,4 +1,4 @@
-"""Blocks with a register hook over the course below: they are not lifted but turned out."""
+"""Blocks with a joggle hook over the course below: they are not lifted but turned out."""
 
 import numpy as np
 import pytest
@@ -11,9 +11,9 @@ from drystone.shells import Body, Layout, barrel_vault, build_shell, dome
 LAYOUT = Layout(courses=6, blocks=3)
 
 
-def half_built(register_deg, top=2):
+def half_built(joggle_deg, top=2):
     """The lower courses of one side of a barrel vault."""
-    shell = build_shell(barrel_vault(), LAYOUT, Body(register_deg=register_deg))
+    shell = build_shell(barrel_vault(), LAYOUT, Body(joggle_deg=joggle_deg))
     model = shell.model(friction=0.6)
     courses = [f"c{course:02d}-" for course in range(top + 1)]
     kept = [n for n in model.assembly.names if n.startswith(("ground-c00", *courses))]
@@ -35,9 +35,9 @@ def free_translation(model, block):
     return (sphere.reshape(-1, 3) @ normal.T).min(axis=1).max()
 
 
-@pytest.mark.parametrize("register_deg", [10.0, 20.0, 25.0, -10.0])
-def test_a_hooked_block_has_no_straight_way_out_and_is_turned_out(register_deg):
-    model = half_built(register_deg)
+@pytest.mark.parametrize("joggle_deg", [10.0, 20.0, 25.0, -10.0])
+def test_a_hooked_block_has_no_straight_way_out_and_is_turned_out(joggle_deg):
+    model = half_built(joggle_deg)
     assert free_translation(model, "c02-b01") < -1e-3
     way = find_way(model, "c02-b01")
     assert isinstance(way, Way)
@@ -45,7 +45,7 @@ def test_a_hooked_block_has_no_straight_way_out_and_is_turned_out(register_deg):
     assert way.clearance[-1] > 0.1
 
 
-def test_without_a_register_it_is_lifted():
+def test_without_a_joggle_it_is_lifted():
     way = find_way(half_built(0.0), "c02-b01")
     assert isinstance(way, Way)
     assert not way.turning
@@ -59,18 +59,18 @@ def test_a_hooked_block_at_an_open_end_slides_out_along_its_course():
 
 def test_a_block_on_hooks_that_meet_at_an_angle_is_locked_and_the_shell_says_so():
     """In a ring of eight the beds below a block meet at 22.5 degrees."""
-    shell = build_shell(dome(), Layout(courses=4, blocks=8), Body(thickness=0.4, register_deg=10.0))
+    shell = build_shell(dome(), Layout(courses=4, blocks=8), Body(thickness=0.4, joggle_deg=10.0))
     model = shell.model(friction=0.6)
     below = [n for n in model.assembly.names if n.startswith(("ground", "c00"))]
     way = find_way(model.subset([*below, "c01-b00"]), "c01-b00")
     assert isinstance(way, NoWay)
     assert way.proved
     assert any("hooks over beds that meet at 2" in note for note in shell.notes)
-    straight = build_shell(barrel_vault(), LAYOUT, Body(register_deg=10.0))
+    straight = build_shell(barrel_vault(), LAYOUT, Body(joggle_deg=10.0))
     assert not any("hooks over" in note for note in straight.notes)
 
 
 def test_a_hooked_vault_stands_and_is_written(tmp_path):
-    shell = build_shell(barrel_vault(), LAYOUT, Body(register_deg=10.0))
+    shell = build_shell(barrel_vault(), LAYOUT, Body(joggle_deg=10.0))
     assert check(shell.model(friction=0.6)).stable
     write(shell.assembly, tmp_path / "hooked.obj")

@@ -62,7 +62,7 @@ def shell(
             expert=True,
         ),
     ] = None,
-    register: Annotated[
+    joggle: Annotated[
         float,
         Option(
             "Slope of hooks in bed joints, degrees: 10 to 25, or -25 to -10 (0: none).", expert=True
@@ -113,7 +113,7 @@ def shell(
 
     body = Body(
         thickness=wanted.thickness,
-        register_deg=register,
+        joggle_deg=joggle,
         intrados=Intrados.STRAIGHT if straight else Intrados.OFFSET,
     )
     waiting.stage("read", "building the shell")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from drystone.base.errors import InputError, counted
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import loading, options
+from drystone.cli.inputs.joint_capacity_option import JointCapacities, with_joint_capacity
 
 if TYPE_CHECKING:
     from drystone.detection import ContactReport, DetectionOptions
@@ -72,6 +73,7 @@ class Subject(Source):
     supports: options.Supports = None
     friction: options.Friction = None
     density: options.Density = None
+    joint_capacity: JointCapacities = None
     gravity: options.Gravity = None
     load: loading.Loads = ()
     case: loading.Cases = ()
@@ -111,6 +113,8 @@ class Subject(Source):
             **self.how(),
             progress=lambda stage, *_: waiting.stage(*stages[stage]),
         )
+        if self.joint_capacity is not None:
+            model = with_joint_capacity(model, self.joint_capacity)
         _refuse_supports(model, self)
         notes = list(model.notes)
         notes += [] if model.report is None else warnings_of(model.report)

@@ -1,4 +1,4 @@
-"""Faces as chords of a curved surface: how far they may be from it, and which way it curves."""
+"""Faces as chords of a curved surface: their distance from it, and the sign of its curvature."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors
 
 SMOOTH = np.deg2rad(35.0)
-"""[rad] Neighbouring faces that turn by less approximate a curved surface; chosen, a circle of
+"""[rad] Neighbouring faces with a smaller angle approximate a curved surface. Chosen: a circle of
 eleven strips or more."""
 FACETED = np.deg2rad(50.0)
-"""[rad] The same for triangles, whose edges run across the curve as they happen to; chosen, above
-the 42 degrees between the faces of an icosahedron."""
+"""[rad] The same for triangles, whose edges cross the curve in any direction. Chosen: above the 42
+degrees between the faces of an icosahedron."""
 TURNS = np.deg2rad(0.1)
-"""[rad] Neighbouring faces that turn by less say nothing about the way that a surface curves;
-chosen, above the noise of coordinates stored in single precision."""
+"""[rad] A smaller angle does not show whether a surface is convex or concave. Chosen: above the
+noise of coordinates stored in single precision."""
 
 
 @dataclass(frozen=True)
 class Curvature:
-    """What the neighbours of each patch tell about the surface that it stands for.
+    """The surface that each patch approximates, estimated from its neighbours.
 
     Attributes
     ----------
     sag : (p,) [m], distance of the patch from the surface
     bend : (p,) [rad], angle between them
     bulges, hollow : (p,) bool
-        Whether the surface curves outwards, or inwards, at the patch or at a neighbour of it.
+        Whether the surface is convex, or concave, at the patch or at a neighbour of it.
     """
 
     sag: Floats
@@ -43,14 +43,14 @@ class Curvature:
 def curvature(
     faces: Faces, edges: HalfEdges, turn: Floats, group: Ints, area: Floats, triangle: Bools
 ) -> Curvature:
-    """Curvature at patches, from the turns (h,) [rad] at the half-edges of their faces.
+    """Curvature at patches, from the turning angles (h,) [rad] at the half-edges of their faces.
 
-    A strip of width w that turns by t to its neighbours is a chord of a curve that it leaves by
-    w t / 8 in the middle and by the angle t / 2 at its edges. The narrower of two neighbours tells
-    the curve: a chamfer does not make a large face curved. Two triangles may be a warped
-    quadrilateral that the other side of the joint cuts along its other diagonal: there the surfaces
-    are w t apart in the middle, half of it for each (w the mean width of the triangle), and turned
-    against each other by as much as the facets about a corner are against their mean.
+    A strip of width w with the angle t to its neighbours is a chord of a curve. Its sag is w t / 8
+    and its angle to the curve at its edges t / 2. The narrower of two neighbours gives w, so a
+    chamfer does not make a large face curved. Two triangles may form a warped quadrilateral, and
+    the other side of the joint may be cut along the other diagonal. Then the distance in the middle
+    is w t, half of it for each side, with w the mean width of the triangle. The angle between the
+    sides is that between the facets at a corner and their mean.
 
     Parameters
     ----------
@@ -81,12 +81,12 @@ def curvature(
     for way, sign in ((bulges, 1.0), (hollow, -1.0)):
         turns = sign * turn[smooth] > TURNS
         way[here[turns]] = True
-        way[here[way[there]]] = True  # once more, to the neighbours
+        way[here[way[there]]] = True  # extended to the neighbours
     return Curvature(sag, bend, bulges, hollow)
 
 
 def _across_curves(edges: HalfEdges, turn: Floats, group: Ints, triangle: Bools) -> Bools:
-    """Whether each half-edge (h,) lies on a smooth surface rather than at a corner of it."""
+    """Whether each half-edge (h,) lies on a smooth surface and not at a crease."""
     three = triangle[group[edges.face]] & triangle[group[edges.face[edges.twin]]]
     smooth: Bools = (edges.twin >= 0) & (np.abs(turn) < np.where(three, FACETED, SMOOTH))
     return smooth
@@ -95,9 +95,9 @@ def _across_curves(edges: HalfEdges, turn: Floats, group: Ints, triangle: Bools)
 def _turn_to_corners(
     bend: Floats, faces: Faces, edges: HalfEdges, smooth: Bools, group: Ints, triangle: Bools
 ) -> None:
-    """Raise the bend (p,) of triangles to their angle to the mean of the facets about a corner.
+    """Raise the bend (p,) of triangles to their angle to the mean normal at a corner.
 
-    The mean weighs by area: slivers say little.
+    The mean of the facets at the corner is weighted by area.
     """
     from scipy.sparse import coo_array  # slow to import, and few models need it
     from scipy.sparse.csgraph import connected_components

@@ -16,8 +16,8 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 
 FARTHEST = 0.1
-"""A face of a given joint may be warped, or away from its blocks, by this share of the size of the
-smaller one; chosen, the warp that the contact search tolerates."""
+"""Largest warp of a face of a given joint, and its largest distance from its blocks, as a share of
+the size of the smaller block. Chosen: the warp that the contact search tolerates."""
 
 
 def contacts_from_mesh(
@@ -29,7 +29,7 @@ def contacts_from_mesh(
     *,
     friction: float = DEFAULT_FRICTION,
 ) -> Contacts:
-    """Interfaces between two blocks from a mesh of their joint, a plane interface per face.
+    """Interfaces between two blocks from a mesh of their joint, one plane interface per face.
 
     Parameters
     ----------
@@ -38,22 +38,22 @@ def contacts_from_mesh(
         Position or name.
     vertices : (v, 3) [m]
     faces
-        Loops of vertex indices, in any direction; one that is a little warped is flattened onto its
+        Loops of vertex indices, in either direction. A slightly warped face is projected onto its
         plane.
     friction
 
     Returns
     -------
     Contacts
-        Normals point from the lower to the higher position of the two blocks: away from the nearest
-        face of the one, towards that of the other.
+        Normals point from the block with the lower position to the one with the higher position:
+        outwards from the nearest face of the first, into that of the second.
 
     Raises
     ------
     InputError
-        The blocks are one, a face names no vertex or has no area; or a face is warped, or away from
-        one of the blocks, by more than a tenth of the size of the smaller (six times volume over
-        surface).
+        The two blocks are the same; a face has an unknown vertex or no area; or its warp or its
+        distance from a block is more than a tenth of the size of the smaller block (six times
+        volume over surface).
 
     Examples
     --------
@@ -123,7 +123,7 @@ def _refuse_away(
     most: float,
     where: str,
 ) -> None:
-    """Raise for a face with a corner away from one of the blocks."""
+    """Raise if a corner of a face is too far from one of the blocks."""
     for block in blocks:
         body = assembly.blocks[block]
         surface = np.concatenate([_fan(body.vertices[list(face)]) for face in body.faces])

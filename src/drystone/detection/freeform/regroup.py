@@ -1,4 +1,4 @@
-"""Joints on curved surfaces: their pieces merged and regrouped."""
+"""Joints on curved surfaces: pieces merged and regrouped."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ from drystone.geometry.plane.facets import Facet
 from drystone.geometry.plane.polygon import area_vectors
 
 UNEVEN = 0.5
-"""Pieces are looked at when one of their pair is narrower than this share of another; chosen above
-any sensible share, to pass over ordinary joints quickly."""
+"""The pieces of a pair are examined when one is narrower than this share of another. Chosen above
+any sensible share, to skip ordinary joints quickly."""
 
 
 def merge_slivers(found: Interfaces, share: float) -> Interfaces:
-    """Interfaces narrower than ``share`` of a neighbour of the same two blocks, merged into it.
+    """Merge interfaces narrower than ``share`` of a neighbour of the same two blocks into it.
 
-    Where two sides of a curved joint are meshed differently, their strips cut each other into wide
-    and narrow pieces. The total area changes by no more than 2 %.
+    Where
+    the two sides of a curved joint are meshed differently, their strips overlap in wide and narrow
+    pieces. The total area changes by at most 2 %.
     """
     if share <= 0.0 or found.count < 2:
         return found
@@ -49,7 +50,7 @@ def merge_slivers(found: Interfaces, share: float) -> Interfaces:
 
 
 def _from_facets(given: Interfaces, facets: Sequence[Facet]) -> Interfaces:
-    """Interfaces from facets; each takes the worst of what its members say."""
+    """Interfaces from facets; gap, warp and angle are the worst of the members."""
     first = np.array([f.members[int(np.argmax(given.area[list(f.members)]))] for f in facets])
     weight = [given.area[list(f.members)] for f in facets]
     members = [list(f.members) for f in facets]
@@ -69,7 +70,7 @@ def _from_facets(given: Interfaces, facets: Sequence[Facet]) -> Interfaces:
 
 
 def _frames(given: Interfaces, facets: Sequence[Facet]) -> Floats:
-    """Frames of facets; untouched ones keep theirs."""
+    """Frames of facets; unchanged facets keep theirs."""
     frame = frames_from_normals(np.array([facet.normal for facet in facets]))
     single = np.array([len(facet.members) == 1 for facet in facets])
     members = np.array([facet.members[0] for facet in facets], dtype=np.intp)
@@ -93,11 +94,11 @@ def regroup(
     angle: float | None = None,
     pairs: Sequence[tuple[int, int]] | None = None,
 ) -> Contacts:
-    """The same joints in another number of plane interfaces.
+    """The same joints divided into another number of plane interfaces.
 
     Neighbouring interfaces of two blocks are joined, and large ones divided, joint by joint. A
-    joint is what hangs together along edges without a crease. Areas are kept to 2 %: what cannot be
-    joined so stays as it is.
+    joint here is a set of interfaces connected along edges without a crease. Areas are kept to 2 %;
+    interfaces that cannot be joined so are not changed.
 
     Parameters
     ----------
@@ -105,14 +106,15 @@ def regroup(
     count
         Interfaces per joint. A strongly curved joint may keep more.
     angle : [deg]
-        Join neighbours whose normals stay within this of their mean. Give one of the two.
+        Join neighbours whose normals are within this angle of their mean. Give ``count`` or
+        ``angle``.
     pairs
         Only the joints between these blocks; all when left out.
 
     Returns
     -------
     Contacts
-        Ordered by blocks. Lines and points stay as they are. The friction of a joined interface is
+        Ordered by blocks. Lines and points are not changed. The friction of a joined interface is
         the area-weighted mean.
 
     Raises
@@ -178,7 +180,7 @@ def _regrouped(
 
 
 def _joints(facets: Sequence[Facet], size: float) -> list[list[int]]:
-    """Positions of facets that hang together."""
+    """Positions of facets that are connected."""
     label = list(range(len(facets)))
     for i, j in geometry.neighbours(facets, size):
         old, new = label[j], label[i]

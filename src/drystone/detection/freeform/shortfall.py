@@ -1,4 +1,4 @@
-"""What is missing of the area of curved joints whose two sides are meshed too differently."""
+"""The missing area of curved joints whose two sides are meshed too differently."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.detection.detection_options import DetectionOptions
-from drystone.detection.report.misses import Judgement
+from drystone.detection.report.misses import ToleranceCheck
 from drystone.detection.search.candidates import fits
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
@@ -16,22 +16,22 @@ from drystone.detection.search.planes import Pieces, Planes
 from drystone.geometry.plane import clip
 
 WORTH = 0.02
-"""Share of the area of a joint that may be missing without a word."""
+"""Share of the area of a joint that may be missing without a report."""
 
 
 @dataclass(frozen=True)
 class Shortfall:
-    """A curved joint of which a part was not found.
+    """A curved joint whose area was not completely found.
 
     Attributes
     ----------
     block_a, block_b
         Positions, a < b.
-    area : [m2], about what is missing
+    area : [m2], estimate of the missing area
     share
         Of the area of the joint.
     gap, angle : [-], [deg]
-        Options with which all of it would be found; they may be larger than the options can be.
+        Options that would find the whole area; they may exceed the largest permitted values.
     """
 
     block_a: int
@@ -47,10 +47,10 @@ def shortfalls(
     planes: Planes,
     shared: Pieces,
     found: Pieces,
-    judgement: Judgement,
+    checked: ToleranceCheck,
     options: DetectionOptions,
 ) -> tuple[Shortfall, ...]:
-    """Joints of curved faces in which overlaps were refused on faces that stay bare.
+    """Joints of curved faces with rejected overlaps on faces that have no other contact.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def shortfalls(
     if shared.count == 0 or not curved.any():
         return ()
     count = len(planes.f)
-    away = np.abs(gaps(planes, shared)) - judgement.slack[shared.row]
+    away = np.abs(gaps(planes, shared)) - checked.slack[shared.row]
     near = away <= options.search * planes.size[shared.row]
     area = clip.areas(shared.corner, shared.start)
     kept = _summed(found.row, clip.areas(found.corner, found.start), count)
@@ -74,7 +74,7 @@ def shortfalls(
     missing = np.maximum(
         *(np.bincount(pair, _bare(patches, side, lost, kept)) for side in (planes.f, planes.g))
     )
-    gap, angle = _needed(planes, shared, judgement, options)
+    gap, angle = _needed(planes, shared, checked, options)
     result = []
     for i in np.flatnonzero((joint > 0.0) & (missing > WORTH * (joint + missing))).tolist():
         mine = (pair == i) & (lost > 1e-3 * lost[pair == i].max())
@@ -103,14 +103,14 @@ def _summed(row: Ints, area: Floats, count: int) -> Floats:
 
 
 def _needed(
-    planes: Planes, shared: Pieces, judgement: Judgement, options: DetectionOptions
+    planes: Planes, shared: Pieces, checked: ToleranceCheck, options: DetectionOptions
 ) -> tuple[Floats, Floats]:
     """The gap (q,) and the angle (q,) [deg] with which pairs of patches would be joined."""
     row = shared.corner_row
     most = np.zeros(len(planes.f))
     np.maximum.at(most, row, np.abs(planes.gap_at(shared.corner, row)))
-    gap = np.maximum((most - judgement.slack) / planes.size, options.gap)
-    angle = np.rad2deg(np.maximum(judgement.angle - judgement.limit, 0.0)) + options.angle
+    gap = np.maximum((most - checked.slack) / planes.size, options.gap)
+    angle = np.rad2deg(np.maximum(checked.angle - checked.limit, 0.0)) + options.angle
     return gap, angle
 
 

@@ -1,1 +1,1 @@
-"""What the contact search found, and what it left out and why."""
+"""What the contact search found, what it left out, and why."""

@@ -1,4 +1,4 @@
-"""What a contact report suggests."""
+"""Suggestions of a contact report."""
 
 from __future__ import annotations
 
@@ -28,9 +28,10 @@ def suggestions(
     undirected: Sequence[Pair],
     isolated: Sequence[int],
 ) -> tuple[str, ...]:
-    """What would join more pairs of blocks that do not touch yet, in plain words.
+    """Sentences that say which options would join more pairs of blocks.
 
-    The arguments are the attributes of a :class:`ContactReport`; ``undirected`` are both kinds.
+    The arguments are the attributes of a :class:`ContactReport`; ``undirected`` includes the near
+    ones.
     """
     said = []
     apart = [m for m in missed if not m.joined]
@@ -74,11 +75,11 @@ def _steps(needed: dict[Pair, float], digits: int, unit: str) -> str:
 def _for_overlaps(
     overlaps: Sequence[Overlap], twice: set[Pair], apart: Sequence[Missed]
 ) -> list[str]:
-    """What to do about blocks that overlap, or are there twice."""
+    """What to do about blocks that overlap or occur twice."""
     said = []
     if twice:
         pairs = counted(len(twice), "pair")
-        said.append(f"{pairs} of blocks are one block twice: remove one of the two")
+        said.append(f"{pairs} of blocks are the same block twice: remove one of the two")
     joinable = {
         (m.block_a, m.block_b)
         for m in apart
@@ -91,7 +92,7 @@ def _for_overlaps(
 
 
 def _for_curved_joints(shortfalls: Sequence[Shortfall], options: DetectionOptions) -> list[str]:
-    """What would find the rest of joints that are meshed too differently on their two sides."""
+    """How to find the missing area of joints whose two sides are meshed too differently."""
     if not shortfalls:
         return []
     steps = []
@@ -109,7 +110,7 @@ def _for_curved_joints(shortfalls: Sequence[Shortfall], options: DetectionOption
 
 
 def _rounded_up(value: float, digits: int) -> float:
-    """The next larger number with a few significant digits, so that it is enough."""
+    """The value rounded up to a few significant digits."""
     step = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
     return float((np.floor(value / step * (1.0 + 1e-9)) + 1.0) * step)
 

@@ -1,4 +1,4 @@
-"""Blocks that overlap: which pairs, how much volume they share, and how deep."""
+"""Blocks that overlap: pairs, shared volume, depth."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from drystone.detection.search.patches import Patches
 from drystone.geometry.body.shared_volume import shared_volumes
 
 REFUSED = 0.1
-"""Blocks that share more than this part of the smaller one are no model of a structure; chosen: far
-above what rounded coordinates and warped faces cause."""
+"""Models with blocks that share more than this part of the smaller one are refused. Chosen: far
+above the overlaps that rounded coordinates and warped faces cause."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +30,12 @@ class Overlap(OneLine):
     block_a, block_b
         Positions, a < b.
     depth : [m]
-        For convex blocks the shortest way that frees them. Otherwise the largest distance from a
-        point on the surface of one, inside the other, to the surface of that other.
+        For convex blocks: the shortest translation that separates them. Otherwise: the largest
+        distance from a surface point of one block, inside the other, to the surface of the other.
     volume : [m3]
-        That both fill.
+        The shared volume.
     share
-        That volume by the volume of the smaller block.
+        The shared volume divided by the volume of the smaller block.
     """
 
     block_a: int
@@ -48,14 +48,14 @@ class Overlap(OneLine):
 def block_overlaps(
     assembly: Assembly, patches: Patches, pairs: Pairs, joined: Ints, tolerance: Floats
 ) -> tuple[Overlap, ...]:
-    """Pairs of blocks that are deeper in each other than is tolerated.
+    """Pairs of blocks that overlap deeper than the tolerance.
 
     Parameters
     ----------
     pairs
         Near blocks, a < b.
     joined : (j,)
-        Positions in ``pairs`` of those with a face contact: convex ones are parted by its plane.
+        Positions in ``pairs`` of those with a face contact: its plane separates convex blocks.
     tolerance : (p,) [m] per pair
     """
     a, b = pairs
@@ -74,7 +74,7 @@ def block_overlaps(
 
 
 def overlap_lines(names: Sequence[str], overlaps: Sequence[Overlap]) -> list[str]:
-    """A sentence for each pair of blocks that overlap, the largest share first; a few at most."""
+    """A sentence for each of the first pairs of overlapping blocks, the largest share first."""
     worst = sorted(overlaps, key=lambda pair: (-pair.share, -pair.depth))
     lines = [f"{_named(names, pair)} overlap: they share {_shared(pair)}" for pair in worst[:SHOWN]]
     more = len(worst) - SHOWN
@@ -87,7 +87,7 @@ def require_apart(names: Sequence[str], overlaps: Sequence[Overlap]) -> None:
     Raises
     ------
     InputError
-        There are such blocks; the pair that shares most is named.
+        There are such blocks; the pair with the largest share is named.
     """
     refused = [pair for pair in overlaps if pair.share > REFUSED]
     if not refused:

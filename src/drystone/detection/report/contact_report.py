@@ -1,4 +1,4 @@
-"""What the contact search found, what it left out and why, and what would change that."""
+"""What the contact search found, what it left out and why, and suggestions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ KINDS = {3: "area", 2: "line", 1: "point"}
 
 @dataclass(frozen=True)
 class ContactReport(Card):
-    """How the contacts came about.
+    """Where the contacts come from: faces, gaps, near misses, overlaps.
 
     Attributes
     ----------
@@ -39,33 +39,33 @@ class ContactReport(Card):
         3 for an area, 2 for a line, 1 for a point.
     area : (m,) [m2]
     gap : (m,) [m]
-        Distance of the faces in the middle of the interface, negative where they overlap.
+        Distance of the faces at the middle of the interface, negative where they overlap.
     warp : (m,) [m]
-        Largest distance of a face corner from its plane, of the two faces.
+        Largest distance of a corner from the plane of its face, for both faces.
     angle : (m,) [deg]
         Between the two faces.
     clipped : (m,) bool
-        Whether the faces are within tolerance on a part of their common area only.
+        Whether the faces are within tolerance on only a part of their common area.
     merged : (m,)
         Number of pieces that were merged into the interface.
     missed
         Near misses.
     shortfalls
-        Curved joints of which a part was not found.
+        Curved joints whose area was not completely found.
     undirected
-        Pairs that meet along parallel edges or in corners, where no direction can be told.
+        Pairs that meet along parallel edges or at corners, where the contact has no defined normal.
     near_undirected
         Pairs whose parallel edges or corners are near each other, beyond the gap.
     isolated
         Blocks that touch nothing.
     overlaps
-        Pairs of blocks that share volume, deeper than is tolerated.
+        Pairs of blocks that overlap deeper than the tolerance.
     duplicates
-        Pairs of blocks that are the same solid in the same place.
+        Pairs of blocks with the same shape in the same place.
     parts
-        Blocks that consist of several separate parts, and how many.
+        Blocks that consist of separate parts, and the number of parts.
     repairs
-        Per repaired block its position and what was mended.
+        Per repaired block its position and the repair.
     """
 
     names: tuple[str, ...]
@@ -113,7 +113,7 @@ class ContactReport(Card):
         return len(np.unique(self.block_a * len(self.names) + self.block_b))
 
     def suggestions(self) -> tuple[str, ...]:
-        """What would join more pairs of blocks that do not touch yet, in plain words."""
+        """Sentences that say which options would join more pairs of blocks."""
         return suggestions(
             self.names,
             self.options,
@@ -161,7 +161,7 @@ class ContactReport(Card):
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
             lines.append(
                 f"{counted(len(shown), 'pair')} not joined, edge meets edge or corner meets corner"
-                f" and the direction of contact is open: {listed(shown)}"
+                f" and the contact has no defined normal: {listed(shown)}"
             )
         if self.near_undirected:
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.near_undirected]
@@ -178,7 +178,7 @@ class ContactReport(Card):
         lines += overlap_lines(self.names, self.overlaps)
         lines += _first(
             [
-                f"blocks '{self.names[a]}' and '{self.names[b]}' are one block twice"
+                f"blocks '{self.names[a]}' and '{self.names[b]}' are the same block twice"
                 for a, b in self.duplicates
             ]
         )
@@ -194,7 +194,7 @@ class ContactReport(Card):
         Raises
         ------
         InputError
-            There are such blocks; the pair that shares most is named.
+            There are such blocks; the pair with the largest share is named.
         """
         require_apart(self.names, self.overlaps)
 
@@ -221,7 +221,7 @@ class ContactReport(Card):
         return lines
 
     def table(self) -> Table:
-        """A row per interface: its blocks and faces, its size, and how well they fit."""
+        """A row per interface: blocks, faces, size, gap, warp and angle."""
         columns = {
             "block_a": [self.names[a] for a in self.block_a],
             "block_b": [self.names[b] for b in self.block_b],
@@ -307,12 +307,12 @@ class ContactReport(Card):
 
 
 def _beyond(miss: Missed) -> float:
-    """By what a near miss is worse than another of its reason."""
+    """The measure by which near misses of one reason are sorted."""
     return miss.angle if miss.reason is Reason.ANGLE else abs(miss.gap)
 
 
 def _by_how_much(miss: Missed) -> str:
-    """The distance or the angle that kept two faces apart."""
+    """The distance or the angle beyond the tolerance, as text."""
     if miss.reason is Reason.ANGLE:
         return f" ({miss.angle:.3g} degrees)"
     if miss.reason in (Reason.GAP, Reason.OVERLAP):
@@ -321,7 +321,7 @@ def _by_how_much(miss: Missed) -> str:
 
 
 def _face(number: Any) -> int | None:
-    """A face number; none for the side of a contact that is an edge or a corner."""
+    """A face number; ``None`` for the side of a contact that is an edge or a corner."""
     return int(number) if number >= 0 else None
 
 

@@ -1,4 +1,4 @@
-"""Blocks that nearly stand on an edge or a corner: near misses of line and point contacts."""
+"""Near misses of line and point contacts."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from drystone.detection.search.patches import Patches
 def edge_misses(
     assembly: Assembly, patches: Patches, pairs: Pairs, options: DetectionOptions
 ) -> tuple[list[Missed], Ints]:
-    """Line and point contacts that a larger gap would make.
+    """Line and point contacts that a larger gap would create.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def edge_misses(
     -------
     missed
     undirected : (u, 2)
-        Pairs whose edges or corners are near each other, where no direction can be told.
+        Pairs whose edges or corners are near each other, where the contact has no defined normal.
     """
     if len(pairs[0]) == 0 or options.search <= options.gap:
         return [], np.zeros((0, 2), dtype=np.intp)

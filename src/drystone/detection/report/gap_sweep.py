@@ -1,4 +1,4 @@
-"""How many interfaces there are against the one tolerance that matters, and where that is flat."""
+"""The number of interfaces as a function of the gap tolerance, and its plateau."""
 
 from __future__ import annotations
 
@@ -19,13 +19,12 @@ from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.find import find_contacts
 
 FINEST, COARSEST = 1e-6, 0.1
-"""Range of gaps that a sweep tries, chosen: from the rounding of six-digit files to a tenth of a
-block."""
+"""Range of gaps in a sweep. Chosen: from the rounding of six-digit files to a tenth of a block."""
 
 
 @dataclass(frozen=True)
 class GapSweep(OneLine):
-    """Number of contacts against the gap tolerance.
+    """Number of contacts as a function of the gap tolerance.
 
     Attributes
     ----------
@@ -101,7 +100,7 @@ def gap_sweep(
     options
         All other tolerances.
     progress, executor
-        Each gap is a task of its own.
+        Each gap is one task.
 
     Raises
     ------

@@ -18,18 +18,18 @@ from drystone.detection.search.planes import Pieces, Planes, widths
 from drystone.geometry.plane import clip
 
 EXPLAINED = 0.9
-"""A face of which this share is in contact already misses nothing; chosen."""
+"""A face with more than this share of its area in contact has no near misses. Chosen."""
 NOTABLE = 0.02
-"""Missed overlaps narrower than this share of the block size are not worth a word; chosen."""
+"""Missed overlaps narrower than this share of the block size are not reported. Chosen."""
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """What the tolerances say of every overlap.
+class ToleranceCheck:
+    """Every overlap compared with the tolerances.
 
     Attributes
     ----------
-    tolerance : (q,) [m] granted to each pair of patches
+    tolerance : (q,) [m] of each pair of patches
     slack : (q,) [m] the part of it that is due to warp and curvature
     angle : (q,) [rad]
     limit : (q,) [rad]
@@ -50,8 +50,10 @@ class Judgement:
     too_warped: Bools
 
 
-def judge(patches: Patches, planes: Planes, shared: Pieces, options: DetectionOptions) -> Judgement:
-    """Hold every overlap against the tolerances."""
+def compare_with_tolerances(
+    patches: Patches, planes: Planes, shared: Pieces, options: DetectionOptions
+) -> ToleranceCheck:
+    """Compare every overlap with the tolerances."""
     f, g = planes.f, planes.g
     granted, turned = granted_to(patches, f, g, options)
     tolerance = options.gap * planes.size + granted
@@ -71,7 +73,7 @@ def judge(patches: Patches, planes: Planes, shared: Pieces, options: DetectionOp
     accepted = ~(too_far | too_deep | too_steep | too_warped)
     partial = np.zeros(len(f), dtype=bool)
     partial[row[over > 0.0]] = True
-    return Judgement(
+    return ToleranceCheck(
         tolerance,
         granted,
         angle,
@@ -102,11 +104,11 @@ def misses(
     planes: Planes,
     shared: Pieces,
     found: Pieces,
-    judgement: Judgement,
+    checked: ToleranceCheck,
     options: DetectionOptions,
 ) -> list[Missed]:
-    """Near misses: overlaps of faces that nothing else touches, just beyond a tolerance."""
-    refused = ~judgement.accepted & (widths(shared) > NOTABLE * planes.size[shared.row])
+    """Near misses: overlaps just beyond a tolerance, of faces without other contact."""
+    refused = ~checked.accepted & (widths(shared) > NOTABLE * planes.size[shared.row])
     if not refused.any():
         return []
     covered = np.zeros(patches.count)
@@ -116,22 +118,22 @@ def misses(
     explained = covered >= EXPLAINED * patches.area
     row = shared.row
     refused &= ~(explained[planes.f] | explained[planes.g])[row]
-    near = np.abs(gaps(planes, shared)) - judgement.slack[row]
+    near = np.abs(gaps(planes, shared)) - checked.slack[row]
     near /= planes.size[row]
     refused &= near <= options.search
     chosen = shared.select(refused)
-    interfaces = from_pieces(patches, planes, chosen, judgement.partial)
+    interfaces = from_pieces(patches, planes, chosen, checked.partial)
     joined = np.isin(_pair_keys(patches, planes, chosen), _pair_keys(patches, planes, found))
-    excess = np.rad2deg(judgement.angle - judgement.limit)[chosen.row] + options.angle
+    excess = np.rad2deg(checked.angle - checked.limit)[chosen.row] + options.angle
     result = []
     for i, piece in enumerate(np.flatnonzero(refused).tolist()):
-        if judgement.too_warped[piece]:
+        if checked.too_warped[piece]:
             reason, needed = Reason.WARP, float("nan")
-        elif judgement.too_steep[piece]:
-            far = judgement.too_far[piece] or judgement.too_deep[piece]
+        elif checked.too_steep[piece]:
+            far = checked.too_far[piece] or checked.too_deep[piece]
             reason, needed = Reason.ANGLE, float("nan") if far else float(excess[i])
         else:
-            reason = Reason.GAP if judgement.too_far[piece] else Reason.OVERLAP
+            reason = Reason.GAP if checked.too_far[piece] else Reason.OVERLAP
             needed = float(near[piece])
         result.append(_missed(interfaces, i, reason, needed, bool(joined[i]), patches.origin))
     return result
@@ -162,4 +164,4 @@ def _missed(
     )
 
 
-__all__ = ["Judgement", "dropped", "judge", "misses"]
+__all__ = ["ToleranceCheck", "compare_with_tolerances", "dropped", "misses"]

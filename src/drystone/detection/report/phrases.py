@@ -1,4 +1,4 @@
-"""How a contact report words numbers, lengths and names."""
+"""Numbers, lengths and names as text in a contact report."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ SHOWN = 8
 
 
 def counted(number: int, noun: str) -> str:
-    """A number of things in words.
+    """A number with its noun, singular or plural.
 
     Examples
     --------
@@ -20,7 +20,7 @@ def counted(number: int, noun: str) -> str:
 
 
 def listed(items: Sequence[str]) -> str:
-    """The first of several names, and how many more there are."""
+    """The first of several names, and the number of others."""
     more = f" and {len(items) - SHOWN} more" if len(items) > SHOWN else ""
     return ", ".join(items[:SHOWN]) + more
 

@@ -1,4 +1,4 @@
-"""Near misses: faces that nearly touch, and why they were not joined."""
+"""Near misses: faces that nearly touch, with the reason why they were not joined."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True)
 class Missed(OneLine):
-    """Two faces that nearly touch, and were not joined.
+    """Two faces that nearly touch and were not joined.
 
     Attributes
     ----------
@@ -38,11 +38,11 @@ class Missed(OneLine):
     area : [m2]
         Shared area in projection; zero for an edge or a corner.
     needed
-        What ``gap`` (for ``Reason.GAP`` and ``OVERLAP``) or ``angle`` [deg] (for ``ANGLE``) of the
-        options would join them; NaN for other reasons.
+        The option ``gap`` (for ``Reason.GAP`` and ``OVERLAP``) or ``angle`` [deg] (for ``ANGLE``)
+        that would join them; NaN for other reasons.
     polygon : (c, 3) [m]
-        The shared area, halfway between the faces; a band across the gap where an edge nearly
-        touches, two points across it where a corner does.
+        The shared area, halfway between the faces. For an edge: a band across the gap. For a
+        corner: two points across the gap.
     joined
         Whether the two blocks touch elsewhere.
     """

@@ -1,4 +1,4 @@
-"""Which patches may touch: near each other, and facing each other."""
+"""Pairs of patches that may touch: near each other and facing each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drystone.geometry import boxes
 MISSED_ANGLE = np.deg2rad(10.0)
 """[rad] Patches that exceed the angle tolerance by less are reported as near misses."""
 WIDEST_ANGLE = np.deg2rad(50.0)
-"""[rad] Patches that face each other less than this never touch, however curved they are; chosen
+"""[rad] Patches with a larger angle between them never touch, however curved they are. Chosen:
 below the 60 degrees between the sides of a tetrahedral notch."""
 MANY = 4096
 """Patch pairs of two blocks above which a grid finds the near ones."""
@@ -22,13 +22,13 @@ Pairs = tuple[Ints, Ints]
 
 
 def most_slack(patches: Patches, options: DetectionOptions) -> Floats:
-    """(p,) [m] that may be granted on top of the gap: warp and sag, as far as it is tolerated."""
+    """Largest distance (p,) [m] that may be added to the gap: tolerated warp plus sag."""
     granted: Floats = np.minimum(patches.warp + patches.sag, _tolerated(patches, options))
     return granted
 
 
 def warp_slack(patches: Patches, options: DetectionOptions) -> Floats:
-    """(p,) [m] granted on top of the gap for warp, whatever lies opposite."""
+    """Distance (p,) [m] added to the gap for warp, independent of the opposite patch."""
     granted: Floats = np.minimum(patches.warp, _tolerated(patches, options))
     return granted
 
@@ -39,10 +39,10 @@ def _tolerated(patches: Patches, options: DetectionOptions) -> Floats:
 
 
 def fits(patches: Patches, f: Ints, g: Ints) -> Bools:
-    """(q,) whether facing patches may be chords of one curved surface: one bulges, one is hollow.
+    """Whether facing patches (q,) may be chords of one curved surface: one convex, one concave.
 
-    What a curve leaves open is granted to such patches only: a roller on a plane, or two rollers
-    side by side, are no curved joint.
+    Only such patches get the tolerance for sag. A roller on a plane, or two rollers side by side,
+    are no curved joint.
     """
     one: Bools = patches.bulges[f] & patches.hollow[g]
     other: Bools = patches.hollow[f] & patches.bulges[g]
@@ -52,7 +52,7 @@ def fits(patches: Patches, f: Ints, g: Ints) -> Bools:
 def granted_to(
     patches: Patches, f: Ints, g: Ints, options: DetectionOptions
 ) -> tuple[Floats, Floats]:
-    """Distance (q,) [m] and angle (q,) [rad] granted to pairs of patches above the tolerances."""
+    """Distance (q,) [m] and angle (q,) [rad] added to the tolerances of pairs of patches."""
     curved = fits(patches, f, g)
     flat, most = warp_slack(patches, options), most_slack(patches, options)
     distance: Floats = np.where(curved, most[f] + most[g], flat[f] + flat[g])
@@ -62,7 +62,7 @@ def granted_to(
 
 
 def reach(options: DetectionOptions) -> float:
-    """How far apart pairs are looked at, relative to the block size."""
+    """Largest distance of pairs in the search, relative to the block size."""
     return max(options.gap, options.search)
 
 
@@ -82,7 +82,7 @@ def block_boxes(patches: Patches) -> tuple[Floats, Floats]:
 def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) -> Pairs:
     """Patches f of the first and g of the second block of each pair that may touch.
 
-    They look at each other within the widest angle in question, and their boxes come within reach.
+    They face each other within the widest angle, and their boxes come within reach.
     """
     a, b = pairs
     reach_of_pair = reach(options) * np.minimum(patches.size[a], patches.size[b])
@@ -92,7 +92,7 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
     other = _patches_near(patches, b, a, reach_of_pair + most[a] + most[b])
     f, g = _products(patches, one, other, len(a), reach_of_pair + most[a] + most[b])
     limit = np.deg2rad(options.angle) + MISSED_ANGLE + granted_to(patches, f, g, options)[1]
-    limit[fits(patches, f, g)] = WIDEST_ANGLE  # what a curved joint lacks is told
+    limit[fits(patches, f, g)] = WIDEST_ANGLE  # to report the missing area of curved joints
     cosine = -dot(patches.normal[f], patches.normal[g])
     keep = cosine >= np.cos(np.minimum(limit, WIDEST_ANGLE))
     f, g = f[keep], g[keep]
@@ -105,11 +105,11 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
 
 
 def _patches_near(patches: Patches, block: Ints, other: Ints, margin: Floats) -> Pairs:
-    """Pair and patch of every patch of a block that is near the other block and looks at it."""
+    """Pair and patch of every patch that is near the other block and faces it."""
     low, high = block_boxes(patches)
     first = patches.first_patch
     pair, patch = expand(first[block], first[block + 1] - first[block])
-    for axis in range(3):  # most are far away along some axis: they are not looked at again
+    for axis in range(3):  # most are far away along one axis
         below = (low[:, axis][other] - margin)[pair]
         above = (high[:, axis][other] + margin)[pair]
         near = (patches.high[:, axis][patch] >= below) & (patches.low[:, axis][patch] <= above)
@@ -121,7 +121,7 @@ def _patches_near(patches: Patches, block: Ints, other: Ints, margin: Floats) ->
 def _looks_at(
     patches: Patches, patch: Ints, other: Ints, margin: Floats, low: Floats, high: Floats
 ) -> Bools:
-    """Whether some of the other block's box lies in front of the patch."""
+    """Whether a part of the other block's box lies in front of the patch."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     normal = patches.normal[patch]
     ahead = dot(middle[other] - patches.centre[patch], normal)

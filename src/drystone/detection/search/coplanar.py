@@ -1,4 +1,4 @@
-"""Coplanar neighbours among the faces of blocks: which continue each other, and their outline."""
+"""Coplanar neighbours among the faces of blocks, and the outlines of their unions."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors, following
 
 FLAT = np.deg2rad(0.1)
-"""[rad] Neighbouring faces that turn by less may be one polygon cut up; chosen, above the noise of
-coordinates stored in single precision."""
+"""[rad] Neighbouring faces with a smaller angle may be parts of one polygon. Chosen: above the
+noise of coordinates stored in single precision."""
 PLANAR = 1e-4
 """They are one polygon when no corner lies farther from its plane than this share of the block
-size; chosen, so that a finely meshed curve is not flattened."""
+size. Chosen: a finely meshed curve is not flattened."""
 STRAIGHT = 1e-9
-"""A corner nearer than this share of the block size to the line of its neighbours is no corner."""
+"""A corner nearer than this share of the block size to the line between its neighbours is
+removed."""
 
 
 def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) -> Ints:
@@ -54,7 +55,7 @@ def rings_of(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
     vectors = area_vectors(faces.point[loop], start)
     whole = area_vectors(faces.point[faces.loop], faces.start)
     total = _summed(whole, group, len(number))
-    hole = -dot(vectors, total[owner])  # outlines run along their patch, holes against
+    hole = -dot(vectors, total[owner])  # holes have the opposite orientation
     order = np.lexsort((hole, owner))
     length = np.diff(start)
     begin = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
@@ -63,7 +64,7 @@ def rings_of(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
 
 
 def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats, Ints]:
-    """Rings less the corners on a straight line, left over where faces were merged."""
+    """Rings without the corners on straight lines that merging faces leaves."""
     while True:
         after = following(start)
         before = np.empty_like(after)
@@ -73,7 +74,7 @@ def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats,
         length = np.linalg.norm(chord, axis=1)
         off = np.linalg.norm(cross(chord, corner - corner[before]), axis=1)
         straight = off <= STRAIGHT * size[ring] * length
-        straight &= ~straight[before]  # neighbours one after the other
+        straight &= ~straight[before]  # of two neighbours only one
         straight &= (np.diff(start) > 3)[ring]
         if not straight.any():
             return corner, start
@@ -83,7 +84,7 @@ def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats,
 
 
 def unit_rows(vectors: Floats, length: Floats) -> Floats:
-    """Vectors (r, 3) by their length (r,); zero where that is."""
+    """Vectors (r, 3) divided by their length (r,); zero where the length is zero."""
     safe = np.where(length > 0.0, length, 1.0)[:, None]
     unit: Floats = np.where(length[:, None] > 0.0, vectors / safe, 0.0)
     return unit

@@ -1,4 +1,4 @@
-"""Blocks that stand on an edge or a corner: contacts along a line or in a point."""
+"""Contacts along a line or at a point, where blocks touch with an edge or a corner."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import planar
 
 INSIDE = 1e-6
-"""A contact lies inside a face when it is farther than this share of the block size from its
-outline; nearer, edge meets edge, and the direction of the contact is open."""
+"""A contact lies inside a face when it is farther than this share of the block size from the
+outline. Nearer to it, edge meets edge, and the contact has no defined normal."""
 SHORT = 1e-3
 """Contact lines shorter than this share of the block size are points; chosen."""
 PARALLEL = 0.05
@@ -48,7 +48,7 @@ class _Wire:
     edge: Ints  # (e, 2)
 
     def lowest_neighbour(self, height: Floats) -> Floats:
-        """For heights (v, ...) of the vertices the least among each one's neighbours."""
+        """For heights (v, ...) of the vertices: the least height among the neighbours of each."""
         least = np.full(height.shape, np.inf)
         np.minimum.at(least, self.edge[:, 0], height[self.edge[:, 1]])
         np.minimum.at(least, self.edge[:, 1], height[self.edge[:, 0]])
@@ -70,7 +70,8 @@ def edge_contacts(
     interfaces
         Lines with two corners and points with one; area zero.
     undirected : (u, 2)
-        Pairs that meet along parallel edges or in corners only, where no direction can be told.
+        Pairs that meet only along parallel edges or at corners, where the contact has no defined
+        normal.
     """
     search = _Search(assembly, patches, options)
     rows: list[tuple[int, int, _Touch]] = []
@@ -108,7 +109,7 @@ def _interfaces(patches: Patches, rows: list[tuple[int, int, _Touch]]) -> Interf
 
 
 class _Search:
-    """Edges and vertices of pairs of blocks, against each other."""
+    """Search for contacts of the edges and vertices of two blocks."""
 
     def __init__(self, assembly: Assembly, patches: Patches, options: DetectionOptions) -> None:
         self._assembly = assembly
@@ -255,7 +256,7 @@ def _around(wire: _Wire, edge: int) -> Ints:
 def _crossings(
     one: _Wire, two: _Wire, distance: float
 ) -> Iterator[tuple[int, int, Floats, Floats]]:
-    """Pairs of edges whose insides pass each other within a distance, and the nearest points.
+    """Pairs of edges that pass each other within a distance, and the nearest points.
 
     Source: Ericson 2005, Real-time collision detection, section 5.1.9.
     """

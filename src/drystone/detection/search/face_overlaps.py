@@ -14,10 +14,10 @@ from drystone.detection.search.planes import Pieces, Planes, merged, tidy, width
 from drystone.geometry.plane import clip, planar
 
 NEGLIGIBLE = 0.02
-"""Overlaps narrower than this share of another of the same patch and blocks are noise; chosen, so
-that areas are kept to 2 %."""
+"""Overlaps narrower than this share of another of the same patch and blocks are noise. Chosen:
+areas are kept to 2 %."""
 BATCH = 400_000
-"""Corners of padded polygons worked on at a time, chosen: bounds the memory to some 100 MB."""
+"""Corners of padded polygons in one batch. Chosen: bounds the memory to some 100 MB."""
 
 Rings: TypeAlias = tuple[Floats, Ints, Ints]
 """Corners (l, 2), ring starts (r + 1,) and the row of each ring (r,), ascending."""
@@ -26,7 +26,7 @@ Rings: TypeAlias = tuple[Floats, Ints, Ints]
 def overlaps(patches: Patches, planes: Planes) -> Pieces:
     """Areas that the projections of the two patches of each pair share, without holes.
 
-    Overlaps no wider than rounding are left out.
+    Overlaps as narrow as rounding are left out.
     """
     one = _projected(patches, planes, planes.f, reverse=False)
     other = _projected(patches, planes, planes.g, reverse=True)
@@ -62,7 +62,7 @@ def _shared(one: Rings, other: Rings, convex: Bools) -> Pieces:
 
 
 def _size_classes(one: Rings, other: Rings, convex: Bools) -> list[Ints]:
-    """Rows of convex pairs with about as many corners, so that padding wastes little."""
+    """Rows of convex pairs with similar numbers of corners, so that padding stays small."""
     rows = np.flatnonzero(convex)
     if len(rows) == 0:
         return []
@@ -108,7 +108,7 @@ def _is_convex(corner: Floats, start: Ints) -> Bools:
 def negligible(patches: Patches, planes: Planes, pieces: Pieces) -> Bools:
     """Whether each polygon is a sliver beside a wide one of the same patch and the same blocks.
 
-    Rounded coordinates let a patch overlap the neighbours of the one that it matches.
+    With rounded coordinates a patch also overlaps the neighbours of its counterpart.
     """
     width = widths(pieces)
     f, g = planes.f[pieces.row], planes.g[pieces.row]
@@ -147,14 +147,14 @@ def within(pieces: Pieces, planes: Planes, tolerance: Floats) -> Pieces:
 
 
 def _bands(pieces: Pieces, planes: Planes, tolerance: Floats) -> Rings:
-    """A rectangle per polygon, in which the gap is within the tolerance and nothing is lost."""
+    """A rectangle per polygon that covers all its points with a gap within the tolerance."""
     slope = planes.slope[pieces.row]
     steep = np.hypot(slope[:, 0], slope[:, 1])
     apart = steep * 1e9 * planes.size[pieces.row] < np.abs(planes.gap[pieces.row])
     safe = np.where(apart, 1.0, steep)
     along = np.where(apart[:, None], [1.0, 0.0], slope / safe[:, None])
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    # where the planes are parallel the gap is too large everywhere: the band is far away
+    # parallel planes with too large a gap: the band is placed far away
     offset = np.where(apart, 1e9 * planes.size[pieces.row], -planes.gap[pieces.row] / safe)
     half = tolerance[pieces.row] / safe
     piece = np.repeat(np.arange(pieces.count), np.diff(pieces.start))

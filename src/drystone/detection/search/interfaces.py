@@ -1,4 +1,4 @@
-"""Interfaces on their way to contacts, each with how it came about."""
+"""Interfaces during the search, each with its faces, gap, warp and angle."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Interfaces:
         return self.take(np.lexsort((self.face_b, self.face_a, self.block_b, self.block_a)))
 
     def contacts(self, origin: Floats, friction: float) -> Contacts:
-        """As contacts in the frame whose ``origin`` the points are relative to."""
+        """Contacts in world coordinates; the points are relative to ``origin``."""
         owner = np.repeat(np.arange(self.count, dtype=np.intp), np.diff(self.start))
         return Contacts(
             self.block_a,
@@ -95,7 +95,7 @@ OWN = ("point", "start")
 
 
 def joined(parts: list[Interfaces]) -> Interfaces:
-    """Several lists of interfaces, one after another."""
+    """Several lists of interfaces as one."""
     values = {
         f.name: np.concatenate([getattr(part, f.name) for part in parts])
         for f in fields(Interfaces)

@@ -1,4 +1,4 @@
-"""Of several blocks in front of one face, the nearest touches it."""
+"""Hidden interfaces: of several blocks in front of one face, only the nearest touches it."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from drystone.detection.search.planes import Pieces, Planes, merged, tidy, width
 from drystone.geometry.plane import planar
 
 EXACT = 1e-4
-"""Gaps below this share of the block size hide nothing between them; chosen, thinner than any
+"""Gaps below this share of the block size have no block between them. Chosen: thinner than any
 block."""
 BEHIND = 0.01
-"""An interface is cut where another lies in front of it, when their common area is wider than this
-share of the block size; chosen, above the overlap of neighbouring strips on a curve."""
+"""An interface is cut where another lies in front of it, if their common area is wider than this
+share of the block size. Chosen: above the overlap of neighbouring strips on a curve."""
 
 
 def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces, Bools]:
-    """Pieces less what lies behind a nearer one on the same patch.
+    """Pieces without the parts behind a nearer piece on the same patch.
 
     Returns
     -------
     pieces
-    hidden : (q,) planes of which something was taken
+    hidden : (q,) planes with a removed part
     """
     hidden = np.zeros(len(planes.f), dtype=bool)
     gap = np.abs(gaps(planes, pieces))
@@ -65,7 +65,7 @@ def gaps(planes: Planes, pieces: Pieces) -> Floats:
 
 
 def _sharing(planes: Planes, pieces: Pieces, loose: Bools, gap: Floats) -> tuple[Ints, Ints]:
-    """Pairs of pieces on one patch: a loose one, and one with a smaller gap."""
+    """Pairs of pieces on one patch: one with a gap above ``loose``, and one with a smaller gap."""
     patch = np.concatenate([planes.f[pieces.row], planes.g[pieces.row]])
     piece = np.tile(np.arange(pieces.count, dtype=np.intp), 2)
     order = np.argsort(patch, kind="stable")

@@ -24,13 +24,13 @@ from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors, following, loop_means
 
 REENTRANT = np.deg2rad(0.5)
-"""[rad] A block is convex when no edge turns inwards by more; chosen, above the noise of warped
+"""[rad] A block is convex when no edge turns inwards by more. Chosen: above the noise of warped
 faces."""
 COARSE = 1e-3
-"""Rounding of coordinates, by block size, above which a shape is lost; chosen, a fifth of the gap
-within which faces touch."""
+"""Largest rounding of coordinates, relative to the block size. Chosen: a fifth of the gap within
+which faces touch."""
 FOLDED = 1e-12
-"""Area vector of a face, by the surface of its block, that is none."""
+"""A face with a smaller area vector, relative to the surface of its block, has no area."""
 
 
 @dataclass(frozen=True)
@@ -53,13 +53,13 @@ class Patches:
     sag : (p,) [m], distance of the plane from the curved surface that the patch stands for
     bend : (p,) [rad], angle between the plane and that surface
     tilt : (p,) [rad], angle between the plane and the warped face
-    bulges, hollow : (p,) whether that surface curves outwards, or inwards, hereabouts
+    bulges, hollow : (p,) whether that surface is convex, or concave, there
     convex : (p,) whether the patch is one convex polygon
     low, high : (p, 3) [m], bounding box
     first_patch : (n + 1,) patches of each block
     size : (n,) [m], six times volume over surface
     block_convex : (n,)
-    one_surface : (n,) whether the block's surface is one, without handles
+    one_surface : (n,) whether the block's surface is connected and without handles
     origin : (3,) [m]
     """
 
@@ -105,8 +105,8 @@ class Patches:
 def patches_of(assembly: Assembly) -> Patches:
     """Patches of an assembly.
 
-    Faces that continue each other in one plane become one patch, possibly with holes. Coordinates
-    are taken relative to the middle of the assembly, so that its place costs no digits.
+    Neighbouring faces in one plane become one patch, possibly with holes. Coordinates are relative
+    to the middle of the assembly, so a distant origin costs no digits.
     """
     faces, origin = _centred(assembly)
     _refuse_rounded(assembly, origin)
@@ -172,23 +172,23 @@ def _centred(assembly: Assembly) -> tuple[Faces, Floats]:
 
 
 def _refuse_rounded(assembly: Assembly, origin: Floats) -> None:
-    """Raise for a block so far out, for its size, that its shape is lost in rounding."""
+    """Raise for a block so far from the origin that rounding changes its shape."""
     reach = np.maximum(np.abs(assembly.bounds).max(axis=(1, 2)), np.abs(origin).max())
     lost = np.flatnonzero(np.spacing(reach) > COARSE * assembly.size)
     if len(lost):
         block = int(lost[0])
         raise InputError(
             f"it is {assembly.size[block]:.3g} m across, with coordinates or neighbours up to"
-            f" {reach[block]:.3g} m: no digits are left to tell its shape",
+            f" {reach[block]:.3g} m: rounding changes its shape",
             where=f"block '{assembly.names[block]}'",
             remedy="move the model nearer to the origin, or check its units",
         )
 
 
 def _refuse_folded(assembly: Assembly, faces: Faces, area: Floats, surface: Floats) -> None:
-    """Raise for a face that is folded onto itself: corners in space, and yet no area.
+    """Raise for a face that is folded onto itself.
 
-    A face whose corners lie on one line has no area either, and does no harm.
+    It has no area, but its corners are not on one line.
     """
     flat = np.flatnonzero(area <= FOLDED * surface[faces.owner])
     for face in flat.tolist():
@@ -206,10 +206,7 @@ def _refuse_folded(assembly: Assembly, faces: Faces, area: Floats, surface: Floa
 
 
 def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> tuple[Bools, Bools]:
-    """Which blocks are convex, locally and everywhere, and which are one surface without handles.
-
-    Source of the second: Euler's formula.
-    """
+    """Which blocks are convex, and which surfaces are connected without handles."""
     reentrant = np.bincount(faces.owner[edges.face], turn < -REENTRANT, minlength=count)
     half = np.bincount(faces.owner[edges.face], minlength=count)
     face = np.bincount(faces.owner, minlength=count)

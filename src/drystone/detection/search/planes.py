@@ -13,17 +13,19 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import clip
 
 CLEAN = 1e-6
-"""Corners of an overlap this near to each other, or to the line of their neighbours, relative to
-the block size, are one; chosen, above the rounding of coordinates far from the origin."""
+"""Corners of an overlap this near to each other, or to the line between their neighbours, are
+removed; relative to the block size. Chosen: above the rounding of coordinates far from the
+origin."""
 TOUCH = 1e-6
-"""Overlaps narrower than this share of the block size touch along an edge only."""
+"""Overlaps narrower than this share of the block size count as edge contacts."""
 
 
 @dataclass(frozen=True)
 class Planes:
-    """The planes halfway between pairs of patches, and how far apart the patches are.
+    """The planes halfway between pairs of patches, and the distances of the patches.
 
-    Letters: q pairs. The plane is that of the bisector, so the patches are equally far from it.
+    Letters: q pairs. The plane bisects the angle between the patches, so both are equally far from
+    it.
 
     Attributes
     ----------
@@ -121,7 +123,7 @@ def merged(parts: list[Pieces]) -> Pieces:
 
 
 def tidy(pieces: Pieces, planes: Planes) -> Pieces:
-    """The same polygons with true corners only; those of no width left out."""
+    """The polygons without corners on straight lines, and without polygons of zero width."""
     size = planes.size[pieces.row]
     corner, start = clip.cleaned(pieces.corner, pieces.start, CLEAN * size)
     filled = np.diff(start) > 0

@@ -1,1 +1,1 @@
-"""Rest on contact springs: the states that a structure settles into."""
+"""Rest states on contact springs."""

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.formulations.rest.friction import FrictionLaw, SlipLength, StickSlip
+from drystone.formulations.rest.friction import Bound, FrictionLaw, SlipLength, StickSlip
 from drystone.statics import Statics
+
+COHESIVE_FRICTION = 0.1
+"""Least friction coefficient in the slip length of cohesive joints: it keeps the length finite."""
 
 SPECK = 1e-4
 """Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
@@ -24,49 +27,67 @@ class Compliance:
     normal : (k,) kn
     friction : law of the tangential force
     overlap
-        Overlap at which a corner begins to press. Zero for springs; a positive one with stiff
-        springs makes the overlaps of all pressed corners equal, as eq. 5.6 wants them.
+        Overlap at which compression begins. Zero for springs. A positive value with stiff springs
+        gives all corners in compression equal overlaps, as in eq. 5.6.
     glue
-        Stiffness against opening, by kn. Zero for dry joints.
+        Stiffness against opening, by kn, of a pull without limit. Zero but in the penalty form.
+    tension : (k,)
+        Largest pull of each corner. A joint that opens by s pulls with
+        ``kn s / sqrt(1 + (kn s / tension)^2)``. ``None`` for dry joints.
     """
 
     normal: Floats
     friction: FrictionLaw
     overlap: float = 0.0
     glue: float = 0.0
+    tension: Floats | None = None
+
+    def pull(self, opening: Floats) -> tuple[Floats, Floats]:
+        """Pull (k,) of corners that open by some lengths (k,), zero or more, and its slope (k,)."""
+        if self.tension is None:
+            return _NOTHING, _NOTHING
+        elastic = self.normal * opening
+        size = np.sqrt(self.tension**2 + elastic**2)
+        share = self.tension / np.where(size > 0.0, size, 1.0)
+        return elastic * share, self.normal * share**3
+
+
+_NOTHING = np.zeros(1)
 
 
 def uniform(
     statics: Statics, *, slip: float | None = None, tangential: float = 0.1, glue: float = 0.0
 ) -> Compliance:
-    """Normal stiffness proportional to tributary area, the same everywhere.
+    """Normal stiffness proportional to tributary area, with one factor for all joints.
 
     Parameters
     ----------
     statics
     slip
-        Slip length by the local overlap for the smooth law; left out, the stick-slip law is used.
+        Slip length of the smooth law, relative to the local overlap; the stick-slip law when left
+        out.
     tangential
-        kt / kn of the stick-slip law. A low value keeps friction below its limit where it can.
+        kt / kn of the stick-slip law. With a low value friction stays below its limit where
+        possible.
     glue
         Stiffness against opening, by kn.
     """
     normal = normal_stiffness(statics)
-    if slip is None:
-        return Compliance(normal, StickSlip(statics.friction, tangential * normal), glue=glue)
-    reach = slip * corner_load(statics) / normal
-    return Compliance(normal, SlipLength(statics.friction, reach), glue=glue)
+    law: FrictionLaw = StickSlip(_bound(statics), tangential * normal)
+    if slip is not None:
+        law = SlipLength(_bound(statics), slip * _slip_load(statics) / normal)
+    return Compliance(normal, law, glue=glue, tension=_tension(statics))
 
 
 def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
-    """Stiffness distributions unlike the uniform one: smooth slip of several lengths, and random.
+    """Other stiffness distributions: uniform with several slip lengths, and random ones.
 
-    A random one draws for every interface a stiffness within one decade, as joints of one building
-    differ, and one slip length for all of them.
+    A random distribution has a stiffness within one decade for every interface, like joints of one
+    building, and one slip length for all.
     """
     rng = np.random.default_rng(seed)
     base = normal_stiffness(statics)
-    load = corner_load(statics)
+    load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
     joints = int(statics.interface.max(initial=-1)) + 1
     slips = (1.0, 10.0, 0.1, 100.0)
     for number in range(count):
@@ -75,13 +96,28 @@ def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
         else:
             normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[statics.interface]
             slip = 10.0 ** rng.uniform(-0.5, 1.0)
-            yield Compliance(normal, SlipLength(statics.friction, slip * load / base))
+            law = SlipLength(bound, slip * load / base)
+            yield Compliance(normal, law, tension=tension)
+
+
+def _bound(statics: Statics) -> Bound:
+    return Bound(statics.friction, statics.cohesion, statics.shear)
+
+
+def _tension(statics: Statics) -> Floats | None:
+    return statics.tension if statics.tension.any() else None
+
+
+def _slip_load(statics: Statics) -> Floats:
+    """The force (k,) by which slip lengths are measured: a joint's cohesion counts as load."""
+    divisor = np.maximum(statics.friction, COHESIVE_FRICTION)
+    return corner_load(statics) + np.minimum(statics.cohesion, statics.shear) / divisor
 
 
 def normal_stiffness(statics: Statics) -> Floats:
-    """Tributary area, no less than 5 % of the interface's mean and a speck of the smaller block.
+    """Tributary area, at least 5 % of the interface's mean and a small share of the smaller block.
 
-    Slivers spoil the conditioning; lines and points have no area at all.
+    Slivers would make the system ill-conditioned; lines and points have no area.
     """
     area = statics.tributary
     if not len(area):

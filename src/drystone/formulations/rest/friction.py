@@ -1,8 +1,8 @@
 """Friction laws of a compliant contact: force from slide, with derivatives.
 
 A law gives the tangential force ``ft = -T(fn, dt)`` that opposes the slide ``dt``. Every law here
-keeps inside the Coulomb cone, ``|T| <= mu fn``, and points along ``dt``: whatever rest state it
-leads to satisfies the friction conditions of coupled rigid-block analysis (Kao et al. 2022,
+stays within a :class:`Bound`, which is ``|T| <= mu fn`` at a dry joint, and is parallel to ``dt``:
+every rest state satisfies the friction conditions of coupled rigid-block analysis (Kao et al. 2022,
 eq. 5.6: ``ft = -alpha dt``, ``alpha >= 0``).
 """
 
@@ -25,7 +25,7 @@ class FrictionResponse:
     ----------
     force : (k, 2) T
     slope
-        Makes the derivatives: most responses are asked for their force alone.
+        Function that computes the derivatives, since most responses need only the force.
     """
 
     force: Floats
@@ -33,7 +33,7 @@ class FrictionResponse:
 
     @cached_property
     def derivatives(self) -> tuple[Floats, Floats]:
-        """By slide, dT / d dt (k, 2, 2), and by normal force, dT / d fn (k, 2)."""
+        """With respect to slide, dT / d dt (k, 2, 2), and to normal force, dT / d fn (k, 2)."""
         return self.slope()
 
     @property
@@ -48,49 +48,72 @@ class FrictionResponse:
 
 
 @dataclass(frozen=True, eq=False)
-class SlipLength:
-    """``T = mu fn dt / sqrt(delta^2 + |dt|^2)``: smooth, and proportional to the normal force.
+class Bound:
+    """The largest tangential force, ``b = min(mu fn + c, s)`` (Mohr and Coulomb; Tresca's limit).
 
     Attributes
     ----------
     friction : (k,) mu
-    slip : (k,) delta, the slide at which 71 % of the friction is mobilised
+    cohesion : (k,) c
+    shear : (k,) s
     """
 
     friction: Floats
+    cohesion: Floats | float = 0.0
+    shear: Floats | float = np.inf
+
+    def __call__(self, normal: Floats) -> tuple[Floats, Floats]:
+        """B (k,), and its derivative by the normal force (k,), negative where the joint pulls."""
+        bound = self.friction * normal + self.cohesion
+        within = (bound > 0.0) & (bound < self.shear)
+        return np.clip(bound, 0.0, self.shear), np.where(within, self.friction, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SlipLength:
+    """``T = b dt / sqrt(delta^2 + |dt|^2)``: smooth, and proportional to the bound.
+
+    Attributes
+    ----------
+    bound : b
+    slip : (k,) delta, the slide at which 71 % of the bound is mobilised
+    """
+
+    bound: Bound
     slip: Floats
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
         reach = np.sqrt(self.slip**2 + slide[:, 0] ** 2 + slide[:, 1] ** 2)
-        stiffness = self.friction * normal / reach
+        bound, growth = self.bound(normal)
+        stiffness = bound / reach
 
         def slope() -> tuple[Floats, Floats]:
             direction = slide / reach[:, None]
-            return _across(stiffness, stiffness, direction), self.friction[:, None] * direction
+            return _across(stiffness, stiffness, direction), growth[:, None] * direction
 
         return FrictionResponse(stiffness[:, None] * slide, slope)
 
 
 @dataclass(frozen=True, eq=False)
 class StickSlip:
-    """``T = kt dt`` while that is inside the cone, else ``mu fn dt / |dt|``: elastic, then Coulomb.
+    """``T = kt dt`` while that is within the bound, else ``b dt / |dt|``: elastic, then Coulomb.
 
-    This is the law of discrete-element programs (Cundall 1971).
+    The law of discrete-element programs (Cundall 1971).
 
     Attributes
     ----------
-    friction : (k,) mu
+    bound : b
     stiffness : (k,) kt
     """
 
-    friction: Floats
+    bound: Bound
     stiffness: Floats
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
         length = np.sqrt(slide[:, 0] ** 2 + slide[:, 1] ** 2)
-        bound = self.friction * normal
+        bound, growth = self.bound(normal)
         slips = self.stiffness * length > bound
         safe = np.where(length > 0.0, length, 1.0)
         secant = np.where(slips, bound / safe, self.stiffness)
@@ -99,7 +122,7 @@ class StickSlip:
             direction = slide / safe[:, None]
             return (
                 _across(secant, secant * slips, direction),
-                (slips * self.friction)[:, None] * direction,
+                (slips * growth)[:, None] * direction,
             )
 
         return FrictionResponse(secant[:, None] * slide, slope)

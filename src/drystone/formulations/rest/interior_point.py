@@ -5,13 +5,15 @@ blocks. With ``d = A' q = (dn, dt)`` at each corner:
 
     fn = kn max(0, -dn),    ft = -T(fn, dt),    A (fn, ft) + p - g M q = 0
 
-g M is a weak ground spring proportional to mass. Where a rest state exists its share of the load
-tends to zero with g; where none exists ``g q`` tends to an acceleration: the blocks that fall.
+At joints that pull, ``fn - pull(s)`` stands in place of fn in T and in the balance.
+
+g M is a weak ground spring proportional to mass. If a rest state exists, its share of the load
+tends to zero with g. If none exists, ``g q`` tends to the acceleration of the falling blocks.
 
 The contact law is the complementarity ``fn >= 0, s = dn + fn / kn >= 0, fn s = 0``; it is relaxed
-to ``fn s = tau`` and followed to tau = 0 by a primal-dual Newton method. Per corner the product
-fn s is kept within a band around tau, which replaces the usual ratio test: no corner can block a
-step. Some 20 steps are enough for 4 blocks or 10,000.
+to ``fn s = tau`` and followed to tau = 0 by a primal-dual Newton method. At each corner the product
+fn s is kept within a band around tau. This replaces the usual ratio test: no corner can block a
+step. About 20 steps are enough for 4 blocks and for 10,000.
 
 Sources: complementarity by interior points, Wright 1997; the law as the compatible state of coupled
 rigid-block analysis, Kao et al. 2022, eq. 5.6.
@@ -38,7 +40,7 @@ from drystone.formulations.rest.rest_state import (
 from drystone.formulations.rest.tangent import TangentSystem
 
 SHORTEST_STEP = 2e-3
-"""A Newton step is not cut below this share of itself: a shorter one would be lost in the noise."""
+"""Smallest share of a Newton step: rounding makes a shorter one meaningless."""
 
 POLISH_FROM = 1e-7
 """Relative tau at which the unrelaxed law is tried first."""
@@ -47,7 +49,7 @@ POLISH_AGAIN = 1e-6
 """Share of tau after which it is tried again."""
 
 POLISH_STEPS = 6
-"""Newton steps of one try."""
+"""Largest number of Newton steps of one try."""
 
 
 def find_rest(
@@ -63,27 +65,28 @@ def find_rest(
     Parameters
     ----------
     system
-        The model, with its elimination order. No corner may join two fixed blocks.
+        The model, with its elimination order. No interface may join two fixed blocks.
     compliance
     options
     start
-        A state of this model, or one near it.
+        A state of this model or of a similar one.
     stop
-        Asked before every step; True ends the iteration with what is there.
+        Called before every step; True ends the iteration with the present state.
     """
     chosen = options if options is not None else RestOptions()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        # a diverging trial step overflows and is rejected by its merit
+        # a diverging trial step overflows and is rejected by the merit function
         return _Path(system, compliance, chosen).follow(start, stop)
 
 
 class _Path:
-    """One run of the primal-dual iteration; holds what does not change on the way."""
+    """One run of the primal-dual iteration, with the data that do not change."""
 
     def __init__(self, system: TangentSystem, compliance: Compliance, options: RestOptions) -> None:
         self.system = system
         self.statics = statics = system.statics
         self.law = compliance.friction
+        self.pull = compliance.pull
         self.kn = compliance.normal
         self.overlap = compliance.overlap
         self.glue = compliance.glue * compliance.normal
@@ -126,7 +129,7 @@ class _Path:
             point = following
             since += 1
             if point.merit < tau * np.sqrt(len(normal) + 1.0) or (length > 0.9 and reduced):
-                # near the end of the path the error left is far below tau: cut deeper
+                # near the end of the path the error is far below tau: reduce tau more
                 tau = max((0.1 if tau > 1e-6 else 0.01) * tau, options.relaxation)
                 point = self.evaluate(point.motion, point.normal, tau)
             elif point.merit < 1e-11:
@@ -137,10 +140,10 @@ class _Path:
         return self.unrelaxed(point)
 
     def polish(self, point: _Point) -> RestState | None:
-        """Newton steps on the unrelaxed law; None where they do not end the matter.
+        """Newton steps on the unrelaxed law; None if they do not converge.
 
-        Close to the end no corner changes between pressing and open any more, or the corners that
-        do carry nothing. Newton's method on the law itself then converges quadratically.
+        Close to the end no loaded corner changes between closed and open. Newton's method on the
+        unrelaxed law then converges quadratically.
         """
         before = np.inf
         for _ in range(POLISH_STEPS):
@@ -184,13 +187,14 @@ class _Path:
     def evaluate(
         self, motion: Floats, normal: Floats, tau: float, moved: Floats | None = None
     ) -> _Point:
-        """Everything about an iterate; ``moved`` are its corner displacements, where known."""
+        """All quantities of an iterate; ``moved`` are its corner displacements, if known."""
         statics = self.statics
         if moved is None:
             moved = statics.displacement(motion)
-        friction = self.law(normal, moved[:, 1:])
         slack = moved[:, 0] + self.overlap + normal / self.kn
-        net = normal - self.glue * slack
+        bearing = normal - self.pull(slack)[0]
+        friction = self.law(bearing, moved[:, 1:])
+        net = bearing - self.glue * slack
         force = np.concatenate([net[:, None], -friction.force], axis=1)
         unbalanced = statics.wrench(force) + statics.load - self.ground * motion
         centring = (normal * slack) / self.unit - tau
@@ -204,13 +208,16 @@ class _Path:
         rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
-        by_normal = point.friction.by_normal
+        by_normal, held = point.friction.by_normal, self.pull(point.slack)[1]
+        opening = 1.0 - stiffness / self.kn
+        bearing = stiffness + held * opening
         tangent = np.zeros((len(stiffness), 3, 3))
-        tangent[:, 0, 0] = stiffness + self.glue * (1.0 - stiffness / self.kn)
-        tangent[:, 1:, 0] = -by_normal * stiffness[:, None]
+        tangent[:, 0, 0] = bearing + self.glue * opening
+        tangent[:, 1:, 0] = -by_normal * bearing[:, None]
         tangent[:, 1:, 1:] = point.friction.by_slide
-        pull = shift * (1.0 - self.glue / self.kn)
-        correction = np.concatenate([pull[:, None], -by_normal * shift[:, None]], axis=1)
+        borne = shift * (1.0 - held / self.kn)
+        net = borne - shift * (self.glue / self.kn)
+        correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
         motion = self.system.factorise(tangent, self.ground).solve(right)
         moved = statics.displacement(motion)
@@ -219,7 +226,7 @@ class _Path:
     def search(
         self, point: _Point, step: tuple[Floats, Floats, Floats], tau: float
     ) -> tuple[_Point, float]:
-        """Halve the step until the merit falls; the last try is taken in any case."""
+        """Halve the step until the merit function decreases; the last try is accepted anyway."""
         motion, moved, normal = step
         length = 1.0
         shortest = max(SHORTEST_STEP, self.options.give_up)
@@ -235,10 +242,10 @@ class _Path:
     def unrelaxed(self, point: _Point) -> RestState:
         statics = self.statics
         open_ = point.slack * self.kn > point.normal
-        normal = np.where(open_, 0.0, point.normal)
+        bearing = np.where(open_, -self.pull(point.slack)[0], point.normal)
         tension = np.where(open_, self.glue * point.slack, 0.0)
-        friction = self.law(normal, point.moved[:, 1:])
-        force = np.concatenate([(normal - tension)[:, None], -friction.force], axis=1)
+        friction = self.law(bearing, point.moved[:, 1:])
+        force = np.concatenate([(bearing - tension)[:, None], -friction.force], axis=1)
         ground = self.ground * point.motion
         rest = wrench_size(statics.wrench(force) + statics.load - ground)
         unbalanced = float((rest / block_scale(statics, force)).max(initial=0.0))
@@ -256,7 +263,7 @@ class _Path:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """Everything known at one iterate."""
+    """All quantities of one iterate."""
 
     motion: Floats
     normal: Floats

@@ -1,8 +1,8 @@
-"""From one rest state to the next: Newton's method on the contact law itself.
+"""A rest state from a similar one, by Newton's method on the unrelaxed contact law.
 
-Next to a rest state few corners change between pressing and open, or between sticking and sliding.
-Full Newton steps on the unrelaxed law then need about five iterations, a third of those of the
-relaxed law from the same start. Where many corners change, the steps cycle and are given up.
+Between similar rest states few corners change between closed and open, or between sticking and
+sliding. Full Newton steps then need about five iterations, a third of those with the relaxed law.
+Where many corners change, the steps cycle and the method stops.
 
 Source: the semismooth Newton method, Qi and Sun 1993.
 """
@@ -25,13 +25,12 @@ from drystone.formulations.rest.rest_state import (
 from drystone.formulations.rest.tangent import TangentSystem
 
 STALL = 3
-"""The steps are given up after this many in a row that do not halve the largest unbalanced share.
-Measured: of 382 runs from a neighbouring stage that come to rest, 7 need more."""
+"""Largest number of successive steps that do not halve the largest unbalanced share. Measured: of
+382 converging runs from a similar stage, 7 need more."""
 
 HOPELESS = 0.25
-"""The steps are given up where the largest unbalanced share is above this after two steps.
-Measured: of 332 runs that come to rest one is lost; those that do not take 2.7 steps instead of
-4.1."""
+"""Largest unbalanced share after two steps with which the method continues. Measured: of 332
+converging runs one is lost; the others stop after 2.7 steps instead of 4.1."""
 
 
 def find_rest_nearby(
@@ -41,24 +40,24 @@ def find_rest_nearby(
     start: Start,
     stop: Callable[[], bool] | None = None,
 ) -> RestState | None:
-    """The rest state next to a start.
+    """The rest state near a start.
 
     Parameters
     ----------
     system
-        The model, with its elimination order. No corner may join two fixed blocks.
+        The model, with its elimination order. No interface may join two fixed blocks.
     compliance
     options
-        Of these, the ground and the tolerance count.
+        Only the ground and the tolerance are used.
     start
         A state near a rest state.
     stop
-        Asked before every step; True ends the iteration.
+        Called before every step; True ends the iteration.
 
     Returns
     -------
     RestState
-        Converged; None where the method leads nowhere, which says nothing.
+        Converged; None if the method does not converge, which proves nothing.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         return _descend(system, compliance, options, start, stop)
@@ -81,9 +80,11 @@ def _descend(
         moved = statics.displacement(motion)
         gap = moved[:, 0] + compliance.overlap
         normal = kn * np.maximum(0.0, -gap)
+        held, slope = compliance.pull(np.maximum(0.0, gap))
+        bearing = normal - held
         pull = glue * np.maximum(0.0, gap)
-        friction = compliance.friction(normal, moved[:, 1:])
-        force = np.concatenate([(normal - pull)[:, None], -friction.force], axis=1)
+        friction = compliance.friction(bearing, moved[:, 1:])
+        force = np.concatenate([(bearing - pull)[:, None], -friction.force], axis=1)
         ground = weight * motion
         rest = statics.wrench(force) + statics.load - ground
         share = float((wrench_size(rest) / block_scale(statics, force)).max(initial=0.0))
@@ -94,8 +95,8 @@ def _descend(
         since = 0 if share < 0.5 * best else since + 1
         best = min(best, share)
         pressed = gap < 0.0
-        tangent[:, 0, 0] = np.where(pressed, kn, glue)
-        tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, 0.0)[:, None]
+        tangent[:, 0, 0] = np.where(pressed, kn, glue + slope)
+        tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[:, None]
         tangent[:, 1:, 1:] = friction.by_slide
         try:
             motion = motion + system.factorise(tangent, weight).solve(rest)

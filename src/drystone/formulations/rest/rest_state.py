@@ -1,4 +1,4 @@
-"""Rest states, starts of the iteration, and its numerics."""
+"""Rest states, initial states and options of the iteration."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from drystone.formulations.rest.tangent import TangentSystem
 from drystone.statics import Statics
 
 STALL = 20
-"""Measured: of 1,143 runs that converged, near to and far from the limit of their models, 11 had
-more steps without progress."""
+"""Steps without progress. Measured: of 1,143 converging runs, near and far from the limits of their
+models, 11 had more."""
 
 
 @dataclass(frozen=True)
 class RestOptions:
-    """Numerics of :func:`find_rest`; all dimensionless.
+    """Options of :func:`find_rest`; all dimensionless.
 
     Attributes
     ----------
@@ -29,16 +29,16 @@ class RestOptions:
     tolerance
         Largest unbalanced wrench of a block, by the forces that act on it.
     iteration_limit
-        Newton steps, each one sparse factorisation.
+        Largest number of Newton steps; each is one sparse factorisation.
     band
-        Products fn s are kept between band * tau and tau / band. The band is so wide that a cut of
-        tau moves no product.
+        Products fn s are kept between band * tau and tau / band. The band is wider than one
+        reduction of tau.
     warm_relaxation
-        tau to begin with from a given start.
+        First tau from a given start.
     stall
-        Steps at one tau in which the merit is not halved after which the iteration is given up.
+        Steps at one tau that do not halve the merit function, after which the iteration stops.
     give_up
-        The iteration is given up where a step must be cut below this share of itself.
+        The iteration stops if a step must be reduced below this share.
     """
 
     ground: float = 1e-8
@@ -53,14 +53,14 @@ class RestOptions:
 
 @dataclass(frozen=True, eq=False)
 class RestState:
-    """Where the iteration ended.
+    """Result of the iteration.
 
     Attributes
     ----------
     motion : (n, 6) q
     normal : (k,) fn, strictly positive (relaxed)
-    force : (k, 3) the unrelaxed law at q: a corner either presses or is open
-    tension : (k,) pull of the glue
+    force : (k, 3) the unrelaxed law at q: a corner is either closed or open
+    tension : (k,) tension of the glue
     ground : (n, 6) wrench of the ground springs, g M q
     unbalanced
         Largest unbalanced wrench of a block under ``force`` and the ground springs, by the
@@ -81,7 +81,7 @@ class RestState:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Where an iteration begins.
+    """Initial state of an iteration.
 
     Attributes
     ----------
@@ -94,10 +94,10 @@ class Start:
 
 
 def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) -> Start:
-    """A start with the shape of a motion (n, 6), such as that of a neighbouring model's rest state.
+    """A start with the shape of a motion (n, 6), such as the rest state of a similar model.
 
-    Without an overlap to begin with the contact law is homogeneous of degree one: the motion is
-    scaled such that its forces fit the loads best.
+    Without an initial overlap the contact law is homogeneous of degree one: the motion is scaled so
+    that its forces fit the loads best.
     """
     statics = system.statics
     moved = statics.displacement(motion)
@@ -117,7 +117,7 @@ def mass_matrix(statics: Statics) -> Floats:
 
 
 def block_scale(statics: Statics, force: Floats) -> Floats:
-    """(n,) what acts on each block: its load and the corner forces on it."""
+    """Size (n,) of the forces on each block: its load and its corner forces."""
     size = np.linalg.norm(force, axis=1)
     total = wrench_size(statics.load)
     for block in (statics.block_a, statics.block_b):

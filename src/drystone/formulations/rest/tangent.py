@@ -1,7 +1,8 @@
 """The tangent ``A D A'`` of blocks on contact springs, assembled block by block.
 
-The corners of an interface are first summed about one point of it, (m, 6, 6), then carried to the
-centroids of its two blocks: the pattern is that of the contact graph, found once per model.
+The corners of an interface are first summed about one point of it, (m, 6, 6), then transformed to
+the centroids of its two blocks. The sparsity pattern is that of the contact graph; it is computed
+once per model.
 """
 
 from __future__ import annotations
@@ -32,14 +33,14 @@ class TangentSystem:
         np.not_equal(statics.interface[1:], statics.interface[:-1], out=begins[1:])
         first = np.flatnonzero(begins)
         self.joints = len(first)
-        # sums over corners and over interfaces as sparse products: they beat reduceat tenfold
+        # sums over corners and interfaces as sparse products: ten times as fast as reduceat
         self.of_joint = _sums(np.arange(k), np.append(first, k), (len(first), k))
         interface = np.cumsum(begins) - 1
         a, b = statics.block_a[first], statics.block_b[first]
-        # lengths by block differ: levers are taken by the length of either block, then scaled
+        # each block has its own unit of length: lever arms are scaled for each block
         self.to_a, local_a = _carry(statics.lever_a, interface, first, a)
         self.to_b, local_b = _carry(statics.lever_b, interface, first, b)
-        # the reference arm is that of whichever block is free (both give the same sum)
+        # the reference arm is that of a free block (both give the same sum)
         use_b = (b >= 0)[interface]
         lever = np.where(use_b[:, None], local_b, local_a)
         axes = np.swapaxes(statics.frame, 1, 2)

@@ -1,1 +1,1 @@
-"""Closed polyhedra: topology, mass properties, cuts, and how they touch each other."""
+"""Closed polyhedra: topology, mass properties, cuts, shared volume, self-contact."""

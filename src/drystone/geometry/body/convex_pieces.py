@@ -1,4 +1,4 @@
-"""Bodies in convex pieces: for collisions, swept volumes and simulators."""
+"""Bodies divided into convex pieces, for collision tests, swept volumes and simulators."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ CONVEX = 1e-6
 SLIVER = 1e-6
 """Pieces below this share of the body's volume come from rounding of the cuts and are dropped."""
 KERF = 1e-7
-"""Half the width of a cut, by the size of the body. Faces in the plane of a cut would else be left
-on either part as sheets without thickness."""
+"""Half the width of a cut, relative to the size of the body. A cut without width would leave faces
+in its plane on the parts, as sheets without thickness."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class ConvexPiece:
 
 
 def solid_of(vertices: Floats, faces: Sequence[Loop]) -> manifold3d.Manifold:
-    """A closed body as manifold3d takes it.
+    """A closed body as a manifold3d solid.
 
     Parameters
     ----------
@@ -77,7 +77,8 @@ def solid_of(vertices: Floats, faces: Sequence[Loop]) -> manifold3d.Manifold:
 def convex_pieces(vertices: Floats, faces: Sequence[Loop]) -> list[ConvexPiece]:
     """Convex pieces that fill a body and share no volume.
 
-    A body is cut along the plane of a face beside its longest concave edge, and so are its parts.
+    A body is cut along the plane of a face beside its longest concave edge. The parts are cut in
+    the same way until all of them are convex.
 
     Parameters
     ----------
@@ -111,9 +112,9 @@ def convex_pieces(vertices: Floats, faces: Sequence[Loop]) -> list[ConvexPiece]:
 def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
     """Two parts, cut along the plane of a face beside the longest concave edge that it divides.
 
-    Of the two planes at an edge the one is taken that leaves fewer concave edges. Where a triangle
-    without area hides the edge, the plane of the largest face that has something above it is taken.
-    A part that no plane divides is bent by no more than rounding, and its hull is taken.
+    Each edge offers two planes. The plane that leaves fewer concave edges is taken. A triangle
+    without area may hide the edge; then the cut follows the plane of the largest face with vertices
+    above it. A part that no plane divides is convex up to rounding; its hull is taken.
     """
     point, triangle = _mesh(part)
     normal, size = _normals(point[triangle])

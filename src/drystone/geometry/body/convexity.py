@@ -14,13 +14,14 @@ from drystone.geometry.plane import polygon
 CONVEX = 1e-9
 """A body is convex when no vertex lies farther than this share of its size over a face plane."""
 MANY_PAIRS = 2_000_000
-"""Pairs of a vertex and a face looked at together, chosen: some hundred MB at most."""
+"""Pairs of a vertex and a face in one batch. Chosen: at most some hundred MB."""
 
 
 def convex_bodies(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Bools:
-    """Whether no vertex of a body lies above the plane of a face of it, within :data:`CONVEX`.
+    """Whether each body is convex.
 
-    A body with so many faces that the question costs more than it saves is taken for concave.
+    No vertex may lie above the plane of a face by more than :data:`CONVEX`. A body with very many
+    faces counts as concave: the test would cost more time than it saves.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Warped faces as the triangles that they stand for: a fan about the mean of the corners."""
+"""Warped faces replaced by triangles: a fan about the mean of the corners."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def fan_warped(faces: Faces, tolerance: float) -> Faces:
     """The same bodies, every warped face replaced by its fan about the mean of its corners.
 
     The volume and the centroid of a body are those of this fan
-    (:func:`drystone.geometry.body.polyhedron.mass_properties`), so triangles in a file enclose
-    the solid that was computed with. Two bodies with one warped face have the same fan on it.
+    (:func:`drystone.geometry.body.polyhedron.mass_properties`), so the triangles in a file enclose
+    the solid of the calculation. Two bodies that share a warped face get the same triangles there.
 
     Parameters
     ----------
@@ -27,9 +27,9 @@ def fan_warped(faces: Faces, tolerance: float) -> Faces:
     Returns
     -------
     Faces
-        The points of each body are followed by the middles of its warped faces. Left as they are:
-        planar faces, triangles, and warped faces whose fan would fold over, since their mean does
-        not see all of their edges.
+        The points of each body are followed by the middles of its warped faces. Planar faces and
+        triangles are unchanged. So are warped faces whose fan would fold over because their mean
+        does not see all of their edges.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def warp_and_view(corners: Floats, start: Ints) -> tuple[Floats, Bools]:
     height : (f,) [m]
         Largest distance of a corner from the plane through the mean, square to the area vector.
     seen : (f,)
-        Every triangle of the fan about the mean turns the way of the polygon.
+        Every triangle of the fan about the mean has the orientation of the polygon.
     """
     loops = Ragged(start)
     area = area_vectors(corners, start)

@@ -1,4 +1,4 @@
-"""Closed pieces that touch put together into one body, and cells cut out of bodies."""
+"""The union of closed pieces that touch, and cells cut out of bodies."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from drystone.geometry.mend.soup import split_solids
 from drystone.geometry.plane.polygon import area_vectors
 
 TOUCH = 1e-8
-"""Points nearer than this share of the extent are one, and faces nearer touch: ten times what
-pieces of one cut differ by."""
+"""Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times
+the difference between pieces of one cut."""
 
 
 def glue(pieces: Sequence[Piece]) -> list[Piece]:
     """The union of closed pieces that touch along faces and share no volume.
 
-    Where two faces look at each other in one plane, what they have in common disappears. Faces of
+    Where two faces lie in one plane with opposite normals, their common area is removed. Faces in
     one plane are then merged, and vertices on straight edges dropped.
 
     Parameters
@@ -136,7 +136,7 @@ def _beyond(corner: Floats, height: Floats, extent: float) -> list[Floats]:
 
 
 def _beyond_concave(corner: Floats, height: Floats, extent: float) -> list[Floats]:
-    """The same where a line cuts a loop more than twice."""
+    """As :func:`_beyond`, where a line cuts a loop more than twice."""
     area = area_vectors(corner, np.array([0, len(corner)]))[0]
     frame = frames_from_normals((area / np.linalg.norm(area))[None])[0]
     flat = (corner - corner[0]) @ frame[1:].T
@@ -153,7 +153,7 @@ def _beyond_concave(corner: Floats, height: Floats, extent: float) -> list[Float
 
 
 def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float) -> list[Floats]:
-    """Faces in a plane, looking along its normal, that close a body: what open edges surround."""
+    """The faces in a plane, with its normal, that close a body along its open edges."""
     if not loops:
         return []
     corners = np.concatenate(loops)
@@ -214,7 +214,7 @@ def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
 
 
 def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> list[Floats]:
-    """Loops less what a face of another piece covers from the other side."""
+    """Loops without the area that a face of another piece covers from the other side."""
     start = np.cumsum([0, *(len(loop) for loop in loops)]).astype(np.intp)
     area = area_vectors(np.concatenate(loops), start)
     size = np.linalg.norm(area, axis=1)
@@ -250,7 +250,7 @@ def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> li
         shape = shapely.Polygon(flat(loop))
         for j in facing[i]:
             shape = shapely.difference(shape, shapely.Polygon(flat(loops[j])).buffer(0.0))
-        # what is narrower than the tolerance is rounding
+        # narrower than the tolerance: rounding
         core = shape.buffer(-near, join_style="mitre").buffer(near, join_style="mitre")
         if core.is_empty:
             continue

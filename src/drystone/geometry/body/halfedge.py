@@ -1,4 +1,4 @@
-"""Neighbours across the edges of closed polyhedra, and faces that continue each other."""
+"""Neighbours across the edges of closed polyhedra, and outlines of joined faces."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ def half_edges(faces: Faces) -> HalfEdges:
 def turn_angles(faces: Faces, edges: HalfEdges, normal: Floats) -> Floats:
     """Angle (h,) [rad] by which the surface turns at each half-edge.
 
-    Zero where the two faces continue each other, positive at a convex edge, negative at a
-    re-entrant one; zero where there is no neighbour.
+    Positive at a convex edge, negative at a re-entrant one. Zero where the two faces lie in one
+    plane, and where there is no neighbour.
 
     Parameters
     ----------

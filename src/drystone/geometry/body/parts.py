@@ -1,4 +1,4 @@
-"""Bodies whose surface has several closed shells: separate parts, and cavities in them."""
+"""Bodies whose surface has several closed shells: separate parts and cavities."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from drystone.geometry.body.solid import winding_number
 
 
 def separate_parts(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[list[Loop]], int]:
-    """Parts of a body, each with its cavities, all shells turned as they should be.
+    """Parts of a body, each with its cavities, with all shells correctly oriented.
 
     Parameters
     ----------
     vertices : (v, 3) [m]
     faces
-        Closed, and oriented alike within each shell.
+        Closed, and consistently oriented within each shell.
 
     Returns
     -------
     parts
         Per part its loops. One part for a body that is in one piece.
     turned
-        Number of shells that were inside out: a shell that lies inside no other, or inside two,
-        bounds material from outside; one that lies inside one other bounds a cavity.
+        Number of shells that were inside out. A shell inside an even number of others is the
+        outside of a part. A shell inside an odd number of others bounds a cavity.
     """
     components = face_components(faces)
     if len(components) == 1:
@@ -57,7 +57,7 @@ def separate_parts(vertices: Floats, faces: Sequence[Loop]) -> tuple[list[list[L
 
 
 def _shells_around(shell: int, vertices: Floats, loops: Sequence[Sequence[Loop]]) -> list[int]:
-    """Shells that most vertices of one shell lie inside."""
+    """Shells that contain most vertices of the given shell."""
     corners = [vertices[sorted({v for loop in one for v in loop})] for one in loops]
     low, high = corners[shell].min(axis=0), corners[shell].max(axis=0)
     found = []

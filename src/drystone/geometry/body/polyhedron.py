@@ -1,8 +1,8 @@
 """Closed polyhedra with polygon faces: topology, orientation, mass properties.
 
 A face is a loop of vertex indices, counter-clockwise seen from outside; it may be concave and
-slightly warped. A warped face is understood as the fan about the mean of its corners, which does
-not depend on where the loop starts.
+slightly warped. A warped face stands for the fan about the mean of its corners. That fan does not
+depend on where the loop starts.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> 
     """
     sizes = np.array([len(v) for v in vertices], dtype=np.intp)
     offset = np.concatenate([[0], np.cumsum(sizes)])
-    flat: dict[int, tuple[Ints, Ints]] = {}  # bodies of one kind share their face list
+    flat: dict[int, tuple[Ints, Ints]] = {}  # copies of one body share their face list
     for loops in faces:
         if id(loops) not in flat:
             corners = np.fromiter(chain.from_iterable(loops), dtype=np.intp)
@@ -105,8 +105,8 @@ def mass_properties(faces: Faces, count: int) -> tuple[Floats, Floats]:
 
     Notes
     -----
-    Everything is summed relative to a point of each polyhedron, so that a model far from the
-    origin loses no digits. Source: Mirtich 1996; Eberly 2002.
+    All sums are relative to a point of each polyhedron. A model far from the origin loses no
+    digits. Source: Mirtich 1996; Eberly 2002.
     """
     triangles, face = fan_triangles(faces)
     owner = faces.owner[face]
@@ -154,7 +154,7 @@ class Fan:
 
 
 def body_mass_properties(vertices: Floats, fan: Fan) -> tuple[float, Floats]:
-    """:func:`mass_properties` of one polyhedron whose topology is at hand.
+    """:func:`mass_properties` of one polyhedron whose fan is known.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def _six_volumes(a: Floats, b: Floats, c: Floats) -> Floats:
 
 
 def edges_of(faces: Sequence[Loop]) -> Ints:
-    """Edges (e, 2) of some faces: each once, the lower vertex first, in ascending order."""
+    """Edges (e, 2) of some faces: each once, lower vertex first, in ascending order."""
     pairs = {
         (min(i, j), max(i, j))
         for face in faces
@@ -219,7 +219,7 @@ def edge_defects(faces: Sequence[Loop]) -> tuple[list[Edge], list[Edge], bool]:
 
 
 def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
-    """Turn faces so that neighbours agree, in each connected part like its first face.
+    """Orient the faces of each connected part like its first face.
 
     Returns
     -------
@@ -231,7 +231,7 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
     Notes
     -----
     Assumes a closed 2-manifold (:func:`edge_defects`). A surface that cannot be oriented keeps
-    inconsistent edges, which the caller sees by asking :func:`edge_defects` again.
+    inconsistent edges: :func:`edge_defects` of the result finds them.
     """
     users: dict[Edge, list[tuple[int, bool]]] = defaultdict(list)
     for f, loop in enumerate(faces):

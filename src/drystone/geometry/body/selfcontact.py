@@ -21,11 +21,11 @@ SIDE = 2.0
 """An edge pierces a face when its ends lie farther from the plane than this multiple of the warp of
 the face, on opposite sides. Chosen: the true surface of a warped face lies within its warp."""
 BATCH = 500
-"""Edges or vertices compared at a time with all faces near them, chosen: bounds the memory."""
+"""Edges or vertices in one batch, compared with all faces near them. Chosen: bounds the memory."""
 
 MOST_PAIRS = 20_000_000
-"""After so many pairs of boxes that overlap the search gives up, chosen: some seconds. A body whose
-parts are all in each other's way is not looked through to the end."""
+"""The search stops after this many pairs of overlapping boxes. Chosen: some seconds. A body whose
+parts all overlap is not searched to the end."""
 
 Finding = tuple[int, str]
 
@@ -48,7 +48,7 @@ class SelfContact:
 
 @dataclass(frozen=True)
 class _Surface:
-    """Bodies scaled to size 1 and set apart, so that only parts of one body are near each other.
+    """Bodies scaled to size 1 and moved apart, so that only parts of one body are near each other.
 
     Letters: v vertices, e edges, f faces.
     """
@@ -61,7 +61,7 @@ class _Surface:
     outline: NDArray[Any]  # (f,) shapely polygons, in the plane
     edge: Ints  # (e, 2) vertices
     vertex_body: Ints  # (v,)
-    first_vertex: Ints  # (body,) to number vertices as the caller does
+    first_vertex: Ints  # (body,) to number vertices like the caller
     first_face: Ints
 
     def ends(self) -> tuple[Floats, Floats]:
@@ -91,9 +91,9 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
 
     Notes
     -----
-    A convex body cannot touch itself and is passed over. Of the others, four things are looked
-    for: a face whose outline crosses itself; an edge that pierces a face; a vertex that lies on a
-    face, or an edge that crosses another, without belonging to it.
+    A convex body cannot touch itself and is skipped. In other bodies the search looks for four
+    faults: a face whose outline crosses itself; an edge that pierces a face; a vertex that lies on
+    a face of which it is no corner; two edges that cross away from their ends.
     """
     concave = np.flatnonzero(~convex_bodies(vertices, faces)).tolist()
     if not concave:
@@ -207,7 +207,7 @@ def _pierced_faces(surface: _Surface) -> Iterator[Finding]:
 
 
 def _inside(surface: _Surface, point: Floats, face: Ints, margin: Floats) -> Bools:
-    """Whether points in the plane of a face lie inside its outline, off its border."""
+    """Whether points in the plane of a face lie inside its outline by more than a margin."""
     outline = surface.outline[face]
     flat = surface.in_plane(point, face)
     out: Bools = shapely.contains(outline, flat) & (
@@ -245,7 +245,7 @@ def _touching_vertices(surface: _Surface) -> Iterator[Finding]:
 
 
 def _short_edge(surface: _Surface, vertex: int, face: int, joined: set[tuple[int, ...]]) -> bool:
-    """Whether a vertex is near a face only because a very short edge joins the two."""
+    """Whether a vertex is near a face only because a very short edge connects them."""
     loop = surface.faces.loop[surface.faces.start[face] : surface.faces.start[face + 1]]
     gap = np.linalg.norm(surface.faces.point[loop] - surface.faces.point[vertex], axis=1)
     close = loop[gap <= 2.0 * TOUCH].tolist()

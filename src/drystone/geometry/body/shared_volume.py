@@ -1,4 +1,4 @@
-"""Pairs of bodies that share volume: how much, and how deep they are in each other."""
+"""Pairs of bodies that overlap: shared volume and depth."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from drystone.geometry.plane.polygon import area_vectors
 from drystone.geometry.plane.triangulate import triangulate
 
 BATCH = 500_000
-"""Rows of a face and a corner worked on at a time, chosen: bounds the memory to some 100 MB."""
+"""Pairs of a face and a corner in one batch. Chosen: bounds the memory to some 100 MB."""
 CROSS = 1e-6
-"""Cross products of unit directions shorter than this name no direction of their own."""
+"""Unit directions whose cross product is shorter than this are parallel."""
 COPY = 0.5
-"""Bodies whose surfaces are nowhere farther apart than the tolerance are copies of each other when
-they share more than this part of the larger volume; chosen, anything between 0 and 1 will do."""
+"""Bodies whose surfaces agree within the tolerance are copies when they share more than this part
+of the larger volume. Chosen: any value between 0 and 1 gives the same answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +34,11 @@ class SharedVolume(OneLine):
     Attributes
     ----------
     row : (s,)
-        Positions of the pairs among those asked about.
+        Positions of these pairs among the given ones.
     depth : (s,) [m]
-        For two convex bodies the shortest way that frees them. Otherwise the largest distance from
-        a point on the surface of one, inside the other, to the surface of that other. For copies
-        six times the volume over the surface, the edge of a cube.
+        For two convex bodies: the shortest translation that separates them. Otherwise: the largest
+        distance from a surface point of one body, inside the other, to the surface of the other.
+        For copies: 6 V / A with the volume V and the surface A, the edge of a cube.
     volume : (s,) [m3]
     """
 
@@ -50,16 +50,16 @@ class SharedVolume(OneLine):
 def shared_volumes(
     faces: Faces, a: Ints, b: Ints, tolerance: Floats, convex: Bools
 ) -> SharedVolume:
-    """Which of the given pairs of bodies are deeper in each other than is tolerated.
+    """The pairs of bodies that overlap deeper than the tolerance.
 
-    Pairs that a plane separates, up to the tolerance, are sorted out first. Tried are the plane
-    square to the line between their middles and those of the faces that look along it; for convex
-    pairs those of all faces. The volume that the others share is intersected by manifold3d.
+    Pairs that a plane separates, up to the tolerance, are removed first. The planes tried are
+    perpendicular to the line between the two centres, and those of the faces that face along this
+    line; for convex pairs the planes of all faces. manifold3d intersects the remaining pairs.
 
     Parameters
     ----------
     faces
-        Of all bodies, turned outwards; a warped face counts as its triangles.
+        Of all bodies, oriented outwards; a warped face counts as its triangles.
     a, b : (p,)
         Pairs of bodies, by the owners in ``faces``.
     tolerance : (p,) [m]
@@ -69,7 +69,7 @@ def shared_volumes(
     Raises
     ------
     InputError
-        manifold3d takes a body for no solid.
+        manifold3d does not accept a body as a solid.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def shared_volumes(
 
 @dataclass(frozen=True, eq=False)
 class _Bodies:
-    """Some bodies; ``corners`` and ``faces`` say which points and faces are of which."""
+    """Some bodies; ``corners`` and ``faces`` say which points and faces belong to which body."""
 
     number: Ints  # (n,) among all bodies
     point: Floats  # (c, 3)
@@ -124,7 +124,7 @@ class _Bodies:
 
     @classmethod
     def of(cls, every: Faces, a: Ints, b: Ints) -> _Bodies:
-        """Those of the pairs."""
+        """The bodies that occur in the pairs."""
         number = np.unique(np.concatenate([a, b]))
         chosen = np.isin(every.owner, number)
         loops, place = every.corners.take(chosen)
@@ -147,13 +147,13 @@ class _Bodies:
 
     @cached_property
     def triangles(self) -> tuple[Ints, Ragged]:
-        """(t, 3) points of the triangles of all faces, and which are of which body."""
+        """(t, 3) points of the triangles of all faces, and which triangles belong to which body."""
         triangle, face = triangulate(self.point[self.loop], self.loops.start)
         owner = self.faces.owner[face]
         return self.loop[triangle], Ragged.from_owners(owner, len(self.number))
 
     def solid(self, body: int) -> manifold3d.Manifold:
-        """One body as manifold3d takes it."""
+        """One body as a manifold3d solid."""
         if body not in self.solids:
             triangle, of = self.triangles
             mine = self.corners[body]
@@ -176,14 +176,14 @@ class _Bodies:
         return part.min(along), part.max(along)
 
     def facing(self, body: Ints, direction: Floats) -> Floats:
-        """Normal (p, 3) of the face of each body that is most nearly square to a direction."""
+        """Normal (p, 3) of the face of each body that is nearest to a direction."""
         part, face = self.faces.take(body)
         square = np.abs(dot(self.normal[face], part.spread(direction)))
         order = np.lexsort((square, part.owner))
         return self.normal[face[order[part.start[1:] - 1]]]
 
     def edges(self, body: int) -> Floats:
-        """Unit directions (e, 3) of the edges of one body, parallel ones once, up to rounding."""
+        """Unit directions (e, 3) of the edges of one body, each direction once, up to rounding."""
         loops = self.loops.take(np.arange(len(self.loops))[self.faces[body]])[1]
         edge = unit(
             self.point[self.loop[self.loops.following[loops]]] - self.point[self.loop[loops]]
@@ -194,7 +194,7 @@ class _Bodies:
 
 
 def _near_along_a_line(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, _: Bools) -> Ints:
-    """Pairs that overlap along the line between their middles, and square to the faces along it."""
+    """Pairs that overlap along the line between their centres and near normals."""
     row = np.arange(len(a))
     middle = bodies.corners.mean(bodies.point)
     for which in (None, a, b):
@@ -209,7 +209,7 @@ def _near_along_a_line(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, _: 
 
 
 def _near_along_faces(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, convex: Bools) -> Ints:
-    """Pairs that overlap square to every face, as far as both are convex; and all others."""
+    """Pairs that overlap along every face normal, if both are convex; all other pairs."""
     both = np.flatnonzero(convex[a] & convex[b])
     near = np.ones(len(a), dtype=bool)
     for one, other in ((a, b), (b, a)):
@@ -232,9 +232,9 @@ def _least_depth(bodies: _Bodies, a: Ints, b: Ints) -> Floats:
 
 
 def _way_out(bodies: _Bodies, a: int, b: int) -> float:
-    """Shortest way [m] that frees one convex body from another.
+    """Shortest translation [m] that separates one convex body from another.
 
-    It is square to a face of one of them or to an edge of each. Source: Gottschalk, Lin, Manocha
+    It is normal to a face of one body, or to an edge of each. Source: Gottschalk, Lin, Manocha
     1996.
     """
     across = np.cross(bodies.edges(a)[:, None], bodies.edges(b)[None]).reshape(-1, 3)
@@ -252,9 +252,10 @@ def _deepest(
     commons: Sequence[manifold3d.Manifold],
     tolerance: Floats,
 ) -> Floats:
-    """Depth (p,) [m] of the solids that bodies have in common; see :class:`SharedVolume`.
+    """Depth (p,) [m] of the common solids of bodies; see :class:`SharedVolume`.
 
-    Looked at are the corners of their triangles, and the middles of the edges and of the triangles.
+    The depth is measured at the corners of their triangles and at the middles of edges and
+    triangles.
     """
     tried = []
     for common in commons:
@@ -277,7 +278,7 @@ def _deepest(
 def _away(bodies: _Bodies, body: Ints, point: Floats, tolerance: Floats) -> Floats:
     """Distance (p,) [m] of points from the surfaces of bodies; 0 up to the tolerance.
 
-    Most points lie on a surface: triangles whose planes are near them are looked at first.
+    Most points lie on a surface, so triangles whose planes are near the point are tried first.
     """
     triangle, of = bodies.triangles
     each, row = of.take(body)

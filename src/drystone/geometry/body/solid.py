@@ -7,7 +7,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, cross
 
 BATCH = 1_000_000
-"""Point-triangle pairs worked on at a time, chosen: bounds the memory to some 200 MB."""
+"""Pairs of a point and a triangle in one batch. Chosen: bounds the memory to some 200 MB."""
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
@@ -18,8 +18,8 @@ def _dot(a: Floats, b: Floats) -> Floats:
 def solid_angles(points: Floats, triangles: Floats) -> Floats:
     """Signed solid angle (...,) [sr] of triangles (..., 3, 3) seen from points (..., 3).
 
-    Those of a closed surface, its triangles turned outwards, add up to 4 pi inside and 0 outside;
-    undecided within rounding of the surface. Source: Van Oosterom, Strackee 1983.
+    The angles of a closed surface, oriented outwards, sum to 4 pi inside and to 0 outside. Within
+    rounding of the surface the sum is arbitrary. Source: Van Oosterom, Strackee 1983.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def outside_distance(points: Floats, triangles: Floats) -> Floats:
     ----------
     points : (p, 3) [m]
     triangles : (t, 3, 3) [m]
-        None of them outside its face, as those of a fan can be; turned outwards.
+        Oriented outwards. None may lie outside its face, as triangles of a fan can.
     """
     away: Floats = distance(points, triangles)
     return np.where(winding_number(points, triangles) > 0.5, 0.0, away)
@@ -112,7 +112,7 @@ def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Bools, Flo
     Returns
     -------
     hit : (...,)
-    share : (...,) place along the segment, 0 to 1 where it is hit
+    share : (...,) position along the segment, 0 to 1 where it is hit
 
     Notes
     -----

@@ -18,8 +18,8 @@ from drystone.geometry.mend.soup import split_solids
 from drystone.geometry.plane.polygon import area_vectors
 
 SAME = 1e-9
-"""Points closer than this share of the body's extent are one: above the rounding of intersections,
-below any edge."""
+"""Points closer than this share of the body's extent are one point. The value is above the rounding
+of intersections and below the length of any edge."""
 
 Piece = tuple[Floats, list[Loop]]
 """Vertices (v, 3) [m], and faces as loops of them."""
@@ -28,22 +28,22 @@ Piece = tuple[Floats, list[Loop]]
 def split(
     vertices: Floats, faces: Sequence[Loop], normals: Floats, points: Floats
 ) -> tuple[list[Piece], list[Piece]]:
-    """The pieces of a body within half spaces, and those outside.
+    """The pieces of a body inside the half spaces, and those outside.
 
     Parameters
     ----------
     vertices : (v, 3) [m]
     faces
-        Planar, counter-clockwise from outside.
+        Planar, counter-clockwise seen from outside.
     normals : (p, 3)
-        Of one or two planes; the half spaces are on their sides.
+        Of one or two planes; each half space is on the side of the normal.
     points : (p, 3) [m]
         One of each plane.
 
     Returns
     -------
     inside, outside
-        Closed pieces; an empty list where there is nothing.
+        Closed pieces; may be empty.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def split(
 
 
 def half_plane(slope: Floats, height: float, reach: float) -> shapely.Polygon | None:
-    """Where ``slope . x + height >= 0`` as far as ``reach``; its first edge lies on the line."""
+    """The region ``slope . x + height >= 0`` up to ``reach``; first edge on the line."""
     size = float(np.linalg.norm(slope))
     if size < SAME:
         return None
@@ -124,7 +124,7 @@ def _caps(
     chords: Sequence[Floats], normal: Floats, point: Floats, others: Floats, at: Floats,
     extent: float,
 ) -> list[Floats]:  # fmt: skip
-    """The section of the body by a plane, as far as it is within the other half spaces."""
+    """The section of the body by a plane, inside the other half spaces."""
     if not chords:
         return []
     frame = frames_from_normals(normal[None])[0]

@@ -1,7 +1,4 @@
-"""What a face list says of a body before any coordinate is known: closed, manifold, oriented.
-
-Bodies of one kind share their face list, so that its answer is kept.
-"""
+"""Topology of a face list without coordinates: closed, manifold, oriented."""
 
 from __future__ import annotations
 
@@ -15,8 +12,9 @@ from drystone.geometry.body import polyhedron
 from drystone.geometry.body.polyhedron import Edge, Fan, Loop
 
 SHARED_FACES = 64
-"""Longest face list whose answer is kept, and how many lists are: chosen, some MB at most. A longer
-one is a scan or a freeform body, of which no two are alike."""
+"""Longest face list in the cache, and number of lists in it. Chosen: some MB at most. Copies of one
+body share their face list. A longer list belongs to a scan or a freeform body and does not occur
+twice."""
 SHARED_LISTS = 1024
 
 
@@ -31,9 +29,9 @@ class Surface:
     fan
         Their triangles.
     used
-        Vertices that were used, in order; None when all were. ``loops`` number these only.
+        The used vertices, in order; None when all are used. ``loops`` number these only.
     notes
-        What was mended.
+        What was repaired.
     """
 
     loops: tuple[Loop, ...]
@@ -42,7 +40,7 @@ class Surface:
     notes: tuple[str, ...]
 
     def select(self, vertices: Floats) -> Floats:
-        """Those of the vertices (v, 3) that are used."""
+        """The used ones of the vertices (v, 3)."""
         return vertices if self.used is None else vertices[list(self.used)]
 
     def turned(self) -> Surface:
@@ -51,7 +49,7 @@ class Surface:
 
 
 def closed_surface(faces: Iterable[Sequence[int]], count: int) -> Surface:
-    """The surface that faces make of ``count`` vertices.
+    """The surface of faces over ``count`` vertices.
 
     Raises
     ------
@@ -145,7 +143,7 @@ def _check_loops(loops: Sequence[Loop], count: int) -> None:
 
 
 def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
-    """The first edges, in the caller's numbers of vertices."""
+    """The first edges, with the caller's vertex numbers."""
     shown = ", ".join(f"{number[a]}-{number[b]}" for a, b in edges[:4])
     return shown + (f" and {len(edges) - 4} more" if len(edges) > 4 else "")
 

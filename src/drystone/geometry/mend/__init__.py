@@ -1,1 +1,1 @@
-"""Faces from files put in order: points merged, triangles joined, solids told apart."""
+"""Repair of faces from files: merged points, joined triangles, separated solids."""

@@ -1,4 +1,4 @@
-"""Points that coincide, and solids that are there twice."""
+"""Points that coincide, and bodies that occur twice."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ def first_coincident(points: Floats, distance: float | Floats, body: Ints | None
     ----------
     points : (p, 3) [m]
     distance : [m], or (p,) one for each point, the same within a body
-        Points up to this far apart coincide, and so do chains of them; points further apart than
-        four times as much do not, unless a chain joins them.
+        Points within this distance coincide, and so do chains of them. Points more than four times
+        as far apart do not, unless a chain joins them.
     body : (p,), optional
         Points of different bodies do not coincide.
 
     Notes
     -----
-    Cells of twice the distance, on eight grids shifted by half a cell: near points share a cell of
-    one grid at least. The work is linear even when all points are one.
+    Eight grids with cells of twice the distance, shifted by half a cell: near points share a cell
+    of at least one grid. The time is linear, even when all points coincide.
     """
     count = len(points)
     if count == 0:
@@ -65,7 +65,7 @@ def distinct(points: Floats, distance: float) -> tuple[Ints, Ints]:
 
 
 def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
-    """For each of different points the first that it coincides with."""
+    """For each distinct point the first point that it coincides with."""
     from scipy.sparse import coo_array  # slow to import, and few models need it
     from scipy.sparse.csgraph import connected_components
 
@@ -105,7 +105,7 @@ def _first_alike(columns: Sequence[Floats | Ints]) -> Ints:
 def weld(
     vertices: Floats, faces: Sequence[Sequence[int]], tolerance: float
 ) -> tuple[tuple[Loop, ...], int]:
-    """Faces that use one vertex where several coincide.
+    """Faces with coincident vertices replaced by one.
 
     Parameters
     ----------
@@ -118,8 +118,8 @@ def weld(
     Returns
     -------
     faces
-        The same loops over the first of each group of coincident vertices. A corner that falls
-        together with the one before it is left out, a face left with fewer than three is dropped.
+        The same loops over the first of each group of coincident vertices. A corner that coincides
+        with the one before it is removed. A face with fewer than three corners is removed.
     merged
         Number of vertices that are no longer used.
 
@@ -172,7 +172,7 @@ def _on_first(
 
 
 def once(faces: Sequence[Loop]) -> tuple[list[Loop], int]:
-    """The faces without those that occur again, turned either way, and how many those were.
+    """The faces without repeated ones (of either orientation), and the number of repeated ones.
 
     Examples
     --------
@@ -190,14 +190,14 @@ def once(faces: Sequence[Loop]) -> tuple[list[Loop], int]:
 
 
 def duplicates(vertices: Sequence[Floats], tolerance: float) -> list[tuple[int, int]]:
-    """Pairs of bodies with the same vertices, in any order; each with the first of its kind.
+    """Pairs of bodies with the same vertices, in any order: the first such body and each later one.
 
     Parameters
     ----------
     vertices
         Per body (v, 3) [m].
     tolerance
-        Distance between like vertices, relative to the median size of the bodies.
+        Distance between equal vertices, relative to the median size of the bodies.
     """
     if len(vertices) < 2:
         return []
@@ -221,7 +221,7 @@ def duplicates(vertices: Sequence[Floats], tolerance: float) -> list[tuple[int, 
 
 
 def _same_points(one: Floats, other: Floats, distance: float) -> bool:
-    """Whether every point of one has a partner of its own in the other."""
+    """Whether the points of the two sets match one to one."""
     count = len(one)
     first = first_coincident(np.concatenate([one, other]), distance)
     groups = np.zeros((2, 2 * count), dtype=np.intp)

@@ -1,4 +1,4 @@
-"""Plane faces with holes as faces without."""
+"""Plane faces with holes, converted to faces without holes."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from drystone.geometry.plane.polygon import area_vectors
 
 
 def faces_with_holes(vertices: Floats, faces: Sequence[Sequence[Loop]]) -> list[Loop]:
-    """Faces that are simple loops; one with holes becomes triangles between the same vertices.
+    """Faces as simple loops: a face with holes becomes triangles between the same vertices.
 
     Parameters
     ----------
     vertices : (v, 3) [m]
     faces
-        Per face its outline, then its holes, counter-clockwise and clockwise from outside.
+        Per face its outline (counter-clockwise from outside), then its holes (clockwise).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Triangles that lie in one plane put back together into polygons."""
+"""Coplanar triangles merged into polygons."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from drystone.geometry.body.polyhedron import Loop, stack_faces
 from drystone.geometry.plane.polygon import area_vectors
 
 TURN = 1e-3
-"""[rad] Neighbours that turn by less are looked at together, chosen; whether they are merged is
-decided by how far they are from one plane."""
+"""[rad] Neighbours with a smaller angle between them are candidates for merging. Chosen. They are
+merged if their distance from one plane is small enough."""
 
 
 def merge_coplanar(
@@ -27,14 +27,14 @@ def merge_coplanar(
     vertices
         Per body (v, 3) [m].
     faces
-        Per body its loops, a closed 2-manifold, oriented alike.
+        Per body its loops: a closed 2-manifold, consistently oriented.
     tolerance
         Largest distance of a corner from the plane of its merged face, relative to the body's size.
 
     Returns
     -------
-    Per body its loops. Faces whose union has a hole or touches itself at a vertex are left as they
-    are, since a face is a simple loop; no vertex is moved or dropped.
+    Per body its loops. A face is a simple loop: faces whose union has a hole or touches itself at a
+    vertex are not merged. No vertex is moved or dropped.
 
     Examples
     --------

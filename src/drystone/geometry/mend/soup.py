@@ -1,4 +1,4 @@
-"""A soup of faces sorted into solids, also where solids touch and share vertices and edges."""
+"""Solids in a soup of faces, also where they touch and share vertices and edges."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors, following
 
 SAME_ANGLE = 1e-6
-"""[rad] Faces about an edge that lie this close are on each other, chosen: far above the rounding
-of coordinates, far below the angle of any wedge that one could cut."""
+"""[rad] Faces about an edge with a smaller angle between them coincide. Chosen: far above the
+rounding of coordinates, far below the angle of any real wedge."""
 
 
 def split_solids(
@@ -35,9 +35,9 @@ def split_solids(
     vertices : (v, 3) [m]
         Coincident ones merged, see :func:`drystone.geometry.mend.coincidence.weld`.
     faces
-        Loops, oriented alike in each soup.
+        Loops, consistently oriented in each soup.
     soup : (f,), optional
-        Ascending. Faces of different soups, which share no vertices, make different solids.
+        Ascending. Faces of different soups share no vertices and belong to different solids.
 
     Returns
     -------
@@ -46,10 +46,10 @@ def split_solids(
 
     Notes
     -----
-    Two faces belong together when they meet at an edge that no others use. At an edge that more
-    faces use, where solids touch, the faces in angular order about the edge bound sectors of
-    material, and the two faces of a sector belong together. Touching solids whose common edges are
-    the same segment are told apart thereby; a vertex alone joins nothing.
+    Two faces belong to one solid when they meet at an edge that no other face uses. Where solids
+    touch, more than two faces use an edge. In angular order about the edge these faces bound
+    sectors of material; the two faces of a sector belong to one solid. A common vertex alone does
+    not join two faces.
     """
     if not faces:
         return []
@@ -66,11 +66,11 @@ def split_solids(
 def without_slivers(
     vertices: Floats, faces: Sequence[Loop], height: Floats
 ) -> tuple[list[Loop], Ints]:
-    """Faces without triangles that have no height, and which faces those are that stay.
+    """Faces without triangles of zero height, and the numbers of the faces that remain.
 
-    Meshing programs close a straight joint between three vertices with such a triangle. It is left
-    out and its middle vertex put into the long edge of every face there, so that what was closed
-    stays closed and no point moves.
+    Meshing programs close a straight line between three vertices with such a triangle. It is
+    removed, and its middle vertex is inserted into the long edge of every neighbouring face. So a
+    closed surface stays closed and no point moves.
 
     Parameters
     ----------
@@ -78,13 +78,13 @@ def without_slivers(
     faces
         Loops of different vertices.
     height : (v,) [m]
-        At each vertex the height of a triangle that counts as none.
+        At each vertex the largest height of a triangle that counts as zero.
 
     Returns
     -------
     faces
     kept : (f,)
-        Their numbers in what was given.
+        Their numbers among the given faces.
     """
     every = np.arange(len(faces), dtype=np.intp)
     triangle = np.array([f for f in faces if len(f) == 3], dtype=np.intp).reshape(-1, 3)
@@ -125,7 +125,7 @@ def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: 
 
 
 def _components(faces: Faces, outwards: Floats) -> Ints:
-    """Part (f,) of each face, joined across edges; ``outwards`` is -1 in soups inside out."""
+    """Component (f,) of each face, joined across edges; ``outwards`` is -1 in soups inside out."""
     from scipy.sparse import coo_array  # slow to import, and few models need it
     from scipy.sparse.csgraph import connected_components
 
@@ -204,7 +204,7 @@ def _in_turn(angle: Floats, ends: Bools) -> Ints:
 def _with_cavities(
     vertices: Floats, faces: Sequence[Loop], part: Ints, soup: Ints, outwards: Floats
 ) -> list[list[int]]:
-    """Faces per solid; a part that is turned inwards and lies in another is its cavity."""
+    """Faces per solid; a component oriented inwards inside another is its cavity."""
     members: dict[int, list[int]] = defaultdict(list)
     for i, p in enumerate(part.tolist()):
         members[p].append(i)
@@ -235,7 +235,7 @@ def _with_cavities(
 
 
 def _closed(stacked: Faces, count: int) -> Bools:
-    """Whether each body (count,) has faces in pairs at all its edges."""
+    """Whether each body (count,) has two faces at every edge."""
     length = np.diff(stacked.start)
     after = stacked.loop[following(stacked.start)]
     side = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)

@@ -1,7 +1,7 @@
-"""Many plane polygons at once: convex ones cut by convex ones, cleaned, measured.
+"""Many plane polygons at once: convex intersection, clean-up, areas, centroids.
 
 Polygons are counter-clockwise. *Padded* arrays (q, c, 2) hold one polygon per row, its number of
-corners in ``count``; what lies beyond is arbitrary. *Flat* arrays hold the corners (l, 2) one after
+corners in ``count``; entries beyond are arbitrary. *Flat* arrays hold the corners (l, 2) one after
 another with ``start`` (q + 1,).
 """
 
@@ -39,7 +39,7 @@ def flatten(polygons: Padded) -> Flat:
 
 
 def cut(polygons: Padded, offset: Floats, slope: Floats) -> Padded:
-    """What remains of each convex polygon where ``offset + slope . x >= 0``.
+    """The part of each convex polygon where ``offset + slope . x >= 0``.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
     Parameters
     ----------
     tolerance : (q,)
-        Distance to the next corner, or to the line between the neighbours, that is none.
+        Distance to the next corner, or to the line between the neighbours, that counts as zero.
 
     Returns
     -------
@@ -176,7 +176,7 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
 
 
 def _alternate(spare: Bools, before: Ints, loops: Ragged) -> Bools:
-    """The first corner of polygons of which every corner could be spared, so that some goes."""
+    """The first corner of each polygon whose corners could all be removed."""
     first = np.zeros(len(spare), dtype=bool)
     first[loops.first[loops.all(spare) & (loops.counts > 0)]] = True
     return first & spare[before]

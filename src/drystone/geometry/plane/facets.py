@@ -1,4 +1,4 @@
-"""A curved joint as plane facets: slivers merged, facets joined or divided, area preserved."""
+"""A curved joint as plane facets: slivers merged, facets joined or divided, area kept."""
 
 from __future__ import annotations
 
@@ -19,24 +19,25 @@ from drystone.geometry.plane import clip, planar
 from drystone.geometry.plane.polygon import area_vectors
 
 KEPT = 0.02
-"""Facets are joined when the area of their projection differs from the sum of theirs by less."""
+"""Facets are joined when the area of their projection differs from the sum of their areas by less
+than this share."""
 CREASE = np.cos(np.deg2rad(35.0))
-"""Facets that turn by more at their common edge are a corner of the joint, not a curve."""
+"""Facets with a larger angle at their common edge are a corner of the joint, not a curve."""
 CLOSE = 2e-3
-"""Distance, relative to the block size, that the edges of neighbouring facets may be apart; chosen,
-above what chords of one curve differ by in their planes."""
+"""Distance, relative to the block size, between the edges of neighbouring facets. Chosen: above the
+difference between chords of one curve in their two planes."""
 ALONG = 0.2
-"""Neighbours share this part of the outline of the smaller one at least; chosen, so that facets
-that meet in a corner are none."""
+"""Neighbours share at least this part of the outline of the smaller one. Chosen: facets that only
+meet at a corner are not neighbours."""
 
 STRAIGHT = 1e-6
-"""Corners nearer to each other, or to the line of their neighbours, relative to the size of a
-facet, are one."""
+"""Corners nearer to each other, or to the line between their neighbours, are removed; relative to
+the size of a facet."""
 BATCH = 20_000
-"""Pairs of facets looked at in one go, chosen: bounds the memory to some 100 MB."""
+"""Pairs of facets in one batch. Chosen: bounds the memory to some 100 MB."""
 
 Joining = Callable[["Facet", "Facet"], float | None]
-"""The price of joining two neighbours; ``None`` where they must stay apart."""
+"""The cost of joining two neighbours; ``None`` where they must stay separate."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def neighbours(facets: Sequence[Facet], size: float) -> dict[tuple[int, int], fl
 
 
 def common_edges(facets: Sequence[Facet], one: Ints, other: Ints, size: float) -> Floats:
-    """Length (q,) [m] along which pairs of facets continue each other, zero if they do not.
+    """Length (q,) [m] of the common edge of pairs of facets, zero if they have none.
 
     Each pair is seen along its mean normal.
     """
@@ -131,7 +132,7 @@ def _seen(
 
 
 def united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Facet | None:
-    """One facet in place of several, ``None`` where no plane polygon has their area.
+    """One facet that replaces several, ``None`` where no plane polygon has their area.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Face
     given
         The polygons that the members of the facets refer to.
     size : [m]
-        Of the block, for the width of the gaps that are closed.
+        Size of the block: it sets the width of the gaps that are closed.
     """
     members = tuple(sorted(m for facet in facets for m in facet.members))
     area = sum(given[m].area for m in members)
@@ -160,12 +161,12 @@ def united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Face
 
 
 def join(facets: Sequence[Facet], price: Joining, size: float, *, until: int = 1) -> list[Facet]:
-    """Neighbouring facets joined, cheapest first, while a price is asked.
+    """Neighbouring facets joined, lowest cost first, while ``price`` returns a number.
 
     Parameters
     ----------
     price
-        Of joining two neighbours.
+        Cost of joining two neighbours.
     until
         Number of facets at which to stop.
     """
@@ -202,7 +203,7 @@ def join(facets: Sequence[Facet], price: Joining, size: float, *, until: int = 1
 
 
 def merge_slivers(facets: Sequence[Facet], share: float, size: float) -> list[Facet]:
-    """Facets narrower than ``share`` of a neighbour's width, merged into it."""
+    """Facets narrower than ``share`` of a neighbour's width are merged into the neighbour."""
 
     def price(one: Facet, other: Facet) -> float | None:
         narrow, wide = sorted((one.width, other.width))
@@ -212,7 +213,7 @@ def merge_slivers(facets: Sequence[Facet], share: float, size: float) -> list[Fa
 
 
 def join_by_angle(facets: Sequence[Facet], angle: float, size: float) -> list[Facet]:
-    """Neighbours joined while no member turns from the mean normal by more than ``angle`` [rad]."""
+    """Join neighbours while all members are within ``angle`` [rad] of the mean normal."""
     given = list(facets)
 
     def price(one: Facet, other: Facet) -> float | None:
@@ -226,12 +227,12 @@ def join_by_angle(facets: Sequence[Facet], angle: float, size: float) -> list[Fa
 
 
 def join_to_count(facets: Sequence[Facet], count: int, size: float) -> list[Facet]:
-    """Neighbours joined, small ones first, until ``count`` are left or no two can be joined."""
+    """Neighbours are joined, small ones first, until ``count`` are left or no two can be joined."""
     return join(facets, lambda one, other: one.area + other.area, size, until=count)
 
 
 def divide_to_count(facets: Sequence[Facet], count: int) -> list[Facet]:
-    """The largest facet cut in half across its length, until there are ``count``."""
+    """The largest facet is cut in half across its length, until there are ``count``."""
     current = list(facets)
     while len(current) < count:
         largest = max(range(len(current)), key=lambda i: current[i].area)

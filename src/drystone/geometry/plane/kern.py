@@ -1,8 +1,8 @@
 """Plane sections: moments of polygons and the kern.
 
-A normal force within the kern presses the whole section. A section is a polygon (three or more
-corners, any sense of rotation), a line (two) or a point (one). A line is the limit of a thin
-rectangle.
+A normal force within the kern puts the whole section in compression. A section is a polygon (three
+or more corners, any sense of rotation), a line (two) or a point (one). A line is the limit of a
+thin rectangle.
 
 Sources: Hally 1987, Calculation of the moments of polygons (moments); Young and Budynas 2002,
 Roark's formulas for stress and strain, section 8.10 (kern).
@@ -27,7 +27,7 @@ class Sections:
     area : (m,) [m2]; zero for lines and points
     centroid : (m, 2) [m]
     inertia : (m, 2, 2) [m2]
-        Second moments about the centroid by the area: the mean of ``x x'``.
+        Second moments about the centroid, divided by the area: the mean of ``x x'``.
     inverse : (m, 2, 2) [1/m2]
         Of the inertia; its pseudo-inverse for a line, zero for a point.
     """
@@ -73,7 +73,7 @@ def sections(corners: Floats, start: Ints) -> Sections:
     outer = sum(v[:, :, None] * v[:, None, :] for v in (both, a, b))
     second = total(outer * cross[:, None, None]) / (24.0 * safe[:, None, None])
     second -= shift[:, :, None] * shift[:, None, :]
-    # a line: a uniform thread between its two ends
+    # a line: uniform between its two ends
     spread = total(a[:, :, None] * a[:, None, :]) / loops.counts[:, None, None] / 3.0
     inertia = np.where(flat[:, None, None], spread, second)
     return Sections(
@@ -92,7 +92,7 @@ def _inverse(inertia: Floats, flat: np.ndarray) -> Floats:
 
 
 def convex_hull(points: Floats) -> Floats:
-    """Corners (h, 2) of the convex hull, counter-clockwise, without straight ones.
+    """Corners (h, 2) of the convex hull, counter-clockwise, without those on straight edges.
 
     Source: Andrew 1979, the monotone chain.
     """
@@ -119,10 +119,10 @@ def convex_hull(points: Floats) -> Floats:
 def kern(corners: Floats) -> Floats:
     """The kern (h, 2) [m] of one section, counter-clockwise.
 
-    A concave section takes the moments of its own shape and the neutral axes that touch its convex
-    hull. Corner i of the kern is the pole of edge i of the hull: a force there leaves that edge
-    without pressure, ``c - J n / d`` for an edge with unit normal n at the distance d from the
-    centroid c and J the second moments by the area.
+    A concave section has the moments of its own shape and the neutral axes of its convex hull.
+    Corner i of the kern is the pole of edge i of the hull: a force there causes zero pressure at
+    that edge. It lies at ``c - J n / d``, with the centroid c, the unit normal n of the edge, its
+    distance d from c, and the second moments J divided by the area.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def kern(corners: Floats) -> Floats:
 
 
 def kern_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
-    """Eccentricity (m,) as a share of the way to the rim of the kern: above 1 the section opens.
+    """Eccentricity (m,) relative to the boundary of the kern: above 1 the section opens.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def kern_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -
 
 
 def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -> Floats:
-    """Eccentricity (m,) as a share of the way to the rim of the convex hull: 1 is a hinge.
+    """Eccentricity (m,) relative to the boundary of the convex hull: 1 is a hinge.
 
     Parameters as for :func:`kern_ratio`.
     """

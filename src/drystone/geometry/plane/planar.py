@@ -1,4 +1,4 @@
-"""Plane regions of any shape, by way of shapely: rings in, simple polygons without holes out."""
+"""Plane regions of any shape, with shapely: rings in, simple polygons without holes out."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def regions(corner: Floats, ring_start: Ints, ring_region: Ints) -> Regions:
 
 
 def valid(shapes: Regions) -> Regions:
-    """The same shapes, with those that cross themselves replaced by the area that they cover."""
+    """The same shapes; those that cross themselves are replaced by the area that they cover."""
     bad = np.flatnonzero(~shapely.is_valid(shapes))
     if len(bad) == 0:
         return shapes
@@ -60,8 +60,8 @@ def valid(shapes: Regions) -> Regions:
 def overlay(operation: Overlay, one: Any, other: Any) -> Any:
     """``shapely.intersection`` or ``shapely.difference``, repeated on a fine grid where it fails.
 
-    Shapes whose outlines nearly coincide can break the exact overlay; on a grid of the 1e-10 part
-    of their extent it is safe, and no area is lost that matters.
+    The exact overlay can fail for shapes whose outlines nearly coincide. On a grid of 1e-10 of
+    their extent it is safe, and the lost area is negligible.
     """
     try:
         return operation(one, other)
@@ -72,12 +72,12 @@ def overlay(operation: Overlay, one: Any, other: Any) -> Any:
 
 
 def pieces_of(shapes: Regions) -> tuple[Floats, Ints, Ints]:
-    """Simple counter-clockwise polygons that make up shapes; what has no area is left out.
+    """Simple counter-clockwise polygons that make up shapes, without parts of zero area.
 
     Parameters
     ----------
     shapes : (q,) shapely geometries
-        A polygon with holes is cut through each of them, along the direction of its longest edge.
+        A polygon with holes is cut through each hole, along the direction of its longest edge.
 
     Returns
     -------

@@ -21,9 +21,9 @@ def loop_means(values: Floats, start: Ints) -> Floats:
 def area_vectors(corners: Floats, start: Ints) -> Floats:
     """Newell's area vector (f, 3) [m2] of each loop of corners (l, 3).
 
-    Its length is the area of the projection along it, its direction the best-fit normal;
-    computed about each loop's mean, so that nothing is lost far from the origin.
-    Source: Sutherland, Sproull, Schumacker 1974.
+    Its length is the area of the projection along it. Its direction is the best-fit normal. It is
+    computed about the mean of each loop, so no digits are lost far from the origin. Source:
+    Sutherland, Sproull, Schumacker 1974.
     """
     loops = Ragged(start)
     local = corners - loops.spread(loops.mean(corners))
@@ -34,8 +34,8 @@ def area_vectors(corners: Floats, start: Ints) -> Floats:
 def tributary_areas(corners: Floats, start: Ints) -> Floats:
     """Share (l,) [m2] of its polygon's area that belongs to each corner.
 
-    Half of the two fan triangles (about the mean of the corners) that meet at the corner;
-    the shares of a polygon add up to the area of its fan.
+    The share is half of the two fan triangles (about the mean of the corners) that meet at the
+    corner. The shares of a polygon sum to the area of its fan.
     """
     loops = Ragged(start)
     local = corners - loops.spread(loops.mean(corners))

@@ -1,8 +1,8 @@
 """Peak pressure on plane sections that carry no tension.
 
-The pressure is linear where it presses and zero elsewhere: ``p(x) = max(0, q + s . (x - e))`` with
-the force N at e. Equilibrium asks ``integral(p) = N`` and ``integral(p (x - e)) = 0``. The line
-``q + s . (x - e) = 0`` is the neutral line.
+The pressure is linear in the compressed part and zero elsewhere: ``p(x) = max(0, q + s . (x - e))``
+with the force N at e. Equilibrium requires ``integral(p) = N`` and ``integral(p (x - e)) = 0``. The
+line ``q + s . (x - e) = 0`` is the neutral line.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ from drystone.base.ragged import Ragged
 from drystone.geometry.plane.kern import Sections, edge_ratio, sections
 
 EDGE = 1e-7
-"""A force closer to the rim than this share of the way from the centroid stands on the rim."""
+"""A force closer to the rim than this share of the distance from the centroid acts on the rim."""
 CONVERGED = 1e-16
-"""Newton decrement by the function's value: the pressure is then right to about eight digits."""
+"""Newton decrement divided by the function's value: the pressure then has about eight correct
+digits."""
 ROUNDING = 1e-14
 """Relative error of the function's value."""
 DESCENT = 1e-4
 """Share of the predicted decrease that a step must reach (Nocedal, Wright 2006, eq. 3.4)."""
 MOST_STEPS = 200
-"""A force at the distance ``EDGE`` from the rim takes about 60."""
+"""Largest number of steps. A force at the distance ``EDGE`` from the rim takes about 60."""
 
 
 def peak_pressure(
@@ -37,20 +38,20 @@ def peak_pressure(
     made, corners, start
         As for :func:`drystone.geometry.plane.kern.sections`.
     normal : (m,) [N]
-        Normal force, positive in compression. Without compression the pressure is zero.
+        Normal force, positive in compression. The pressure is zero where it is not positive.
     position : (m, 2) [m]
-        Where it acts. The pressure is infinite on or outside the rim of the convex hull.
+        Point of action. The pressure is infinite on or outside the rim of the convex hull.
 
     Notes
     -----
-    Within the kern the whole section presses: ``p = N / A (1 + (e - c) . J^-1 (x - c))``. Outside
-    the kern, (q, s) minimise the convex function ``1/2 integral(p^2) - N q``. Its gradient is the
-    equilibrium condition. Its Hessian holds the moments of the pressed part. Newton's method with
-    step halving finds the minimum, for all sections at once.
+    Within the kern the whole section is compressed: ``p = N / A (1 + (e - c) . J^-1 (x - c))``.
+    Outside the kern, (q, s) minimise the convex function ``1/2 integral(p^2) - N q``. Its gradient
+    is the equilibrium condition. Its Hessian holds the moments of the compressed part. Newton's
+    method with step halving finds the minimum, for all sections at once.
 
     Examples
     --------
-    A force at a sixth of the height from the edge presses half of the height:
+    A force at a sixth of the height from the edge compresses half of the height:
 
     >>> wall = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [0.0, 3.0]])
     >>> one = (sections(wall, np.array([0, 4])), wall, np.array([0, 4]))
@@ -83,7 +84,7 @@ class _State:
     Attributes
     ----------
     value : (m,)
-        The function to minimise; infinite where nothing presses.
+        The function to minimise; infinite where no part is compressed.
     step : (m, 3)
         Newton step in (q, s).
     decrement : (m,)
@@ -96,7 +97,7 @@ class _State:
 
 
 def _opened(corners: Floats, start: Ints, position: Floats) -> Floats:
-    """Peak pressure by mean pressure (m,) of sections with the force outside the kern."""
+    """Peak pressure divided by mean pressure (m,) of sections with the force outside the kern."""
     made = sections(corners, start)
     inside = edge_ratio(made, corners, start, position) < 1.0 - EDGE
     loops = Ragged(start)
@@ -163,7 +164,7 @@ def _state(local: Floats, loops: Ragged, plane: Floats) -> _State:
     tt = product(t, t) / safe - t_mean**2
     determinant = hh * tt - ht**2
     some &= determinant > 0.0
-    # The full Newton step is the linear pressure of the pressed part as if it could also pull.
+    # The full Newton step is the linear pressure of the compressed part, with tension allowed.
     h_force, t_force = plane[:, 0] / steepness - h_mean, -t_mean
     scale = safe * np.where(some, determinant, 1.0)
     slope_h = (tt * h_force - ht * t_force) / scale

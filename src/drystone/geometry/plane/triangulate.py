@@ -1,4 +1,4 @@
-"""Triangles of polygon faces: a fan where that is good, else a constrained triangulation."""
+"""Triangles of polygon faces, by a fan or by a constrained triangulation."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 
 FLAT_TURN = 1e-9
-"""A corner that turns inwards by less than this share of the area of the face counts as straight;
-chosen, well above the rounding of coordinates."""
+"""A corner that turns inwards by less than this share of the area of the face counts as straight.
+Chosen: well above the rounding of coordinates."""
 
 THIN = 1e-3
-"""A fan about the first corner with a triangle below this share of the face is not taken; chosen.
-Slivers cross other faces where the face is warped."""
+"""A fan about the first corner with a triangle below this share of the face is rejected. Chosen.
+Where a face is warped, slivers cross other faces."""
 
 
 def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
-    """Triangles that cover simple polygons, turning the way that the polygons turn.
+    """Triangles that cover simple polygons, with their orientation.
 
     Parameters
     ----------
@@ -38,8 +38,9 @@ def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
 
     Notes
     -----
-    A convex polygon is a fan about its first corner, unless a triangle of that is thin. Others are
-    triangulated by shapely (constrained Delaunay). A loop that crosses itself is left as a fan.
+    A convex polygon becomes a fan about its first corner, unless one of its triangles is thin.
+    shapely triangulates the others (constrained Delaunay). A loop that crosses itself becomes a
+    fan.
 
     Examples
     --------
@@ -86,7 +87,7 @@ def _convex(flat: Floats, start: Ints) -> Bools:
 
 
 def _thin(flat: Floats, triangle: Ints, first: Ints) -> Bools:
-    """Whether a polygon of more than three corners has a triangle that is next to nothing."""
+    """Whether a polygon with more than three corners has a triangle of almost no area."""
     a, b, c = (flat[triangle[:, i]] for i in range(3))
     double = _cross(b - a, c - a)
     polygons = Ragged(first)

@@ -1,8 +1,8 @@
 """Rhino 3dm: meshes, extrusions and planar Breps; names, layers, user text and units.
 
 User text of an object: ``support`` (true or false), ``density`` [kg/m3], ``friction``. Objects on a
-layer called ``supports`` are fixed. A curved Brep is read through the mesh that Rhino drew it with,
-where the file has one, and that is told. Needs rhino3dm (extra ``cad``).
+layer called ``supports`` are fixed. For a curved Brep the render mesh in the file is read, if there
+is one, with a note. Needs rhino3dm (extra ``cad``).
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.holes import faces_with_holes
 from drystone.io.draft import Draft, Shape
 from drystone.io.jsontext import Field, parse
-from drystone.io.mesh.heap import Heap, moved, named_apart, shapes_of
+from drystone.io.mesh.face_soup import FaceSoup, moved, named_apart, shapes_of
 
 UNITS = {"Millimeters": "mm", "Centimeters": "cm", "Meters": "m", "Inches": "in", "Feet": "ft"}
 SUPPORT_LAYERS = ("support", "supports")
 YES, NO = ("true", "yes", "1"), ("false", "no", "0")
 TEXT = "drystone"
-"""User text under which we keep what a mesh of Rhino cannot."""
+"""User text for data that a mesh of Rhino cannot hold."""
 PROGRAM = Path(__file__).with_name("rhino_extract.py")
 CPU_S, CPU_S_PER_MIB = 3, 2
 """[s] of processor time, chosen: a file of some hundred KiB takes 0.2 s."""
 WALL_S, WALL_S_PER_MIB = 4.0, 60.0
-"""[s] on the clock: a small file is answered within 5 s whatever is in it; a large one has time on
-machines with other work too."""
+"""[s] of elapsed time: any small file is answered within 5 s; a large file has more time, for busy
+machines."""
 EXACT, SINGLE = 1e-9, 1e-6
 
 
 def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = False) -> Draft:
-    """Blocks of a 3dm file: all that is visible, what is on ``layers``, or hidden things too."""
+    """Blocks of a 3dm file: visible objects, objects on ``layers``, or hidden objects too."""
     require("reading 3dm")
     top = _extracted(data, path, {"layers": list(layers), "hidden": hidden})
     units = UNITS.get(top["units"].text())
@@ -85,7 +85,7 @@ def require(purpose: str) -> None:
 
 
 def _extracted(data: bytes, path: Path, wanted: dict[str, Any]) -> Field:
-    """What the file holds, read by a process of its own that may hang or die."""
+    """The content of the file, read by a separate process that may hang or crash."""
     size = len(data) // 2**20
     patience = WALL_S + WALL_S_PER_MIB * size
     try:
@@ -107,7 +107,7 @@ def _extracted(data: bytes, path: Path, wanted: dict[str, Any]) -> Field:
         ) from error
     if done.returncode != 0:
         raise FormatError(
-            "is damaged: reading it does not come to an end",
+            "is damaged: reading it does not end",
             where=str(path),
             remedy="save it again",
         )
@@ -118,7 +118,7 @@ def _extracted(data: bytes, path: Path, wanted: dict[str, Any]) -> Field:
 
 
 def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str]]:
-    """The blocks of one object: a mesh of several solids is several."""
+    """The blocks of one object, one for each solid of its mesh."""
     layer = item["layer"].text().rpartition("::")[2]
     name = item["name"].text() or f"{layer or 'object'}-{number}"
     where = f"object {number}"
@@ -143,9 +143,11 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str
     else:
         faces = [_loop(face, vertices) for face in item["faces"].elements()]
         tolerance = EXACT if item["exact"].boolean() else SINGLE
-        made, notes = shapes_of([Heap(vertices, faces, name, f"{where} '{name}'")], tolerance, path)
+        made, notes = shapes_of(
+            [FaceSoup(vertices, faces, name, f"{where} '{name}'")], tolerance, path
+        )
         if kind == "drawn":
-            notes.append(f"'{name}' is curved: read through the mesh that it was drawn with")
+            notes.append(f"'{name}' is curved: its render mesh was read")
     fixed = layer.lower() in SUPPORT_LAYERS if told.fixed is None else told.fixed
     placed = item["placed"].floats(4, 4) if item.has("placed") else np.eye(4)
     metadata = told.metadata | ({"layer": item["layer"].text()} if layer else {})
@@ -160,13 +162,13 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str
 def _loop(loop: Field, vertices: Floats) -> Loop:
     corners = tuple(corner.integer() for corner in loop.elements())
     if corners and not (min(corners) >= 0 and max(corners) < len(vertices)):
-        raise loop.error("names a vertex that does not exist")
+        raise loop.error("has a vertex that does not exist")
     return corners
 
 
 @dataclass
 class _Told:
-    """What the user text of an object says."""
+    """The user text of an object."""
 
     fixed: bool | None = None
     density: float = DEFAULT_DENSITY
@@ -209,12 +211,12 @@ def _number(word: str, key: str, place: str) -> float:
 
 
 def _our_own(told: _Told, kept: Field) -> None:
-    """Polygons and metadata of a block that we wrote."""
+    """Polygons and metadata of a block written by drystone."""
     told.vertices = kept["vertices"].integer()
     told.polygons = []
     for face in kept["faces"].elements():
         corners = tuple(corner.integer() for corner in face.elements())
         if not all(0 <= corner < told.vertices for corner in corners):
-            raise face.error("names a vertex that does not exist")
+            raise face.error("has a vertex that does not exist")
         told.polygons.append(corners)
     told.metadata.update(kept.get("metadata", {}).object().value)

@@ -1,7 +1,8 @@
-"""What a 3dm file holds, as JSON: run as a program of its own, never imported.
+"""The content of a 3dm file as JSON: run as a separate program, never imported.
 
-The library that reads 3dm can hang or die on a damaged file. Here it takes only itself along. Reads
-the file from stdin, writes one JSON object to stdout; needs rhino3dm and nothing of drystone.
+The library that reads 3dm can hang or crash on a damaged file. As a separate process it cannot stop
+drystone. The program reads the file from stdin and writes one JSON object to stdout. It needs
+rhino3dm and nothing of drystone.
 """
 
 import importlib
@@ -10,7 +11,7 @@ import sys
 from typing import Any
 
 MEMORY = 2 * 2**30
-"""[bytes], chosen: enough for large models, and no more for a file that lies about its size."""
+"""[bytes], chosen: enough for large models. It also stops files that announce a wrong size."""
 DEPTH = 16
 """Nesting of block definitions, chosen."""
 PICTURE = "drystone-picture"
@@ -21,14 +22,14 @@ def limit(cpu_s: int) -> None:
     """Bound processor time and memory where the system can."""
     try:
         import resource
-    except ImportError:  # Windows: the caller's timeout is all there is
+    except ImportError:  # Windows: only the caller's timeout
         return
     resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
 def content(data: bytes, wanted: dict[str, Any]) -> dict[str, Any]:
-    """Everything that is of use for blocks, of the layers that are wanted."""
+    """All data of blocks on the requested layers."""
     rhino3dm: Any = importlib.import_module("rhino3dm")
     file = rhino3dm.File3dm.FromByteArray(data)
     if file is None:
@@ -47,7 +48,7 @@ def content(data: bytes, wanted: dict[str, Any]) -> dict[str, Any]:
 
 
 class _Found:
-    """Objects that were taken, and those that were not, by kind."""
+    """Objects that were read, and the number of skipped ones by kind."""
 
     def __init__(self, file: Any, wanted: dict[str, Any]) -> None:
         self.file = file
@@ -59,7 +60,7 @@ class _Found:
         self.skipped: dict[str, int] = {}
 
     def take(self, item: Any, placed: Any, depth: int) -> None:
-        """Add an object, moved by ``placed``; what an instance stands for instead of itself."""
+        """Add an object, moved by ``placed``; for an instance, the objects of its definition."""
         geometry, attributes = item.Geometry, item.Attributes
         kind = type(geometry).__name__
         layer = self.layers.get(attributes.LayerIndex)
@@ -87,10 +88,10 @@ class _Found:
         )
 
     def _wants(self, attributes: Any, layer: Any, depth: int) -> bool:
-        """Whether an object is on a layer that is wanted, or is to be seen where none is named."""
+        """Whether an object is on a requested layer, or visible if no layer is requested."""
         path = layer.FullPath if layer is not None else ""
         named = self.wanted["layers"]
-        if named:  # what an instance stands for is where the instance is
+        if named:  # parts of an instance follow its layer
             return depth > 0 or any(one in (path, path.rpartition("::")[2]) for one in named)
         seen = attributes.Visible and (layer is None or layer.Visible)
         if seen or self.wanted["hidden"]:
@@ -118,7 +119,7 @@ class _Found:
         drawn = None
         if kind == "Extrusion":
             rhino3dm: Any = importlib.import_module("rhino3dm")
-            drawn = geometry.GetMesh(rhino3dm.MeshType.Any)  # a Brep made of it has none
+            drawn = geometry.GetMesh(rhino3dm.MeshType.Any)  # a Brep made of it has no mesh
             geometry = geometry.ToBrep(True)
             kind = "Brep" if geometry is not None else kind
         if kind != "Brep":
@@ -126,7 +127,7 @@ class _Found:
         return self._brep(geometry, drawn)
 
     def _brep(self, brep: Any, carried: Any) -> dict[str, Any]:
-        """Loops of a planar Brep; else the meshes that Rhino drew it with; else what is wrong."""
+        """Loops of a planar Brep; else its render meshes; else the problem."""
         curved = [i for i in range(len(brep.Faces)) if not brep.Faces[i].IsPlanar(self.tolerance)]
         bent = [i for i in range(len(brep.Edges)) if not brep.Edges[i].IsLinear(self.tolerance)]
         if not curved and not bent:

@@ -18,7 +18,7 @@ from drystone.io.jsontext import Field
 def reader(
     graph: Field, key: str, nodes: Sequence[str]
 ) -> Callable[[Assembly, float], Extras] | None:
-    """What makes the contacts of a graph's edges; ``None`` when it stores none.
+    """A function that makes the contacts of a graph's edges; ``None`` if it stores none.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def _contacts(
     middle = np.array([points.mean(axis=0) for points in corners])
     side_a = ((assembly.centroid[block_a] - middle) * frame[:, 0]).sum(axis=1)
     side_b = ((assembly.centroid[block_b] - middle) * frame[:, 0]).sum(axis=1)
-    turned = (side_a > 0.0) & (side_b < 0.0)  # some writers let the normal point from b to a
+    turned = (side_a > 0.0) & (side_b < 0.0)  # with some writers the normal points from b to a
     frame[turned] *= np.array([-1.0, 1.0, -1.0])[:, None]
     return joined(block_a, block_b, corners, frame)[0]
 
@@ -70,7 +70,7 @@ def joined(
     frame: Floats,
     friction: float = DEFAULT_FRICTION,
 ) -> tuple[Contacts, Bools]:
-    """Contacts of polygons whose corners may run either way about the normal.
+    """Contacts of polygons whose corners may have either orientation about the normal.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def joined(
     -------
     contacts
     reversed : (m,) bool
-        Interfaces whose corners are stored the other way round.
+        Interfaces whose corners are stored in reverse order.
     """
     start = np.concatenate([[0], np.cumsum([len(points) for points in corners])]).astype(np.intp)
     area = polygon.area_vectors(np.concatenate(list(corners)), start)
@@ -107,7 +107,7 @@ def joined(
 
 
 def frame_of(xaxis: Floats, yaxis: Floats) -> Floats | None:
-    """Rows n, u, v of a COMPAS frame made orthonormal; ``None`` where its axes span no plane."""
+    """Rows n, u, v of a COMPAS frame made orthonormal; ``None`` if its axes are parallel."""
     if not max(np.abs(xaxis).max(), np.abs(yaxis).max()) < FARTHEST:
         return None
     normal = np.cross(xaxis, yaxis)

@@ -1,6 +1,6 @@
 """COMPAS JSON without COMPAS: assemblies of compas_assembly, block models of compas_dem.
 
-What the files hold was learned from files written with compas_assembly (COMPAS 2.0), compas_model
+The structure was taken from files written with compas_assembly (COMPAS 2.0), compas_model
 0.9.3 and compas_dem 0.6.0. Objects are ``{"dtype": "package.module/Class", "data": {...}}``;
 COMPAS 1 wrote ``value`` for ``data``. Before that objects had no type: an assembly was
 ``{"assembly": {"vertex": {...}}, "blocks": {...}}``, a list of blocks a list of meshes, and a face
@@ -20,7 +20,7 @@ from drystone.base.arrays import Floats
 from drystone.io.compas import compas_contacts
 from drystone.io.draft import Draft, Shape
 from drystone.io.jsontext import Field
-from drystone.io.mesh.heap import moved
+from drystone.io.mesh.face_soup import moved
 
 MESHES = ("Mesh", "Block", "Polyhedron")
 
@@ -79,17 +79,17 @@ def _untyped_assembly(top: Field) -> Draft:
 
 
 def _class(field: Field) -> str:
-    """Name of the class that an object was."""
+    """Class name of an object."""
     return field["dtype"].text().rpartition("/")[2]
 
 
 def _data(field: Field) -> Field:
-    """What an object holds."""
+    """The data of an object."""
     return field["data"] if "data" in field.object().value else field["value"]
 
 
 def _name(key: str) -> str:
-    """Name of a graph's node: its key, which COMPAS writes as Python's ``repr`` does."""
+    """Name of a graph's node: its key, which COMPAS writes with Python's ``repr``."""
     if len(key) > 2 and key[0] == key[-1] and key[0] in "'\"":
         try:
             return key[1:-1].encode("latin-1", "backslashreplace").decode("unicode_escape")
@@ -99,7 +99,7 @@ def _name(key: str) -> str:
 
 
 def _plain(field: Field) -> Field:
-    """What an object holds, whether it is wrapped with its type or not."""
+    """The data of an object, with or without the wrapper of its type."""
     return _data(field) if "dtype" in field.object().value else field
 
 
@@ -180,8 +180,8 @@ def _placements(data: Field, elements: Field) -> dict[str, Floats]:
         for child in node.get("children", []).elements():
             guid = child["element"].text()
             if guid not in own:
-                raise child["element"].error("names no element")
-            with np.errstate(all="ignore"):  # what overflows is found where the vertices are
+                raise child["element"].error("is no known element")
+            with np.errstate(all="ignore"):  # overflow is found with the vertices
                 placed[guid] = above @ own[guid]
             stack.append((child, placed[guid]))
     return placed
@@ -202,7 +202,7 @@ def _mesh(field: Field, name: str) -> Shape:
         loops = [[corner.integer() for corner in f.elements()] for f in data["faces"].elements()]
         for loop in loops:
             if loop and not (min(loop) >= 0 and max(loop) < len(points)):
-                raise data["faces"].error("names a vertex that does not exist")
+                raise data["faces"].error("has a vertex that does not exist")
         return Shape(name, points, loops, where=field.path)
     position = {key: i for i, key in enumerate(data["vertex"].object().value)}
     points = np.array(
@@ -212,7 +212,7 @@ def _mesh(field: Field, name: str) -> Shape:
     for _, face in data["face"].items():
         corners = _corners(face)
         if not all(corner in position for corner in corners):
-            raise face.error("names a vertex that does not exist")
+            raise face.error("has a vertex that does not exist")
         loops.append([position[corner] for corner in corners])
     label = attributes.get("name")
     density = data.get("attributes", {}).get("density", DEFAULT_DENSITY)

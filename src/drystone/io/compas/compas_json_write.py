@@ -22,8 +22,8 @@ from drystone.io.draft import Contents
 from drystone.results import Result
 
 NAMESPACE = uuid.UUID("5f0d1c80-9f0c-5d7e-8a51-3c1b6a1b7c55")
-"""Of the identifiers that COMPAS wants; made from names, so that the same model gives the same
-file."""
+"""Namespace of the identifiers that COMPAS needs. They are made from names, so the same model gives
+the same file."""
 IDENTITY = np.eye(4).tolist()
 
 
@@ -38,7 +38,7 @@ def write_block_model(model: Contents, path: Path) -> None:
 
 
 def assembly_content(model: Contents) -> dict[str, Any]:
-    """A model as compas_assembly keeps it."""
+    """A model in the data structure of compas_assembly."""
     assembly = model.assembly
     keys = [_key(name) for name in assembly.names]
     nodes = {}
@@ -65,7 +65,7 @@ def assembly_content(model: Contents) -> dict[str, Any]:
 
 
 def block_model_content(model: Contents) -> dict[str, Any]:
-    """A model as compas_dem keeps it; each density is a material."""
+    """A model in the data structure of compas_dem; each density is a material."""
     assembly = model.assembly
     guids = [_guid("element", str(i), name) for i, name in enumerate(assembly.names)]
     materials = {
@@ -128,7 +128,7 @@ def _object(dtype: str, data: dict[str, Any], name: str) -> dict[str, Any]:
 
 
 def _key(name: str) -> int | str:
-    """A number where the name is one, as compas_assembly counts its nodes."""
+    """An integer where the name is one: compas_assembly numbers its nodes."""
     return int(name) if name.isascii() and name.isdigit() and str(int(name)) == name else name
 
 
@@ -150,7 +150,7 @@ def _mesh(block: Block) -> dict[str, Any]:
 
 
 def _edges(model: Contents, nodes: Sequence[str], key: str, make: Any) -> dict[str, Any]:
-    """Edges of the graph with what the interfaces between two blocks are made into."""
+    """Edges of the graph, each with the converted interfaces of its two blocks."""
     edges: dict[str, dict[str, Any]] = {node: {} for node in nodes}
     contacts = model.contacts
     if contacts is None:
@@ -169,12 +169,12 @@ def _edges(model: Contents, nodes: Sequence[str], key: str, make: Any) -> dict[s
 
 
 def _forces(result: Result | None, interface: int, turned: bool) -> list[dict[str, float]]:
-    """Corner forces [N] as COMPAS names them: pressing, pulling, along the x and the y axis."""
+    """Corner forces [N] with the names of COMPAS: compression, tension, along the x and y axes."""
     if result is None or result.force is None:
         return []
     start = result.contacts.start
     force = result.force[start[interface] : start[interface + 1]]
-    if turned:  # seen from the other block: n and v turn with the frame, the force itself too
+    if turned:  # seen from the other block: n and v reverse with the frame, and so does the force
         force = (force * np.array([1.0, -1.0, 1.0]))[::-1]
     return [
         {"c_np": max(n, 0.0), "c_nn": max(-n, 0.0), "c_u": u, "c_v": v}

@@ -1,8 +1,9 @@
 """GLB, the binary form of glTF 2.0: a scene of named nodes with triangle meshes.
 
 Source: Khronos Group, glTF 2.0 Specification, 2021 (ISO/IEC 12113:2022). Its unit is the metre and
-its y axis points up; here z does, so models are turned on their way in and out. A node with a mesh
-is a block. Extensions that a file requires, sparse accessors and files outside the GLB are refused.
+its y axis points up; in drystone z does, so models are rotated when read and written. A node with a
+mesh is a block. Extensions that a file requires, sparse accessors and files outside the GLB are
+refused.
 """
 
 from __future__ import annotations
@@ -19,21 +20,22 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
 from drystone.io.draft import Draft, Shape
 from drystone.io.jsontext import Field, parse
-from drystone.io.mesh.heap import Heap, in_double, moved, named_apart, shapes_of
+from drystone.io.mesh.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
 
 MAGIC, VERSION, JSON, BIN = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 TRIANGLES, STRIP, FAN = 4, 5, 6
 INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 FLOAT = 5126
 Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-"""Turns y up into z up."""
+"""Rotation from y up to z up."""
 MOST_NODES = 100_000
 MOST_TRIANGLES = 1_000_000
-"""Of all nodes together, chosen; nodes may share a mesh, so that a small file can name many."""
+"""Largest number of triangles of all nodes together. Chosen. Nodes may share a mesh, so a small
+file can have many triangles."""
 LARGEST_STRIDE = 252
-"""[bytes] From one element to the next. Source: glTF 2.0, section 5.11."""
+"""[bytes] Distance from one element to the next. Source: glTF 2.0, section 5.11."""
 SINGLE = 1e-6
-"""What counts as the same place, relative to the extent, in single precision."""
+"""Distance of coincident points, relative to the extent, in single precision."""
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -46,7 +48,7 @@ def read(data: bytes, path: Path) -> Draft:
             where=str(path),
             remedy="export without compression and extensions",
         )
-    heaps: list[Heap] = []
+    soups: list[FaceSoup] = []
     told: dict[str, Field | None] = {}
     triangles = 0
     known: dict[int, tuple[Floats, Ints]] = {}
@@ -68,8 +70,8 @@ def read(data: bytes, path: Path) -> Draft:
             faces = faces[:, ::-1]
         where = f"node {number}"
         told[where] = ours
-        heaps.append(Heap(vertices @ Z_UP.T, faces.tolist(), name, where, split=ours is None))
-    shapes, notes = shapes_of(heaps, SINGLE, path)
+        soups.append(FaceSoup(vertices @ Z_UP.T, faces.tolist(), name, where, split=ours is None))
+    shapes, notes = shapes_of(soups, SINGLE, path)
     shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
     if None not in told.values():
         notes = []
@@ -78,7 +80,7 @@ def read(data: bytes, path: Path) -> Draft:
 
 
 def _ours(node: Field) -> Field | None:
-    """What we wrote beside a mesh."""
+    """Data that drystone wrote with a mesh."""
     extras = node.get("extras", {})
     if isinstance(extras.value, dict) and extras.has("drystone"):
         return extras["drystone"]
@@ -123,7 +125,7 @@ def _item(top: Field, table: str, index: Field) -> Field:
     number = index.integer()
     entries = top[table]
     if not isinstance(entries.value, list) or not 0 <= number < len(entries.value):
-        raise index.error(f"names none of the {table}")
+        raise index.error(f"is not among the {table}")
     return Field(entries.value[number], f"{table}[{number}]", top.file)
 
 
@@ -144,7 +146,7 @@ def _placed_nodes(top: Field) -> Iterator[tuple[Field, Floats]]:
         if index.integer() in visited or seen > MOST_NODES:
             raise index.error("is used twice, or is its own parent")
         visited.add(index.integer())
-        with np.errstate(all="ignore"):  # what overflows is found where the vertices are
+        with np.errstate(all="ignore"):  # overflow is found with the vertices
             matrix = above @ _matrix(node)
         yield node, matrix
         waiting += [(child, matrix) for child in node.get("children", []).elements()][::-1]
@@ -182,7 +184,7 @@ def _geometry(top: Field, binary: bytes, mesh: Field) -> tuple[Floats, Ints]:
             accessor = _item(top, "accessors", part["indices"])
             index = _accessor(top, binary, accessor, 1, INDEX_TYPES).ravel().astype(np.intp)
             if len(index) and index.max() >= len(points):
-                raise accessor.error(f"names vertex {index.max()} of {len(points)}")
+                raise accessor.error(f"has vertex {index.max()} of {len(points)}")
         else:
             index = np.arange(len(points))
         triangles.append(_corners(index, mode, part) + offset)
@@ -211,11 +213,11 @@ def _corners(index: Ints, mode: int, part: Field) -> Ints:
 def _accessor(
     top: Field, binary: bytes, accessor: Field, columns: int, types: dict[int, str]
 ) -> np.ndarray[Any, Any]:
-    """Numbers (count, columns); what a header says is held against the bytes that are there."""
+    """Numbers (count, columns); the header is checked against the size of the data."""
     kind = accessor["componentType"].integer()
     count = accessor["count"].integer()
     if accessor["type"].text() != {1: "SCALAR", 3: "VEC3"}[columns] or kind not in types:
-        raise accessor.error("is not of the type that its use asks for")
+        raise accessor.error("does not have the required type")
     if accessor.has("sparse") or not accessor.has("bufferView"):
         raise accessor.error("is sparse", "export without sparse accessors")
     view = _item(top, "bufferViews", accessor["bufferView"])

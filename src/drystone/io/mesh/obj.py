@@ -21,7 +21,7 @@ IGNORED = frozenset(
         *("step", "parm", "end", "con"),
     )
 )
-"""Statements that say nothing about a polygon mesh."""
+"""Statements without meaning for a polygon mesh."""
 FREE_FORM = frozenset(
     ("curv", "curv2", "surf", "trim", "hole", "scrv", "sp", "bsp", "bzp", "cdc", "cdp", "res")
 )
@@ -55,9 +55,9 @@ def read(data: bytes, path: Path) -> Draft:
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers, continued ones joined, comments and blank ones left out.
+    """Lines with their numbers; continued lines are joined, comments and blank lines skipped.
 
-    Names are taken as they stand: they may hold ``#`` and end in a backslash.
+    Names are unchanged: they may contain ``#`` and end in a backslash.
     """
     held: list[str] = []
     start = 0
@@ -129,7 +129,7 @@ def _face(argument: str, count: int, where: str) -> list[int]:
             index = 0
         if index == 0 or index > count or -index > count:
             raise FormatError(
-                f"face corner '{word[:40]}' names no vertex",
+                f"face corner '{word[:40]}' is no vertex",
                 where=where,
                 remedy=f"{count} vertices are known here, the first is 1",
             )
@@ -140,7 +140,7 @@ def _face(argument: str, count: int, where: str) -> list[int]:
 
 
 def _blocks(parts: list[_Part]) -> list[_Part]:
-    """Parts put together into blocks: by object or by group, whichever tells them apart."""
+    """Parts combined into blocks, by object or by group."""
     by_object = len({part.number for part in parts}) > 1 or all(p.group is None for p in parts)
     blocks: list[_Part] = []
     open_blocks: dict[int | str | None, tuple[_Part, set[int]]] = {}
@@ -148,7 +148,7 @@ def _blocks(parts: list[_Part]) -> list[_Part]:
         key = part.number if by_object else part.group
         corners = {i for face in part.faces for i in face}
         block, used = open_blocks.get(key, (None, set()))
-        # a group taken up again goes on with its block; one that shares no vertex is another block
+        # a repeated group continues its block, unless it shares no vertex with it
         if block is None or not (by_object or corners & used):
             name = part.object if by_object else part.group
             block, used = _Part(part.number, name, None, part.line), set()

@@ -2,9 +2,8 @@
 
 Source: Turk 1994, The PLY polygon file format.
 
-What we write has a face property ``block``, and a comment per block with its name, whether it is
-fixed and its density, so that nothing is lost. Of other files the solids are told apart by their
-faces.
+drystone writes a face property ``block``, and a comment per block with its name, support and
+density. So nothing is lost. In other files the solids are separated by their faces.
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from drystone.base.files import write_bytes
 from drystone.io.draft import Contents, Draft, Shape
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh import ply_tables
-from drystone.io.mesh.heap import Heap, in_double, shape_of, shapes_of
+from drystone.io.mesh.face_soup import FaceSoup, in_double, shape_of, shapes_of
 
 MARK = "drystone block "
 EXACT, SINGLE = 1e-9, 1e-6
-"""What counts as the same place, relative to the extent, in double and in single precision."""
+"""Distance of coincident points, relative to the extent, in double and in single precision."""
 
 
 def read(data: bytes, path: Path) -> Draft:
@@ -50,8 +49,8 @@ def read(data: bytes, path: Path) -> Draft:
     if marked and isinstance(face.get("block"), np.ndarray):
         return _ours(vertices, loops, face["block"], marked, path)
     exact = vertex["x"].dtype.itemsize == 8 or not header.order
-    heap = Heap(vertices, loops, path.stem, "")
-    shapes, notes = shapes_of([heap], EXACT if exact else SINGLE, path)
+    soup = FaceSoup(vertices, loops, path.stem, "")
+    shapes, notes = shapes_of([soup], EXACT if exact else SINGLE, path)
     return Draft(tuple(shapes), notes=tuple(notes))
 
 
@@ -62,7 +61,7 @@ def _ours(
     marked: list[str],
     path: Path,
 ) -> Draft:
-    """Blocks as we wrote them, to the last bit."""
+    """Blocks of a file written by drystone, exact to the last bit."""
     told = [
         Field(parse(mark.removeprefix(MARK).encode(), path).value, f"comment[{i}]", path)
         for i, mark in enumerate(marked)
@@ -71,7 +70,7 @@ def _ours(
     for loop, owner in zip(loops, block.tolist(), strict=True):
         if not 0 <= owner < len(told):
             raise FormatError(
-                f"a face belongs to block {owner}, which is not told", where=str(path)
+                f"a face belongs to block {owner}, which has no comment", where=str(path)
             )
         faces[int(owner)].append(list(loop))
     shapes: list[Shape] = []

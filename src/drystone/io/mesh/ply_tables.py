@@ -1,4 +1,4 @@
-"""The header and the tables of a PLY file; sizes are believed only as far as the bytes go."""
+"""The header and the tables of a PLY file; sizes are checked against the length of the file."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import numpy as np
 from drystone.base.errors import FormatError
 
 END = re.compile(rb"[\r\n][ \t]*end_header")
-"""On a line of its own: a block may be called so."""
+"""It must be a whole line, since a block may have this name."""
 LONGEST_HEADER = 2**20
-"""[bytes], chosen: far more than there are tables to tell of."""
+"""[bytes], chosen: far more than any header needs."""
 TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
     **dict.fromkeys(("uchar", "uint8"), "u1"),
@@ -43,7 +43,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Element:
-    """A table in the file."""
+    """A table of the file."""
 
     name: str
     count: int
@@ -52,7 +52,7 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """What a file says about its body."""
+    """Description of the tables of a file."""
 
     order: str
     elements: tuple[Element, ...]
@@ -61,7 +61,7 @@ class Header:
 
 
 def header_of(data: bytes, path: Path) -> Header:
-    """What a file says about its body.
+    """The header of a file.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def read(body: bytes, header: Header, path: Path) -> dict[str, Table]:
     Raises
     ------
     FormatError
-        The file ends too early, or holds something else than numbers.
+        The file ends too early, or has values that are not numbers.
     """
     early = FormatError("ends before its data do", where=str(path), remedy="export it again")
     try:
@@ -131,7 +131,7 @@ def read(body: bytes, header: Header, path: Path) -> dict[str, Table]:
     except (IndexError, struct.error) as error:
         raise early from error
     except (ValueError, OverflowError) as error:
-        raise FormatError(f"holds something else than numbers: {error}", where=str(path)) from error
+        raise FormatError(f"has values that are not numbers: {error}", where=str(path)) from error
 
 
 def _ascii(body: bytes, header: Header) -> dict[str, Table]:
@@ -193,7 +193,7 @@ def _binary(body: bytes, header: Header) -> dict[str, Table]:
 
 
 def _lists(body: bytes, at: int, element: Element, order: str) -> tuple[Table, int]:
-    """Rows with lists have no common length: one after the other."""
+    """Rows with lists, which have different lengths, one after the other."""
     codes = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I", "f4": "f", "f8": "d"}
     sizes = {code: int(code[1]) for code in codes}
     rows: list[list[Any]] = []

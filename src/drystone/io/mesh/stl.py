@@ -1,4 +1,4 @@
-"""STL: triangles, in text one named solid after the other, in binary a single heap.
+"""STL: triangles, in text as named solids, in binary as one soup.
 
 Source: 3D Systems, StereoLithography Interface Specification, 1989.
 """
@@ -15,25 +15,25 @@ from drystone.base.files import decode, lines_of, write_bytes
 from drystone.geometry.body.fans import fan_warped
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.draft import Contents, Draft
-from drystone.io.mesh.heap import Heap, in_double, shapes_of
+from drystone.io.mesh.face_soup import FaceSoup, in_double, shapes_of
 
 HEADER, RECORD = 84, 50
-"""[bytes] Before the first triangle, and of each triangle, in the binary form."""
+"""[bytes] Length of the header and of each triangle in the binary form."""
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corner", "<f4", (3, 3)), ("spare", "<u2")])
 EXACT, SINGLE = 1e-9, 1e-6
-"""What counts as the same place, relative to the extent: numbers in text, and single precision."""
+"""Distance of coincident points, relative to the extent: in text, and in single precision."""
 FACET = ("facet", "outer", "vertex", "vertex", "vertex", "endloop", "endfacet")
 
 
 def read(data: bytes, path: Path) -> Draft:
-    """Blocks of an STL file: its named solids, or the solids that its triangles make up."""
+    """Blocks of an STL file: its named solids, or the closed solids among its triangles."""
     if _is_binary(data):
         return _binary(data, path)
     return _text(decode(data, path), path)
 
 
 def _is_binary(data: bytes) -> bool:
-    """By the length that the header announces; binary files may start with ``solid`` too."""
+    """Whether the length agrees with the header; binary files may start with ``solid`` too."""
     if len(data) >= HEADER:
         count = int.from_bytes(data[80:84], "little")
         if len(data) == HEADER + RECORD * count:
@@ -52,12 +52,12 @@ def _binary(data: bytes, path: Path) -> Draft:
             remedy="export it again",
         )
     corners = in_double(np.frombuffer(data, TRIANGLE, count, HEADER)["corner"])
-    shapes, notes = shapes_of([_heap(corners.reshape(-1, 3), path.stem, "")], SINGLE, path)
+    shapes, notes = shapes_of([_soup(corners.reshape(-1, 3), path.stem, "")], SINGLE, path)
     return Draft(tuple(shapes), notes=tuple(notes))
 
 
-def _heap(points: Floats, name: str, where: str) -> Heap:
-    return Heap(points, np.arange(len(points)).reshape(-1, 3).tolist(), name, where)
+def _soup(points: Floats, name: str, where: str) -> FaceSoup:
+    return FaceSoup(points, np.arange(len(points)).reshape(-1, 3).tolist(), name, where)
 
 
 def _text(text: str, path: Path) -> Draft:
@@ -88,13 +88,13 @@ def _text(text: str, path: Path) -> Draft:
 
 
 def _named(solids: list[tuple[str, int, list[list[float]]]], path: Path) -> Draft:
-    """Blocks called like their solids; a solid without a name, like the file or by number."""
-    heaps = []
+    """Blocks with the names of their solids; else the name of the file, or a number."""
+    soups = []
     for i, (name, line, points) in enumerate(solids):
         known = name or (path.stem if len(solids) == 1 else f"solid-{i}")
         corners = np.array(points, dtype=np.float64).reshape(-1, 3)
-        heaps.append(_heap(corners, known, f"line {line}"))
-    shapes, notes = shapes_of(heaps, EXACT, path, shared=False)
+        soups.append(_soup(corners, known, f"line {line}"))
+    shapes, notes = shapes_of(soups, EXACT, path, shared=False)
     return Draft(tuple(shapes), notes=tuple(notes))
 
 
@@ -119,8 +119,8 @@ def _bad(path: Path, number: int, line: str, due: str) -> FormatError:
 def write(model: Contents, path: Path) -> None:
     """Text, one solid per block with its name, coordinates in shortest exact decimals.
 
-    Polygons are cut into triangles, warped ones about the mean of their corners, as their volume is
-    computed; supports and densities are not kept.
+    Polygons are cut into triangles, warped ones about the mean of their corners, as in the volume
+    calculation. Supports and densities are not written.
     """
     faces = fan_warped(model.assembly.faces, EXACT)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)

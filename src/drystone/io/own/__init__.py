@@ -1,1 +1,1 @@
-"""Our own JSON schema, with arrays in npz beside it."""
+"""The JSON schema of drystone, optionally with arrays in an npz file."""

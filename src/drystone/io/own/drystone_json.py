@@ -1,4 +1,4 @@
-"""Our own JSON schema: assembly, contacts, loads and results, exact to the last bit.
+"""The JSON schema of drystone: assembly, contacts, loads and results, exact to the last bit.
 
 Documented in ``docs/formats.md``. Numbers are written as the shortest decimals that read back as
 the same float64.
@@ -19,6 +19,7 @@ from drystone.io.draft import Draft, Extras, Shape
 from drystone.io.jsontext import Field
 from drystone.io.own import npz
 from drystone.io.own.load_parts import load_of_parts
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
@@ -28,6 +29,7 @@ VERSION = 1
 TOP = ("schema", "version", "units", "arrays", "blocks", "contacts", "loads", "results")
 BLOCK = ("name", "vertices", "faces", "fixed", "density", "metadata", "repairs")
 CONTACTS = ("block_a", "block_b", "frame", "area", "friction", "point", "interface")
+CAPACITY = ("tension", "cohesion", "shear")
 LOAD = ("name", "wrench", "motion", "parts")
 ARRAYS = {
     "force": 3,
@@ -43,11 +45,11 @@ RESULT = (
     *("stiffness_ratio", "stopped", "options", "solver", "iterations", "time_s"),
 )
 HEAVIEST = 1e9
-"""[kg/m3], chosen: more than any matter; keeps products of masses finite."""
+"""[kg/m3], chosen: denser than any material; keeps products of masses finite."""
 
 
 def read(top: Field) -> Draft:
-    """The draft of a file in our schema, or in its minimal form, blocks alone."""
+    """The draft of a file in this schema, or in its minimal form with blocks only."""
     if "schema" in top.value and top["schema"].text() != SCHEMA:
         raise top["schema"].error(f"must be '{SCHEMA}'")
     if "blocks" not in top.value:
@@ -103,7 +105,7 @@ def _loop(face: Field, count: int) -> list[int]:
     for i, corner in enumerate(loop):
         if not 0 <= corner < count:
             raise face.error(
-                f"names no vertex: {corner}", f"they go from 0 to {count - 1}", at=f"[{i}]"
+                f"is no vertex: {corner}", f"they go from 0 to {count - 1}", at=f"[{i}]"
             )
     return loop
 
@@ -120,13 +122,13 @@ def _extras(top: Field, assembly: Assembly) -> Extras:
 
 
 def _contacts(field: Field, assembly: Assembly) -> Contacts:
-    field.only(CONTACTS)
+    field.only((*CONTACTS, *CAPACITY))
     block_a, block_b = field["block_a"].integers(None), field["block_b"].integers(None)
     m = len(block_a)
     for side, values in (("block_a", block_a), ("block_b", block_b)):
         bad = np.flatnonzero((values < 0) | (values >= len(assembly)))
         if len(bad):
-            raise field[side].error(f"names no block: {values[bad[0]]}", at=f"[{bad[0]}]")
+            raise field[side].error(f"is no block: {values[bad[0]]}", at=f"[{bad[0]}]")
     try:
         return Contacts(
             block_a,
@@ -136,11 +138,24 @@ def _contacts(field: Field, assembly: Assembly) -> Contacts:
             field["friction"].floats(m),
             field["point"].floats(None, 3),
             field["interface"].integers(None),
+            _capacity(field, m),
         )
     except FormatError:
         raise
     except InputError as error:
         raise field.error(error.what, error.remedy) from error
+
+
+def _capacity(field: Field, count: int) -> JointCapacity | None:
+    """What joints carry beyond friction, where the file says so."""
+    if not any(field.has(name) for name in CAPACITY):
+        return None
+    none = {"tension": 0.0, "cohesion": 0.0, "shear": NO_LIMIT}
+    given = (
+        field[name].floats(count) if field.has(name) else np.full(count, none[name])
+        for name in CAPACITY
+    )
+    return JointCapacity(*given)
 
 
 def _load(field: Field, assembly: Assembly) -> LoadCase:
@@ -162,7 +177,7 @@ def _result(
     field.only(RESULT)
     position = field["load"].integer()
     if not 0 <= position < len(loads):
-        raise field["load"].error(f"names no load: {position}", f"there are {len(loads)}")
+        raise field["load"].error(f"is no load: {position}", f"there are {len(loads)}")
     verdict = field["verdict"]
     if verdict.text() not in {v.value for v in Verdict}:
         raise verdict.error("is no verdict", f"use one of {', '.join(v.value for v in Verdict)}")
@@ -170,7 +185,7 @@ def _result(
     samples.only(("tried", "standing"))
     falling = tuple(one.integer() for one in field.get("falling", []).elements())
     if any(not 0 <= i < len(assembly) for i in falling):
-        raise field["falling"].error("names a block that does not exist")
+        raise field["falling"].error("has a block that does not exist")
     rows = dict.fromkeys(("force", "force_with_props", "tension"), contacts.corner_count)
 
     def array(name: str) -> Floats | None:

@@ -1,4 +1,4 @@
-"""Writing our own JSON schema; see :mod:`drystone.io.own.drystone_json`."""
+"""Writing the JSON schema of drystone; see :mod:`drystone.io.own.drystone_json`."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
+from drystone.contacts import Contacts
 from drystone.io.draft import Contents
 from drystone.io.own import npz
-from drystone.io.own.drystone_json import ARRAYS, CONTACTS, SCHEMA, VERSION
+from drystone.io.own.drystone_json import ARRAYS, CAPACITY, CONTACTS, SCHEMA, VERSION
 from drystone.loads import LoadCase
 from drystone.results import Result
 
 
 def write(model: Contents, path: Path) -> None:
-    """Everything of a model in one file.
+    """Write a model with all its data to one file.
 
     Raises
     ------
@@ -35,7 +36,7 @@ def write(model: Contents, path: Path) -> None:
 
 
 def write_beside(model: Contents, path: Path) -> None:
-    """Everything of a model, its arrays in an npz file of the same name beside it.
+    """Write a model with all its data, the arrays to an npz file with the same name.
 
     Raises
     ------
@@ -65,7 +66,7 @@ def _text(content: dict[str, Any], path: Path) -> bytes:
 
 
 def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str, Any]:
-    """A model as plain values; its arrays as nested lists, or handed to the packer."""
+    """A model as plain values; its arrays as nested lists, or in the packer."""
 
     def array(key: str, values: NDArray[Any]) -> Any:
         return values.tolist() if packer is None else packer.put(key, values)
@@ -98,12 +99,19 @@ def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str
             _block_content(block, bool(fixed), packer)
             for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
         ],
-        "contacts": None
-        if contacts is None
-        else {name: array(name, getattr(contacts, name)) for name in CONTACTS},
+        "contacts": None if contacts is None else _contacts_content(contacts, array),
         "loads": [_load_content(load, number, array) for number, load in enumerate(loads)] or None,
         "results": results or None,
     }
+
+
+def _contacts_content(
+    contacts: Contacts, array: Callable[[str, NDArray[Any]], Any]
+) -> dict[str, Any]:
+    content = {name: array(name, getattr(contacts, name)) for name in CONTACTS}
+    if contacts.capacity is not None:
+        content |= {name: array(name, getattr(contacts.capacity, name)) for name in CAPACITY}
+    return content
 
 
 def _load_content(

@@ -1,4 +1,4 @@
-"""Load cases that a file states in words: forces, pressures, settlements, with factors."""
+"""Load cases defined by parts in a file: forces, pressures, settlements, with factors."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KEYS = {
     "mass": ("block", "mass", "at", "g", "direction"),
     "settlement": ("block", "motion"),
 }
-"""Kinds of parts, and what each may state besides its factor. SI units."""
+"""Kinds of parts, and the keys of each besides its factor. SI units."""
 
 
 def load_of_parts(field: Field, assembly: Assembly, name: str) -> LoadCase:
@@ -36,7 +36,7 @@ def load_of_parts(field: Field, assembly: Assembly, name: str) -> LoadCase:
     Raises
     ------
     FormatError
-        With the path of the offending field.
+        A field is wrong; its path is named.
     """
     parts = []
     for part in field.elements():

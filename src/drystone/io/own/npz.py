@@ -1,6 +1,6 @@
-"""Arrays in an npz file beside a JSON file, read without trusting either.
+"""Arrays in an npz file beside a JSON file, with checks of both.
 
-In the JSON an array is then ``{"npz": "force"}``, a part of one ``{"npz": "vertices", "rows": [0,
+In the JSON an array is ``{"npz": "force"}``, a part of an array ``{"npz": "vertices", "rows": [0,
 8]}``, and a list of lists of different lengths ``{"npz": "corners", "rows": [0, 24], "lengths": [4,
 4, 4, 4, 4, 4]}``. Top level: ``"arrays": {"file": "model.npz", "sha256": "..."}``.
 """
@@ -29,23 +29,25 @@ HEADER = re.compile(
     rb"'shape': \(([0-9, ]{0,60})\), \} *\n",
     re.DOTALL,
 )
-"""What numpy writes before plain arrays of numbers, in C order. Source: numpy.lib.format, 1.0."""
+"""Start of the header that numpy writes for numeric arrays in C order. Source: numpy.lib.format,
+1.0."""
 UNPACKED, RATIO = 2**26, 100
-"""[bytes] An archive may unpack to so much, and to so many times its own size on top; chosen."""
+"""[bytes] Largest unpacked size of an archive: the first number plus the second times its packed
+size. Chosen."""
 UNREADABLE = (
     *(zipfile.BadZipFile, zlib.error, struct.error, ValueError, KeyError, NotImplementedError),
     *(RuntimeError, EOFError, OSError, OverflowError),
 )
-"""What the standard library raises over a damaged archive."""
+"""Errors of the standard library for a damaged archive."""
 
 
 class Packer:
-    """Collects arrays while a model is turned into plain values.
+    """Collects arrays while a model is converted to plain values.
 
     Attributes
     ----------
     arrays
-        What was put, by key.
+        The whole arrays, by key.
     """
 
     def __init__(self) -> None:
@@ -54,12 +56,12 @@ class Packer:
         self._rows: dict[str, int] = {}
 
     def put(self, key: str, array: NDArray[Any]) -> dict[str, Any]:
-        """Keep a whole array; what stands for it in the JSON."""
+        """Store a whole array; returns its reference for the JSON."""
         self.arrays[key] = array
         return {"npz": key}
 
     def append(self, key: str, array: NDArray[Any]) -> dict[str, Any]:
-        """Keep an array as further rows of another."""
+        """Store an array as further rows of another; returns its reference."""
         first = self._rows.get(key, 0)
         self._rows[key] = first + len(array)
         self._pieces.setdefault(key, []).append(array)
@@ -69,23 +71,23 @@ class Packer:
         """The npz file."""
         joined = {key: np.concatenate(pieces) for key, pieces in self._pieces.items()}
         buffer = io.BytesIO()
-        # no array is called allow_pickle, which is all that the type checker fears
+        # the type checker cannot exclude an array named allow_pickle
         np.savez_compressed(buffer, **(self.arrays | joined))  # type: ignore[arg-type]
         return buffer.getvalue()
 
 
 def digest(data: bytes) -> str:
-    """What ties the two files together."""
+    """The checksum that connects the two files."""
     return hashlib.sha256(data).hexdigest()
 
 
 def resolve(top: Field) -> Field:
-    """The same JSON with every reference replaced by the numbers that it stands for.
+    """The JSON with every reference replaced by its numbers.
 
     Raises
     ------
     FormatError
-        The npz file is missing, belongs to another file, or is not what a reference says.
+        The npz file is missing, belongs to another file, or does not fit a reference.
     """
     if not top.has("arrays"):
         return top
@@ -107,7 +109,7 @@ def resolve(top: Field) -> Field:
 
 
 def _load(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
-    """Arrays of numbers of an npz file; sizes are believed only when the bytes are there."""
+    """Numeric arrays of an npz file; sizes are checked against the data."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()
@@ -145,7 +147,7 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> NDA
 
 
 def _expand(field: Field, arrays: dict[str, NDArray[Any]], budget: list[int]) -> Any:
-    """Values with references replaced; ``budget`` [numbers] keeps a few bytes from naming much."""
+    """Values with references replaced; ``budget`` [numbers] limits the expanded size."""
     if isinstance(field.value, list):
         return [_expand(element, arrays, budget) for element in field.elements()]
     if not isinstance(field.value, dict):
@@ -164,7 +166,7 @@ def _expand(field: Field, arrays: dict[str, NDArray[Any]], budget: list[int]) ->
         array = array[first:last]
     budget[0] -= array.size
     if budget[0] < 0:
-        raise field.error("names the same numbers over and over", "write the file again")
+        raise field.error("repeats the same numbers too often", "write the file again")
     if not field.has("lengths"):
         return array.tolist()
     lengths = field["lengths"].integers(None)

@@ -1,4 +1,4 @@
-"""Models for simulators of rigid bodies: MJCF and URDF, blocks by their convex pieces."""
+"""Models for rigid-body simulators: MJCF and URDF, with blocks as convex pieces."""
 
 from drystone.io.simulators.mjcf import mjcf_text, write_mjcf
 from drystone.io.simulators.urdf import write_urdf

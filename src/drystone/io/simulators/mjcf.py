@@ -22,19 +22,19 @@ def mjcf_text(model: Model, *, name: str = "drystone", contact_s: float = 0.005)
     """A model as MJCF.
 
     Fixed blocks are fixed to the world, free ones have a free joint, each with a mesh for every
-    convex piece. The smallest friction coefficient of the model is taken for all joints: MuJoCo has
-    it per body. Contacts are made of several points (multiccd). MuJoCo's means against creeping
-    (impratio, noslip) are left off: they threw vaults apart that stand.
+    convex piece. The smallest friction coefficient of the model is used for all joints, since
+    MuJoCo has one per body. Contacts have several points (multiccd). MuJoCo's options against creep
+    (impratio, noslip) are not used: with them stable vaults flew apart.
 
     Parameters
     ----------
     model
         Its load is one acceleration of all masses.
     name
-        Of the model.
+        Name of the model.
     contact_s : [s]
-        Time constant of contacts. Blocks creep less with a small one; below 0.005 large models were
-        seen to be thrown apart, since their contacts are too stiff for the time step.
+        Time constant of contacts. With a small value blocks creep less. Below 0.005 some large
+        models flew apart: their contacts are too stiff for the time step.
 
     Raises
     ------

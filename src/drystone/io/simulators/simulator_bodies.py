@@ -1,4 +1,4 @@
-"""What simulators want to know of a block: convex pieces about the centroid, mass and inertia."""
+"""Data of blocks for simulators: convex pieces about the centroid, mass and inertia."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from drystone.geometry.body.convex_pieces import convex_pieces
 from drystone.model import Model
 
 SAME_ACCELERATION = 1e-6
-"""Relative difference of the accelerations of blocks that still are one gravity."""
+"""Largest relative difference of the accelerations of blocks that count as one gravity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ def bodies(model: Model) -> list[Body]:
 
 
 def gravity_of(model: Model) -> Floats:
-    """(3,) [m/s2], the acceleration that the load gives to all free blocks.
+    """The acceleration (3,) [m/s2] that the load gives to all free blocks.
 
     Raises
     ------
@@ -77,15 +77,15 @@ def gravity_of(model: Model) -> Floats:
     alike = np.abs(each - common).max() <= SAME_ACCELERATION * scale
     if not alike or np.abs(wrench[:, 3:]).max() > 1e-9 * np.abs(wrench).max():
         raise InputError(
-            f"the load case '{model.load.name}' is no gravity",
+            f"the load case '{model.load.name}' is not a uniform acceleration",
             where="load",
-            remedy="give a load that accelerates all masses alike, or model loads as blocks",
+            remedy="give a load that accelerates all masses equally, or model loads as blocks",
         )
     return common
 
 
 def _plain_names(names: tuple[str, ...]) -> list[str]:
-    """Names that every format takes, all different."""
+    """Names that are valid in every format, all different."""
     out: list[str] = []
     for i, name in enumerate(names):
         plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)

@@ -18,15 +18,15 @@ from drystone.model import Model
 def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[str]:
     """Write a model as URDF, with a folder of meshes whose name ends in ``_meshes``.
 
-    The link ``world`` carries all blocks, fixed ones by fixed joints and free ones by floating
-    joints. Friction and gravity are no part of the format.
+    The link ``world`` has a fixed joint to each fixed block and a floating joint to each free
+    block. The format has no friction and no gravity.
 
     Parameters
     ----------
     model
     path
     name
-        Of the robot.
+        Name of the robot.
 
     Returns
     -------

@@ -16,7 +16,7 @@ GRACE = 3.0
 an analysis of 400 blocks takes less than a second."""
 START = 120.0
 """[s] for the process to start. Chosen: it takes one or two, and a hundred on a crowded machine."""
-GLANCE = 0.1
+LOOK_PERIOD = 0.1
 """[s] between two looks at whether a job was cancelled or is late."""
 
 
@@ -73,7 +73,7 @@ class Helper:
             if not wanted():
                 self.cancel()
             try:
-                if pipe.poll(GLANCE):
+                if pipe.poll(LOOK_PERIOD):
                     event = pipe.recv()
                     if event["event"] == "ready":
                         self._ready, end = True, time.monotonic() + seconds
@@ -86,8 +86,8 @@ class Helper:
             except (EOFError, OSError):
                 self._replace()
                 if self._cancelled_at is None:
-                    hear(_failed("the calculation ended without an answer, perhaps for lack of"
-                                 " memory", "give a smaller model"))  # fmt: skip
+                    hear(_failed("the calculation ended without an answer, perhaps because"
+                                 " memory ran out", "give a smaller model"))  # fmt: skip
                 return
             now = time.monotonic()
             if self._cancelled_at is not None and now - self._cancelled_at > GRACE:

@@ -1,1 +1,1 @@
-"""How a block moves: directions and turns that its joints leave free, and finite ways out."""
+"""Motion of blocks: free directions and rotations at the joints, and paths of removal."""

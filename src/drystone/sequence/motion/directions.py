@@ -1,7 +1,7 @@
 """Directions in which a block can move straight away from its joints.
 
-A block moves away freely along d when no joint closes: ``n . d >= 0`` for every joint with a block
-in place, n pointing from that block into this one. All such d form a cone.
+A block is free to move along d when no joint closes: ``n . d >= 0`` for every joint with a block in
+place, n pointing from that block into this one. All such d form a cone.
 
 Source: Wilson and Latombe 1994 (directional blocking).
 """
@@ -20,12 +20,12 @@ from drystone.sequence.motion.twists import TOLERANCE
 
 @dataclass(frozen=True, eq=False)
 class Freedom(OneLine):
-    """Directions in which a block can leave.
+    """Directions in which a block can be removed.
 
     Attributes
     ----------
     generators : (g, 3) unit
-        Every free direction is a sum of these with factors of zero or more; none when blocked.
+        Every free direction is a sum of these with non-negative factors; empty when blocked.
     preferred : (3,) unit, or None when blocked
         The free direction nearest to up.
     """
@@ -50,7 +50,7 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
 
     Examples
     --------
-    A block on the floor can go up and sideways, one between two walls only along them:
+    A block on the floor can move up and sideways; a block between two walls only along them:
 
     >>> up = np.array([0.0, 0.0, 1.0])
     >>> freedom(np.array([[0.0, 0.0, 1.0]]), up).preferred.tolist()

@@ -13,7 +13,7 @@ from drystone.base.display import OneLine
 from drystone.contacts import Contacts
 
 NAMED = 6
-"""Faces that a reason names, chosen; the others are counted."""
+"""Number of faces named in a reason. Chosen. The others are counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Joints:
 
     @classmethod
     def of(cls, contacts: Contacts, block: int, here: Bools) -> Joints:
-        """Those of one block with the blocks (n,) that are in place."""
+        """The joints of one block with the blocks (n,) that are in place."""
         as_b = (contacts.block_b == block) & here[contacts.block_a]
         as_a = (contacts.block_a == block) & here[contacts.block_b]
         chosen = as_a | as_b
@@ -53,7 +53,7 @@ class Joints:
 
 @dataclass(frozen=True)
 class Obstacle(OneLine):
-    """A face of a block that is in the way.
+    """A face of a block that blocks a motion.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Obstacle(OneLine):
     name
         Of the block.
     towards
-        Where the face looks: its outward normal, unit.
+        Outward unit normal of the face.
     """
 
     block: int
@@ -73,11 +73,11 @@ class Obstacle(OneLine):
     towards: tuple[float, float, float]
 
     def __str__(self) -> str:
-        return f"face {self.face} of '{self.name}' (looking {looking(self.towards)})"
+        return f"face {self.face} of '{self.name}' (facing {looking(self.towards)})"
 
 
 def obstacles(assembly: Assembly, joints: Joints, which: Iterable[int]) -> tuple[Obstacle, ...]:
-    """The faces of the other blocks at some joints, each once, in the order of the blocks."""
+    """The faces of the other blocks at some joints, each once, in the order of blocks."""
     found = set()
     for joint in which:
         other = int(joints.other[joint])
@@ -88,7 +88,7 @@ def obstacles(assembly: Assembly, joints: Joints, which: Iterable[int]) -> tuple
 
 
 def in_words(faces: Sequence[Obstacle]) -> str:
-    """The first of some faces by name, and how many more there are."""
+    """The first of some faces by name, and the number of others."""
     text = "; ".join(str(face) for face in faces[:NAMED])
     more = len(faces) - NAMED
     return f"{text}; and {more} more" if more > 0 else text
@@ -104,7 +104,7 @@ def face_at(
     block
     point : (3,) [m]
     towards : (3,) unit, optional
-        Only faces that look within 45 degrees of this direction, where there are some.
+        If possible, only faces with a normal within 45 degrees of this direction.
     """
     corners = [block.vertices[list(face)] for face in block.faces]
     normal = np.array([_outward(loop) for loop in corners])
@@ -125,7 +125,7 @@ def _outward(loop: Floats) -> Floats:
 
 
 def looking(towards: Iterable[float]) -> str:
-    """A direction in words: up, down, or the axis that it is nearest to.
+    """A direction as text: up, down, or the nearest axis.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""What a moving block meets on its way: swept volumes of its convex pieces against solids in place.
+"""Collisions of a moving block: swept volumes of its convex pieces against the solids in place.
 
-A piece that goes from one pose to the next stays inside the hull of its two positions, but for the
-rise of the arc of a turn, which steps are chosen to keep below a quarter of the play. The hull is
-tested against the solids themselves, so nothing thin is stepped over.
+Between two poses a piece stays inside the convex hull of its two positions, except for the sagitta
+of a rotation; steps are so small that the sagitta is below a quarter of the play. The hull is
+tested against the solids, so thin obstacles are not missed.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from drystone.base.display import OneLine
 from drystone.geometry.body.convex_pieces import convex_pieces, solid_of
 
 PLAY = 1e-3
-"""By how much a moving block is taken smaller on all sides, by its size, unless asked otherwise. It
-lets it slide along its joints; chosen above the rounding of files and of convex pieces."""
+"""Default play: how much a moving block is reduced on all sides, relative to its size. It allows
+sliding along joints. Chosen: above the rounding of files and of convex pieces."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pose(OneLine):
-    """A rigid motion: a point x of the block in its place goes to ``turn @ x + shift``.
+    """A rigid motion: a point x of the block in its place moves to ``turn @ x + shift``.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Pose(OneLine):
 
 
 HERE = Pose(np.eye(3), np.zeros(3))
-"""The block in its place."""
+"""The pose of the block in its place."""
 
 
 def moved_along(twist: Floats, centre: Floats, amount: float) -> Pose:
@@ -82,7 +82,7 @@ def moved_along(twist: Floats, centre: Floats, amount: float) -> Pose:
 
 
 class Solids:
-    """The blocks of an assembly as solids, each made when it is first asked for."""
+    """The blocks of an assembly as solids, each made when it is first needed."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.assembly = assembly
@@ -98,13 +98,13 @@ class Solids:
 
 
 class Mover:
-    """A block as it moves: convex pieces, a little smaller than they are.
+    """A moving block: its convex pieces, reduced by the play.
 
     Parameters
     ----------
     block
     play : [m]
-        By how much every face is moved in.
+        Distance by which every face is moved inwards.
     """
 
     def __init__(self, block: Block, play: float) -> None:
@@ -114,20 +114,20 @@ class Mover:
 
     @cached_property
     def reach(self) -> float:
-        """[m], of the corner farthest from the centroid."""
+        """[m], distance of the farthest corner from the centroid."""
         return float(np.linalg.norm(self.block.vertices - self.block.centroid, axis=1).max())
 
 
 @dataclass(frozen=True, eq=False)
 class Hit:
-    """Where a way ends.
+    """A collision at the end of a path.
 
     Attributes
     ----------
     block
-        That is met.
+        The block that is hit.
     point : (3,) [m]
-        In the middle of what the swept volume shares with it.
+        Middle of the volume that the swept volume shares with it.
     """
 
     block: int
@@ -135,7 +135,7 @@ class Hit:
 
 
 class Surroundings:
-    """Blocks in place, and what a moving block meets among them.
+    """The blocks in place, tested for collision with a moving block.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class Surroundings:
         self.sweeps = 0
 
     def hit(self, mover: Mover, first: Pose, second: Pose) -> Hit | None:
-        """What a block meets between two poses; None where the way is free."""
+        """The collision of a block between two poses; None if there is none."""
         for piece in mover.pieces:
             ends = np.concatenate([first.of(piece), second.of(piece)])
             self.sweeps += 1
@@ -170,7 +170,7 @@ class Surroundings:
         return self.blocks[((self.low < high) & (self.high > low)).all(axis=1)]
 
     def gap(self, mover: Mover, pose: Pose, farthest: float) -> float:
-        """Distance [m] of the block, in full size, from what stands; no more than ``farthest``."""
+        """Distance [m] of the full block from the blocks in place, at most ``farthest``."""
         points = pose.of(mover.block.vertices)
         low, high = points.min(axis=0) - farthest, points.max(axis=0) + farthest
         near = self.blocks[((self.low < high) & (self.high > low)).all(axis=1)]

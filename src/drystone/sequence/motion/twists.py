@@ -1,12 +1,12 @@
-"""Small motions that the joints of a block leave free: a velocity and a turn at once.
+"""Small free motions of a block at its joints: a velocity and an angular velocity together.
 
 A block moves with the velocity v of its centroid and the angular velocity w. At a corner r of a
 joint with a block in place, n pointing into the moving block, the joint does not close when
 
     n . (v + w x (r - centroid)) >= 0.
 
-All such twists (v, w) form a cone in six dimensions. It holds more than the zero motion if and only
-if one of the twelve unit twists has a projection on it that is not zero.
+All such twists (v, w) form a cone in six dimensions. It contains more than the zero motion if and
+only if one of the twelve unit twists has a non-zero projection on it.
 
 Source: Wilson and Latombe 1994 (blocking graphs for infinitesimal motions); the projection by
 nonnegative least squares is Moreau's decomposition.
@@ -22,12 +22,12 @@ from scipy.optimize import nnls
 from drystone.base.arrays import Floats, Ints
 
 TOLERANCE = 1e-3
-"""By how much a joint may seem to close, by the size of the motion: 0.06 degrees for a straight
-one. Above the rounding of CAD files and well below any taper that a mason would call one."""
+"""Largest closing speed of a joint, relative to the size of the motion: 0.06 degrees for a
+translation. Above the rounding of CAD files and well below any intended taper."""
 
 OPEN = 0.1
-"""Least length of a projection that is not rounding. Some unit twist has at least 0.4 where the
-cone holds any motion, since one of its six components is at least that large."""
+"""Least length of a projection that is not rounding. If the cone contains a motion, one of its six
+components is at least 0.4, so some unit twist has a projection of at least 0.4."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,10 @@ class FreeTwists:
     Attributes
     ----------
     twist : (t, 6)
-        Velocity [size / s] and angular velocity [rad / s], unit; one for each unit twist that has
-        a part in the cone. None where the block cannot move at all.
+        Velocity [size / s] and angular velocity [rad / s], unit; one for each unit twist with a
+        projection on the cone. Empty if the block cannot move.
     blocking : (b,)
-        Rows that together leave no motion free; empty where there is one.
+        Rows that together block every motion; empty if a motion is free.
     """
 
     twist: Floats
@@ -48,12 +48,12 @@ class FreeTwists:
 
     @property
     def blocked(self) -> bool:
-        """Whether no small motion at all is free."""
+        """Whether no small motion is free."""
         return not len(self.twist)
 
 
 def twist_rows(corner: Floats, normal: Floats, centre: Floats, size: float) -> Floats:
-    """Rows (c, 6) of which each, times a twist, is the speed at which a corner opens.
+    """Rows (c, 6); each row times a twist is the opening speed of a corner.
 
     Parameters
     ----------
@@ -63,7 +63,8 @@ def twist_rows(corner: Floats, normal: Floats, centre: Floats, size: float) -> F
     centre : (3,) [m]
         Of the moving block.
     size : [m]
-        Of the moving block: velocities are measured by it, so that both halves are alike.
+        Size of the moving block; velocities are divided by it, so both parts of a twist have one
+        unit.
     """
     return np.column_stack([normal, np.cross((corner - centre) / size, normal)])
 
@@ -74,12 +75,12 @@ def free_twists(rows: Floats, tolerance: float = TOLERANCE) -> FreeTwists:
     Parameters
     ----------
     rows : (c, 6)
-        Or (c, 3), normals alone, for straight motions.
+        Or (c, 3), normals only, for translations.
     tolerance
 
     Examples
     --------
-    A block in a corner of three walls can leave; in a box it cannot:
+    A block in a corner of three walls can be removed; in a closed box it cannot:
 
     >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     >>> up = twist_rows(corner, np.tile([0.0, 0.0, 1.0], (4, 1)), np.full(3, 0.5), 1.0)

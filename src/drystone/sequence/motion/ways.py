@@ -1,8 +1,8 @@
-"""Finite ways on which a block leaves its place, straight or turning, and why there is none.
+"""Paths on which a block is removed from its place, straight or with rotation.
 
-Straight ways along free directions come first. Where there is none, and some twist is free at the
-joints, constant twists are followed until they meet something; from poses along them straight ways
-are tried again, then further twists. The way in is the way out, backwards.
+Straight paths along free directions are tried first. If there is none and some twist is free at the
+joints, constant twists are followed until a collision. From poses along them straight paths are
+tried again, then further twists. The path of insertion is the path of removal, reversed.
 """
 
 from __future__ import annotations
@@ -41,25 +41,25 @@ from drystone.sequence.motion.sweeps import (
 from drystone.sequence.motion.twists import free_twists, opens, twist_rows
 
 STEP = 0.1
-"""Longest straight step along a turning way, by the size of the block; chosen."""
+"""Longest straight step along a path with rotation, relative to the size of the block. Chosen."""
 LINES = 200
-"""Turns that are tried at each pose, chosen: about the edges of some twenty joints."""
+"""Number of rotations tried at each pose. Chosen: about the edges of some twenty joints."""
 
 
 @dataclass(frozen=True)
 class WayOptions(OneLine):
-    """How ways are searched.
+    """Options of the search for paths.
 
     Attributes
     ----------
     play
-        By how much the moving block is taken smaller on all sides, by its size.
+        How much the moving block is reduced on all sides, relative to its size.
     turning
-        Whether ways that turn are searched where there is no straight one.
+        Whether to search paths with rotation if there is no straight path.
     effort
-        Swept volumes that may be tested for one block before the search gives up.
+        Largest number of swept volumes that are tested for one block.
     up : (3,)
-        The direction that ways should take where they can.
+        The preferred direction of paths.
     """
 
     play: float = PLAY
@@ -78,19 +78,19 @@ class WayOptions(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Way(OneLine):
-    """How a block leaves its place without meeting what stands.
+    """A path on which a block is removed from its place without collision.
 
     Attributes
     ----------
     block
         Position of the block.
     poses
-        Rigid motions of the block from its place, which is the first, to where nothing that stands
-        is in reach. Between two of them it goes along a constant twist.
+        Rigid motions of the block, from its place (the first) to a pose away from all blocks in
+        place. Between two poses it moves with a constant twist.
     turning
-        Whether it turns.
+        Whether it rotates.
     clearance : (p,) [m]
-        Distance of the block from what stands, at each pose; no more than its size.
+        Distance of the block from the blocks in place at each pose, at most its size.
     """
 
     block: int
@@ -111,7 +111,7 @@ class Way(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class NoWay(OneLine):
-    """Why a block cannot leave its place.
+    """Why a block cannot be removed from its place.
 
     Attributes
     ----------
@@ -120,10 +120,10 @@ class NoWay(OneLine):
     reason
         One sentence, with blocks and faces.
     faces
-        What is in the way.
+        The blocking faces.
     proved
-        Whether the joints alone forbid every small motion. Otherwise ways begin, and all that were
-        tried end at the faces named.
+        Whether the joints alone block every small motion. Otherwise paths begin, and all that were
+        tried end at the named faces.
     """
 
     block: int
@@ -139,7 +139,7 @@ def find_way(
     *,
     options: WayOptions | None = None,
 ) -> Way | NoWay:
-    """A way on which one block leaves the others, or why there is none.
+    """A path on which one block is removed from the others, or why there is none.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def find_way(
 
     Examples
     --------
-    A block on another one is lifted; one inside a closed box cannot be:
+    A block on another one can be lifted:
 
     >>> from drystone.models import tower
     >>> way = find_way(Model.of(tower(2)), "block-1")
@@ -169,7 +169,7 @@ def find_way(
 
 @dataclass(order=True)
 class _Node:
-    """A pose that was reached, the steps to it, and how good it looks."""
+    """A pose that was reached, the steps to it, and its priority."""
 
     cost: tuple[int, float]
     number: int
@@ -177,7 +177,7 @@ class _Node:
 
 
 class WayFinder:
-    """Ways of the blocks of one model; solids and convex pieces are made once.
+    """Paths of the blocks of one model; solids and convex pieces are made once.
 
     Parameters
     ----------
@@ -193,13 +193,13 @@ class WayFinder:
         self._mover: dict[int, Mover] = {}
 
     def way(self, block: int, here: Bools) -> Way | NoWay:
-        """A way out for one block.
+        """A path of removal for one block.
 
         Parameters
         ----------
         block
         here : (n,)
-            Blocks in place; the block itself does not matter.
+            Blocks in place; the entry of the block itself is ignored.
         """
         around = np.array(here)
         around[block] = False
@@ -208,7 +208,7 @@ class WayFinder:
         return search.run()
 
     def mover(self, block: int) -> Mover:
-        """The block as it moves."""
+        """The moving block."""
         if block not in self._mover:
             body = self.model.assembly.blocks[block]
             self._mover[block] = Mover(body, self.options.play * body.size)
@@ -216,7 +216,7 @@ class WayFinder:
 
 
 class _Search:
-    """The search for the way of one block."""
+    """The search for the path of one block."""
 
     def __init__(
         self, finder: WayFinder, block: int, joints: Joints, others: Sequence[int]
@@ -238,7 +238,7 @@ class _Search:
         self.met: Counter[Obstacle] = Counter()
 
     def run(self) -> Way | NoWay:
-        """Straight, else turning, else why not."""
+        """A straight path, else one with rotation, else the reason."""
         straight = freedom(self.joints.normal, self.finder.up)
         for direction in self._straight(straight.generators, straight.preferred):
             if self._leaves(HERE, direction):
@@ -277,7 +277,7 @@ class _Search:
             yield unit
 
     def _leaves(self, pose: Pose, direction: Floats) -> bool:
-        """Whether nothing stands in a straight way from a pose to the outside."""
+        """Whether a straight path from a pose to the outside is free."""
         near = Pose(np.eye(3), direction * STEP * self.body.size)
         if self._blocked(pose, pose.then(near), direction):
             return False
@@ -291,13 +291,13 @@ class _Search:
         return hit is not None
 
     def _face(self, hit: Hit, direction: Floats | None) -> Obstacle:
-        """The face that was met: near where it was, and looking against the motion."""
+        """The face that was hit: near the collision, and facing the motion."""
         towards = None if direction is None else -direction
         face, normal = face_at(self.assembly.blocks[hit.block], hit.point, towards)
         return Obstacle(hit.block, face, self.assembly.names[hit.block], normal)
 
     def _turning(self, free: Floats) -> Way | None:
-        """Twists that begin free, followed until something is met; then straight, or further."""
+        """Follow free twists until a collision; then try straight paths or further twists."""
         number = itertools.count()
         queue = [_Node((0, 0.0), next(number), (HERE,))]
         seen: list[Pose] = []
@@ -325,9 +325,9 @@ class _Search:
         return None
 
     def _twists(self, pose: Pose, free: Floats) -> Iterator[tuple[Floats, Floats]]:
-        """Twists (6,) [size / s, rad / s] to try from a pose, and the points that they are about.
+        """Twists (6,) [size / s, rad / s] to try from a pose, and the points of their axes.
 
-        In the block's place those are left out that close a joint.
+        In the block's place, twists that close a joint are omitted.
         """
         start = pose is HERE
         size, centre = self.body.size, pose.of(self.body.centroid[None])[0]
@@ -353,7 +353,7 @@ class _Search:
                 return
 
     def _axes(self, pose: Pose) -> list[Floats]:
-        """Up and across, the normals of the joints, and the edges between them; unit."""
+        """Unit axes: up and across, the normals of the joints, and the edges between them."""
         normal = self.joints.normal
         _, first = np.unique(normal.round(2), axis=0, return_index=True)
         normal = normal[np.sort(first)][:8]
@@ -367,7 +367,7 @@ class _Search:
         return found[:12]
 
     def _lines(self, pose: Pose, axes: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
-        """Axes of turning: through the centroid and the corners of joints, here and moved."""
+        """Axes of rotation: through the centroid and the corners of joints, in place and moved."""
         corner = np.unique(self.joints.corner.round(9), axis=0)
         middle = self.body.centroid[None]
         points = np.concatenate([middle, corner] if pose is HERE else
@@ -381,7 +381,7 @@ class _Search:
                     yield axis, point
 
     def _follow(self, pose: Pose, twist: Floats, centre: Floats) -> list[Pose]:
-        """Poses along a constant twist until something is met: half a turn, or the block's size."""
+        """Poses along a constant twist until a collision, half a turn or the block's size."""
         spin, speed = float(np.linalg.norm(twist[3:])), float(np.linalg.norm(twist[:3]))
         size, play = self.body.size, self.finder.options.play * self.body.size
         radius = self.mover.reach + speed / spin if spin > 1e-9 else 0.0
@@ -405,10 +405,11 @@ class _Search:
     def _free_until(
         self, pose: Pose, twist: Floats, centre: Floats, span: tuple[float, float], finest: float
     ) -> float:
-        """How far a twist goes within a span before it meets something.
+        """The distance within a span that a twist is free of collision.
 
-        The hull of two poses holds more than what a turning block sweeps. The excess shrinks with
-        the step, so a step that meets something is halved until the excess is below the play.
+        The hull of two poses is larger than the volume that a rotating block sweeps. The difference
+        decreases with the step. A step with a collision is halved until the difference is below the
+        play.
         """
         begin, end = span
         first, second = (pose.then(moved_along(twist, centre, at)) for at in span)
@@ -423,7 +424,7 @@ class _Search:
         return self._free_until(pose, twist, centre, (middle, end), finest)
 
     def _exit(self, pose: Pose) -> Floats | None:
-        """A direction in which the block leaves straight from a pose."""
+        """A direction of a straight path from a pose to the outside."""
         for axis in self._axes(pose):
             for sign in (1.0, -1.0):
                 if self._leaves(pose, sign * axis):
@@ -431,7 +432,7 @@ class _Search:
         return None
 
     def _known(self, pose: Pose, seen: Sequence[Pose]) -> bool:
-        """Whether the search has been here, to a few hundredths of the size."""
+        """Whether the search has reached this pose before, to a few hundredths of the size."""
         for other in seen:
             there = other.of(self.body.vertices) - pose.of(self.body.vertices)
             if np.abs(there).max() < 0.02 * self.body.size:
@@ -449,11 +450,11 @@ class _Search:
     def _refusal(self, faces: tuple[Obstacle, ...], proved: bool) -> NoWay:
         names = in_words(faces)
         if proved:
-            reason = f"its joints leave no motion free, straight or turning: {names}"
+            reason = f"its joints block every motion, straight or with rotation: {names}"
         elif self.finder.options.turning:
-            reason = f"ways begin, but all that were tried end at {names}"
+            reason = f"paths begin, but all that were tried end at {names}"
         else:
-            reason = f"no straight way is free: {names}"
+            reason = f"no straight path is free: {names}"
         return NoWay(self.block, reason, faces, proved)
 
 

@@ -1,1 +1,1 @@
-"""Orders of assembly: the search through stages, and what it must respect."""
+"""Search for an order of assembly."""

@@ -1,16 +1,16 @@
 """Best-first search over stages, backwards from the complete structure.
 
-A state is a stage and the props that were spent on it. Its cost is lexicographic: props, then
-simultaneous placements. States wait unchecked. The cheapest is checked next; among those, the one
-with the fewest blocks left. Where every stage stands the search therefore takes away one block
+A state is a stage and the props used so far. Its cost is lexicographic: props, then simultaneous
+placements. States wait in a queue unchecked. The state with the lowest cost is checked next; among
+equals the one with the fewest blocks. So where every stage stands, the search removes one block
 after the other.
 
-A stage is screened first. Where the screening finds no rest state the stage waits, and is checked
-before any stage with more help is looked at. An order that the user gives is checked at once.
+A stage is screened first. If the screening finds no rest state, the stage waits; it is checked
+before any stage with more help. An imposed order is checked at once.
 
-Where a stage falls, every cure moves or holds one of the blocks that fall: a mechanism that leaves
-a block at rest is still one when that block is held or gone. So the ways on are, for each falling
-block, to take it away as well (it is placed together with the others), or to prop it.
+Where a stage falls, only a change to one of the falling blocks helps: a mechanism that leaves a
+block at rest still exists when that block is held or removed. So the next states are, for each
+falling block: it is removed too (placed together with the others), or it is propped.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ from drystone.stability import Screening
 from drystone.stability.screening import FEW_BLOCKS
 
 LOOK = 0.1
-"""Cost of a state that is settled without a check, in checks. Such a state takes about a tenth of
+"""Cost of a state that is decided without a check, in checks. Such a state takes about a tenth of
 the time of a check."""
 
 
 class Search:
-    """One search; see the module.
+    """One search; see the module docstring.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Search:
     removal
     options
     bounded
-        Guide the search by a lower bound of the cost that is left.
+        Whether to use a lower bound of the remaining cost.
     """
 
     def __init__(
@@ -68,29 +68,29 @@ class Search:
         self.local = LocalBalance(self.model)
         self.pairs = self.local.helpless_pairs() if bounded else ()
         self.progress = progress
-        # a proof that no order is better needs the full check of every stage
+        # a proof of optimality needs the full check of every stage
         screening = () if math.isinf(options.patience) else self.model.screening
         self.levels: tuple[Screening | None, ...] = (*screening, None)
         self.few = len(self.model.assembly.free) < FEW_BLOCKS
         every, screened = len(self.levels), max(1, len(screening))
         imposed = not isinstance(bound.rules.order, Order)
-        # how many levels are asked at first, and once help was given
+        # number of screening levels at first, and after help was given
         self.first_levels = every if imposed else screened if self.few else 1
         self.later_levels = every if self.few else screened
-        self.heap: list[tuple[Cost, int, int, int, int, bool, Node]] = []
+        self.queue: list[tuple[Cost, int, int, int, int, bool, Node]] = []
         self.pushed = 0
         self.rounds = 0
 
     def run(self, root: Node) -> Found:
-        """Search from a stage that stands down to the core."""
+        """Search from a stage that stands to the core."""
         closed: dict[tuple[int, int, frozenset[int]], Cost] = {}
         every = self.later_levels == len(self.levels)
         proved = every and self.options.width >= len(self.model.assembly)
         best = root
         waited = 0.0
         self.push([root])
-        while self.heap:
-            *_, screened, node = heapq.heappop(self.heap)
+        while self.queue:
+            *_, screened, node = heapq.heappop(self.queue)
             before = self.evaluator.asked
             answer = self.answer(node, len(self.levels) if screened else self.first_levels)
             if not screened:
@@ -112,37 +112,38 @@ class Search:
                 self.push(self.removals(node))
             else:
                 self.push(self.cures(node, answer))
-            if waited > self.options.patience or not self.heap:
+            if waited > self.options.patience or not self.queue:
                 proved = False
                 best = self.force(best)
                 waited = 0.0
                 self.report(best)
                 if best.placed & ~self.bound.core == 0:
                     return Found(best.path(), proved)
-                self.heap.clear()
+                self.queue.clear()
                 self.push(self.removals(best))
         return Found(best.path(), False)
 
     def report(self, node: Node) -> None:
-        """Tell how far down the best stage is."""
+        """Report the progress of the best stage."""
         if self.progress is not None:
             total = (self.model.everything & ~self.bound.core).bit_count()
             left = (node.placed & ~self.bound.core).bit_count()
             self.progress("planning", total - left, total)
 
     def to_check(self, node: Node) -> bool:
-        """Whether a node that was screened in vain waits to be checked.
+        """Whether a node without a result from screening waits for its check.
 
-        A check takes long in larger models. There it comes before the first help, and before help
-        is forced; what is given beyond need is taken back at the end.
+        A check takes long in larger models. There it is made before the first help and before
+        forced help. Unnecessary help is removed at the end.
         """
         left = self.first_levels < len(self.levels)
         return left and (self.few or (node.cost == (0, 0) and len(node.group) < 2))
 
     def answer(self, node: Node, levels: int = 2**30) -> Answer:
-        """The answer of a node by the first levels, until one proves that it stands or falls.
+        """The answer of a node by the first levels.
 
-        Where none does, an answer that tells which blocks fall.
+        Levels are tried until one proves that it stands or falls. If none does, the answer has the
+        falling blocks.
         """
         answers = []
         for number in range(min(levels, len(self.levels))):
@@ -154,9 +155,9 @@ class Search:
         return next((one for one in answers if one.falling), answers[-1])
 
     def look(self, node: Node, number: int = 0) -> Answer:
-        """The answer of a node by one level; with workers, likely nodes are asked for too.
+        """The answer of a node by one level; with workers, likely nodes are computed too.
 
-        Neighbours of what just left that cannot be balanced settle it without a check.
+        If a neighbour of the last removed blocks has no equilibrium, no check is needed.
         """
         near = 0
         for block in node.group:
@@ -165,27 +166,27 @@ class Search:
         if loose:
             return Answer(Verdict.UNSTABLE, "cannot be balanced", loose)
         stage = self.stage(node, self.levels[number])
-        likely = heapq.nsmallest(self.evaluator.batch - 1, self.heap)
+        likely = heapq.nsmallest(self.evaluator.batch - 1, self.queue)
         ahead = [self.stage(entry[-1], self.levels[0]) for entry in likely]
         return self.evaluator.answers([stage], ahead=ahead)[0]
 
     def stage(self, node: Node, level: Screening | None) -> Stage:
-        """What to ask; the screening starts from the stage before the last blocks left."""
+        """The stage to check; the screening starts from the stage before the last removal."""
         if level is None or node.parent is None or not level.from_neighbour:
             return Stage(node.placed, node.props, level)
         return Stage(node.placed, node.props, level, (node.parent.placed, node.parent.props))
 
     def widened(self, blocks: int) -> int:
-        """Some blocks and all that touch them."""
+        """Some blocks and all their neighbours."""
         for block in members(blocks):
             blocks |= self.model.neighbours[block]
         return blocks
 
     def push(self, nodes: list[Node], *, screened: bool = False) -> None:
-        """Let nodes wait; earlier ones of a later call are looked at first.
+        """Add nodes to the queue; later calls come first, each in its given order.
 
-        Nodes that were ``screened`` in vain are checked before any node with more blocks, or with
-        more help, is looked at.
+        Nodes that were ``screened`` without a result are checked before any node with more blocks
+        or more help.
         """
         self.rounds += 1
         for node in nodes:
@@ -193,10 +194,10 @@ class Search:
             count = node.placed.bit_count()
             when = (count, screened) if self.few else (screened, count)
             entry = (self.estimate(node), *when, -self.rounds, self.pushed, screened, node)
-            heapq.heappush(self.heap, entry)
+            heapq.heappush(self.queue, entry)
 
     def estimate(self, node: Node) -> Cost:
-        """A lower bound of the cost of any way through a node."""
+        """A lower bound of the cost of any order through a node."""
         left = sum(1 for pair in self.pairs if pair & node.placed == pair and not pair & node.props)
         props, together = node.cost
         if self.bound.hands == 1:
@@ -204,7 +205,7 @@ class Search:
         return props, together + left
 
     def candidates(self, placed: int) -> Iterator[int]:
-        """Blocks that may and can leave, in the order of removal; of the highest level only."""
+        """Blocks that may and can be removed, in this order; of the highest level only."""
         rank, level = self.bound.rank, self.bound.level
         highest = None
         for block in sorted(members(placed & ~self.bound.core), key=lambda b: int(rank[b])):
@@ -215,7 +216,7 @@ class Search:
                 yield block
 
     def removals(self, node: Node) -> list[Node]:
-        """Stages with one block less, none of them with blocks in the air if that can be helped."""
+        """Stages with one block less, if possible without unsupported blocks."""
         out: list[Node] = []
         hanging: list[Node] = []
         for block in self.candidates(node.placed):
@@ -228,7 +229,7 @@ class Search:
         return out or hanging
 
     def cures(self, node: Node, answer: Answer) -> list[Node]:
-        """A falling block leaves too, or is propped."""
+        """Stages in which one falling block is removed too, or propped."""
         falling = self.falling(node, answer)
         props, together = node.cost
         out = [
@@ -247,7 +248,7 @@ class Search:
         return out
 
     def falling(self, node: Node, answer: Answer) -> list[int]:
-        """Blocks among which a cure is, first to leave first; those around the gap if unknown."""
+        """One of these blocks must be changed; in the order of removal; near the gap if unknown."""
         mask = mask_of(answer.falling) & node.placed & ~node.props
         if not mask:
             near = 0
@@ -257,7 +258,7 @@ class Search:
         return sorted(members(mask), key=lambda b: int(self.bound.rank[b]))
 
     def can_join(self, node: Node, block: int) -> bool:
-        """Whether there are hands enough, and a way out, for one more block of a group."""
+        """Whether there are enough hands, and a path, for one more block of a group."""
         if not node.group or block in members(self.bound.core):
             return False
         if int(self.bound.lifters[[*node.group, block]].sum()) > self.bound.hands:
@@ -267,11 +268,11 @@ class Search:
         return not self.model.floating(node.placed & ~(1 << block))
 
     def can_hold(self, node: Node) -> bool:
-        """Whether a group can be placed block by block, hands holding those that are in."""
+        """Whether a group can be placed block by block while hands hold the placed ones."""
         return can_hold(self.held_answer, self.bound, self.model, node)
 
     def held_answer(self, stage: Stage) -> Answer:
-        """The answer of a stage within a step, by every level until it stands."""
+        """The answer of a stage within a step, by all levels until it stands."""
         answer = None
         for level in self.levels:
             near = stage.near if level is not None and level.from_neighbour else None
@@ -282,7 +283,7 @@ class Search:
         return answer
 
     def force(self, node: Node) -> Node:
-        """One step further down from a stage that stands, with held blocks, else with props."""
+        """One further removal from a stage that stands, with held blocks, else with props."""
         tries = self.removals(node)[: self.options.tries]
         answers: list[Answer] = []
         for number in range(len(self.levels)):
@@ -298,7 +299,7 @@ class Search:
         return self.prop(tries[few], answers[few])
 
     def grow(self, node: Node, answer: Answer) -> Node | None:
-        """The group with all that falls, if hands can do that."""
+        """The group with all falling blocks, if there are enough hands."""
         while not answer.stands:
             joining = [q for q in self.falling(node, answer) if self.can_join(node, q)]
             if not joining:
@@ -314,7 +315,7 @@ class Search:
         return node if self.can_hold(node) else None
 
     def prop(self, node: Node, answer: Answer) -> Node:
-        """Props until it stands: under what falls beside the gap, then farther and farther away."""
+        """Props until it stands: under falling blocks beside the gap, then farther away."""
         given = node.props
         reach = mask_of(node.group)
         while not answer.stands and node.props != node.placed:

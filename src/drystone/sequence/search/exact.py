@@ -1,4 +1,4 @@
-"""The best order of all, for small models: Dijkstra over every stage, prop and last block."""
+"""The optimal order for small models: Dijkstra over all stages, props and last blocks."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.states import Found, Node
 
 LARGEST = 14
-"""Free blocks: beyond, the number of stages, doubled with every block, takes hours."""
+"""Largest number of free blocks. The number of stages doubles with every block; more blocks take
+hours."""
 
 Key: TypeAlias = tuple[int, int, int]
-"""Placed, props, block that left last (-1 at first)."""
+"""Placed blocks, props, last removed block (-1 at first)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,14 +26,14 @@ class _State:
 
 
 def search_exactly(search: Search, root: Node) -> Found:
-    """The order with the fewest props, then placements together, then the least drop.
+    """The order with the fewest props, then simultaneous placements, then descent.
 
     Parameters
     ----------
     search
-        Says what can leave and what cures a fall.
+        Provides removable blocks and changes of falling stages.
     root
-        The complete structure, standing.
+        The complete structure; it stands.
 
     Raises
     ------
@@ -46,11 +47,11 @@ def search_exactly(search: Search, root: Node) -> Found:
             f"an exact search over {count} blocks",
             remedy=f"it is for {LARGEST} or fewer; leave it out",
         )
-    heap: list[tuple[tuple[int, int, float], int, _State]] = [((0, 0, 0.0), 0, _State(root, -1))]
+    queue: list[tuple[tuple[int, int, float], int, _State]] = [((0, 0, 0.0), 0, _State(root, -1))]
     done: set[tuple[Key, frozenset[int]]] = set()
     pushed = 0
-    while heap:
-        (_, _, drop), _, state = heapq.heappop(heap)
+    while queue:
+        (_, _, drop), _, state = heapq.heappop(queue)
         node = state.node
         answer = search.answer(node)
         stands = answer.stands and search.can_hold(node)
@@ -69,12 +70,12 @@ def search_exactly(search: Search, root: Node) -> Found:
                 total += _rise(search, state.last, moved)
                 last = moved
             pushed += 1
-            heapq.heappush(heap, ((*one.cost, total), pushed, _State(one, last)))
+            heapq.heappush(queue, ((*one.cost, total), pushed, _State(one, last)))
     raise InputError("there is no order of assembly", remedy="allow props")
 
 
 def _rise(search: Search, last: int, block: int) -> float:
-    """Height gained from the block that left before to this one: a drop when put together."""
+    """Height gained from the block removed before to this one: a descent in assembly."""
     if last < 0:
         return 0.0
     height = search.model.height

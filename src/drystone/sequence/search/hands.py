@@ -1,4 +1,4 @@
-"""Can hands hold a group while it is put in, block by block?"""
+"""Whether hands can hold a group while it is placed block by block."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from drystone.sequence.stage.structure import Structure
 def can_hold(
     answer_of: Callable[[Stage], Answer], bound: Bound, model: Structure, node: Node
 ) -> bool:
-    """Whether the group of a node can be placed, hands holding those of it that are in.
+    """Whether the group of a node can be placed while hands hold its placed blocks.
 
     Parameters
     ----------
     answer_of
-        Tells whether a stage in between stands.
+        Function that gives the answer of a stage in between.
     bound
-        Payload, and hands that each block takes.
+        Payload, and number of hands per block.
     model
     node
     """
@@ -40,14 +40,14 @@ def can_hold(
             weight = float(np.linalg.norm(load[block, :3])) / float(mass[block])
             limit = float(bound.limit[block])
             force = float(np.linalg.norm(answer.reaction[block][:3]))
-            # where no load tells its weight: standard gravity
+            # without a load: standard gravity
             if force > (1.0 + 1e-6) * limit * (weight or STANDARD_GRAVITY):
                 return False
     return True
 
 
 def held_stages(node: Node) -> list[Stage]:
-    """Stages within a step, backwards: after each block but the last has left."""
+    """Stages within a step, backwards: after the removal of each block except the last."""
     placed = node.placed | mask_of(node.group)
     near = (node.placed, node.props)
     out = []

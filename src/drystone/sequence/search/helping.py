@@ -1,7 +1,7 @@
-"""The help that an order needs: the search may have given more.
+"""Removal of unnecessary help from an order.
 
-The search believes its screening and never takes a prop back. A block may be propped or held that
-needs neither at the end.
+The search relies on its screening and never removes a prop. So a block may be propped or held
+without need at the end.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from drystone.sequence.search.states import Node
 from drystone.sequence.stage.stages import Stage, mask_of, members
 
 POLISHED = 8
-"""Props of one stage that are tried one by one whether they are needed there."""
+"""Largest number of props of one stage that are tested one by one."""
 
 SPARED = 100
-"""Free blocks of the largest model in which every prop is tried at all of its stages. A vault of
-366 blocks has hundreds of props, each of dozens of stages."""
+"""Largest number of free blocks with which every prop is tested at all of its stages. A vault of
+366 blocks has hundreds of props, each in dozens of stages."""
 
 
 def apart(path: Sequence[Node], search: Search) -> list[Node]:
-    """The same order, groups divided where those that come first stand without the rest.
+    """The same order, with groups divided where the first blocks stand without the others.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def apart(path: Sequence[Node], search: Search) -> list[Node]:
     out: list[Node] = []
     for node in path:
         late, end = node, len(node.group)
-        for start in range(len(node.group) - 1, 0, -1):  # the last to leave come first
+        for start in range(len(node.group) - 1, 0, -1):  # the last removed come first
             placed = node.placed | mask_of(node.group[start:])
             props = (node.props | (node.parent.props if node.parent else 0)) & placed
             early = replace(node, placed=placed, props=props, group=node.group[:start])
@@ -45,7 +45,7 @@ def apart(path: Sequence[Node], search: Search) -> list[Node]:
 
 
 def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
-    """Props at each stage, in the order of assembly: from first to last need, no longer."""
+    """Props at each stage, from the first to the last stage that needs them."""
     needed = [_needed(node, search) for node in path]
     ever = 0
     for mask in needed:
@@ -71,7 +71,7 @@ def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
 
 
 def _needed(node: Node, search: Search) -> int:
-    """Props of a stage without which it falls, tried one by one where there are few."""
+    """Props without which a stage falls, tested one by one if there are few."""
     mask = node.props
     certain = mask_of(search.local.unbalanced(mask, node.placed))
     if mask == certain:
@@ -87,7 +87,7 @@ def _needed(node: Node, search: Search) -> int:
 
 
 def _spare(path: Sequence[Node], active: list[int], search: Search) -> None:
-    """Take props away from the first and from the last of their stages, as far as all stand."""
+    """Remove props from their first and last stages while all stages stand."""
     ever = 0
     for mask in active:
         ever |= mask
@@ -97,7 +97,7 @@ def _spare(path: Sequence[Node], active: list[int], search: Search) -> None:
         for stages in (when, when[::-1]):
             for i in stages:
                 if not active[i] & bit:
-                    break  # all of them were spared from the other end
+                    break  # all were removed from the other end
                 fewer = replace(path[i], props=active[i] & ~bit)
                 if not (
                     search.local.holds(block, fewer.placed) and _stands(fewer, search, well=True)
@@ -107,7 +107,7 @@ def _spare(path: Sequence[Node], active: list[int], search: Search) -> None:
 
 
 def _stands(node: Node, search: Search, *, well: bool) -> bool:
-    """Whether a stage stands, and hands can hold what is placed together up to the next one."""
+    """Whether a stage stands, and hands can hold the blocks placed together until the next one."""
     answer = search.answer(node) if well else search.look(node)
     return answer.stands and search.can_hold(node)
 

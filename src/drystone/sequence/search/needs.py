@@ -1,9 +1,8 @@
-"""What a block needs at the least, from its own equilibrium with everything around it held.
+"""Least help of a block, from its equilibrium with all neighbours held.
 
-A block that has no equilibrium when all its neighbours hold still has none when they may move as
-well. That settles many stages at the price of one block, and gives a lower bound on the help that
-any order needs: where two blocks need each other, whichever comes first is propped, or both come
-together.
+A block without equilibrium between fixed neighbours has none between movable neighbours either.
+This decides many stages with a calculation of one block. It also gives a lower bound of the help in
+any order: where two blocks need each other, the first one is propped, or both are placed together.
 """
 
 from __future__ import annotations
@@ -18,27 +17,28 @@ from drystone.sequence.stage.stages import Stage, members
 from drystone.sequence.stage.structure import Structure
 
 RAYS = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-"""Directions about a friction cone that stand for it first."""
+"""Number of directions about a friction cone in the first test."""
 
 ENCLOSING = 1.0 / np.cos(np.pi / len(RAYS))
-"""Friction by which sums of these directions hold all of the cone."""
+"""Factor on friction with which sums of these directions contain the whole cone."""
 
 BALANCED = 1e-9
-"""Unbalanced share of a load that is rounding."""
+"""Unbalanced share of a load that counts as rounding."""
 
 FALLING = 1e-5
-"""One that is none: ten times what an interior point calls balanced."""
+"""Unbalanced share that counts as no equilibrium: ten times the tolerance of the interior-point
+solver."""
 
 
 class LocalBalance:
-    """Single blocks among held neighbours; remembers."""
+    """Equilibrium of single blocks between held neighbours, with a cache."""
 
     def __init__(self, model: Structure) -> None:
         self.model = Structure(model.model, balance)
         self._known: dict[tuple[int, int], bool] = {}
 
     def holds(self, block: int, placed: int) -> bool:
-        """Whether contact forces from what is in place, all of it held, can balance a block."""
+        """Whether contact forces from the blocks in place, all held, can balance a block."""
         around = self.model.neighbours[block] & placed
         key = (block, around)
         if key not in self._known:
@@ -49,11 +49,14 @@ class LocalBalance:
     def _carried(self, block: int, around: int) -> bool | None:
         """Whether forces along some rays about the friction cones balance it.
 
-        Rays on the cones that do are a proof; so are rays that enclose the cones and do not. None
-        where neither is the case.
+        True if rays on the cones balance it. False if rays that enclose the cones do not. Else
+        None.
         """
         contacts, assembly = self.model.contacts, self.model.assembly
-        sign = self._joints(block, around)[contacts.interface]
+        joint = self._joints(block, around)
+        if not contacts.dry[joint != 0.0].all():
+            return None
+        sign = joint[contacts.interface]
         corner = np.flatnonzero(sign)
         size, wrench = assembly.size[block], self.model.load.wrench[block]
         load = np.append(wrench[:3], wrench[3:] / size)
@@ -74,11 +77,11 @@ class LocalBalance:
             if unbalanced(1.0) <= BALANCED:
                 return True
             return None if unbalanced(ENCLOSING) <= FALLING else False
-        except RuntimeError:  # it came to no end
+        except RuntimeError:  # no convergence
             return None
 
     def _joints(self, block: int, around: int) -> Floats:
-        """(m,) per interface: 1 where it presses the block along its normal, -1 against it."""
+        """Sign (m,) per interface: 1 if it presses the block along its normal, -1 against it."""
         contacts = self.model.contacts
         here = np.array(self.model.assembly.fixed)
         here[list(members(around))] = True
@@ -91,7 +94,7 @@ class LocalBalance:
         return answer.verdict is not Verdict.UNSTABLE
 
     def _rests(self, block: int, around: int) -> bool:
-        """Whether one joint alone carries it: the load goes through it, within its friction."""
+        """Whether one joint alone carries it: the load passes through it, within its friction."""
         wrench = self.model.load.wrench[block]
         if wrench[3:].any() or not wrench[:3].any():
             return False
@@ -106,7 +109,7 @@ class LocalBalance:
         )
 
     def _through(self, interface: int, point: Floats, direction: Floats) -> bool:
-        """Whether a line meets the convex hull of an interface: no corner direction is missed."""
+        """Whether a line intersects the convex hull of an interface."""
         contacts = self.model.contacts
         frame = contacts.frame[interface]
         corner = contacts.polygon(interface)
@@ -117,7 +120,7 @@ class LocalBalance:
         return bool(gaps.max() <= np.pi)
 
     def unbalanced(self, blocks: int, placed: int) -> tuple[int, ...]:
-        """Those of some blocks that have no equilibrium among what is in place."""
+        """The given blocks that have no equilibrium among the blocks in place."""
         return tuple(b for b in members(blocks) if not self.holds(b, placed))
 
     def helpless_pairs(self) -> tuple[int, ...]:
@@ -135,7 +138,7 @@ class LocalBalance:
         return tuple(pairs)
 
     def _needs(self, block: int, other: int) -> bool:
-        """Whether a block has no equilibrium without a neighbour, all others being there."""
+        """Whether a block has no equilibrium without one neighbour, with all others in place."""
         return not self.holds(block, self.model.everything & ~(1 << other))
 
 

@@ -1,4 +1,4 @@
-"""What a search goes through: stages on the way down, their cost, and how hard to look."""
+"""States of a search: stages, their cost, and the options of the search."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 Cost: TypeAlias = tuple[int, int]
-"""Props, and blocks placed together with another one."""
+"""Number of props, and of blocks placed together with another one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Node:
-    """A stage on the way.
+    """A stage in the search.
 
     Attributes
     ----------
     placed, props
-        Bits; props are always among the placed blocks.
+        Sets of blocks as bits; props are a subset of the placed blocks.
     group
-        Blocks that left since the last stage that stood, in the order in which they leave.
+        Blocks removed since the last stage that stands, in the order of removal.
     cost
     parent
-        That stage.
+        The last stage that stands.
     """
 
     placed: int
@@ -31,7 +31,7 @@ class Node:
     parent: Node | None = None
 
     def path(self) -> list[Node]:
-        """From the complete structure to here."""
+        """The stages from the complete structure to this one."""
         out: list[Node] = [self]
         while out[-1].parent is not None:
             out.append(out[-1].parent)
@@ -40,18 +40,18 @@ class Node:
 
 @dataclass(frozen=True)
 class SearchOptions:
-    """How hard to search.
+    """Effort of the search.
 
     Attributes
     ----------
     patience
-        Checks without getting further down before the best state so far is forced on with held
-        blocks or props. Infinite: never, the answer is proved to be the best.
+        Checks without progress before the best state is continued with held blocks or props.
+        Infinite: never; the result is proved to be optimal.
     width
-        Blocks that are tried for removal from one stage, the first ones in the order.
+        Number of blocks tried for removal from one stage, the first ones in the order.
     tries
-        Of these, how many a forced move compares; and twice as many props that it adds are tried
-        to be done without.
+        Number of these that a forced removal compares. Of the props that it adds, twice as many are
+        tested for need.
     """
 
     patience: float = float("inf")
@@ -61,14 +61,14 @@ class SearchOptions:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a search ended with.
+    """Result of a search.
 
     Attributes
     ----------
     path
-        Stages that stand, from the complete one to the core.
+        Stages that stand, from the complete structure to the core.
     proved
-        Whether no cheaper one exists.
+        Whether no path with a lower cost exists.
     """
 
     path: list[Node]

@@ -1,1 +1,1 @@
-"""Stages of an assembly: what is in place, and whether that stands."""
+"""Stages of an assembly: blocks in place, and their checks."""

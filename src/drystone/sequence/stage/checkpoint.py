@@ -1,4 +1,4 @@
-"""Answers about stages on disk: what an interrupted plan goes on from."""
+"""Answers about stages on disk, from which an interrupted plan continues."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FORMAT, VERSION = "drystone-stages", 4
 
 
 def fingerprint(model: Structure) -> str:
-    """What tells one model from another: geometry, contacts, friction, load, and the check."""
+    """Hash of a model: geometry, contacts, friction, load, and the check."""
     digest = hashlib.sha256()
     contacts, assembly = model.contacts, model.assembly
     for array in (
@@ -33,15 +33,15 @@ def fingerprint(model: Structure) -> str:
     return digest.hexdigest()
 
 
-def _named(judge: Any) -> str:
-    """A name for a verdict that is the same in the next run."""
-    if isinstance(judge, functools.partial):
-        return f"{_named(judge.func)}{judge.args}{sorted(judge.keywords.items())}"
-    return str(getattr(judge, "__qualname__", type(judge).__qualname__))
+def _named(check: Any) -> str:
+    """A name of a check function that is the same in the next run."""
+    if isinstance(check, functools.partial):
+        return f"{_named(check.func)}{check.args}{sorted(check.keywords.items())}"
+    return str(getattr(check, "__qualname__", type(check).__qualname__))
 
 
 def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -> None:
-    """Keep answers, without their forces, as JSON; written aside and renamed."""
+    """Write answers without their forces as JSON, to a temporary file that is renamed."""
     data = {
         "format": FORMAT,
         "version": VERSION,
@@ -65,7 +65,7 @@ def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -
 
 
 def read_checkpoint(path: Path, model: Structure) -> dict[Stage, Answer]:
-    """The answers that a checkpoint holds.
+    """The answers in a checkpoint.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Many stages at once: remembered by part, on any executor, resumed from a checkpoint."""
+"""Checks of many stages: cached by part, on any executor, resumed from a checkpoint."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
 
 SAVE_EVERY_S = 10.0
-"""Time between two writes of the checkpoint: the work that an interruption can lose."""
+"""Time between two writes of the checkpoint: an interruption loses at most this."""
 REVIVALS = 5
-"""Times that workers are started again before the work goes on in this process. Workers that die
-more often than this probably die of the work itself."""
+"""Number of restarts of workers before the work continues in this process. If workers fail more
+often, the work itself is the probable cause."""
 
 _log = logging.getLogger(__name__)
 
 
 class Stopped(Exception):
-    """The time was up, or the caller wished to stop; answers so far are kept."""
+    """The time limit was reached, or the caller stopped; answers so far are kept."""
 
 
 class Evaluator(OneLine):
@@ -42,23 +42,22 @@ class Evaluator(OneLine):
     ----------
     model
     executor
-        An executor, or a function that starts one; without it, the work is done here. One that was
-        started by the function is shut down at the end, a given one is left alone.
+        An executor, or a function that starts one; without it, the work is done in this process. An
+        executor started by the function is shut down at the end; a given one is not.
     checkpoint
-        File that keeps every answer; when it exists and belongs to this model, work goes on from
-        there.
+        File for all answers; if it exists and belongs to this model, the work continues from it.
     late
-        Asked before parts are checked; True ends the work.
+        Called before parts are checked; True ends the work.
 
     Attributes
     ----------
     solved
-        Parts that were checked, as against remembered ones.
+        Number of parts that were checked, without cached ones.
     asked
-        Parts that had to be known for the first time: those that were checked, without what workers
-        looked at ahead in vain, and those from the checkpoint. It depends on neither.
+        Number of parts that were needed for the first time. It does not depend on the workers or
+        the checkpoint.
     solve_s
-        Time spent on them, from here.
+        Time spent on them, seen from this process.
 
     Raises
     ------
@@ -99,7 +98,7 @@ class Evaluator(OneLine):
 
     @property
     def batch(self) -> int:
-        """How many stages are worth asking for at once."""
+        """Number of stages to request at once."""
         if self._executor is None and self._factory is None:
             return 1
         return int(getattr(self._start(), "_max_workers", None) or 2)
@@ -119,7 +118,7 @@ class Evaluator(OneLine):
             self._executor = None
 
     def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> Answer:
-        """Whether a stage stands; see :meth:`answers`."""
+        """The answer of a stage; see :meth:`answers`."""
         return self.answers([stage], forces=forces, checked=checked)[0]
 
     def answers(
@@ -130,23 +129,23 @@ class Evaluator(OneLine):
         forces: bool = False,
         checked: bool = False,
     ) -> list[Answer]:
-        """Whether each of some stages stands.
+        """The answers of several stages.
 
         Parameters
         ----------
         stages
         ahead
-            Stages that are likely to be asked for next. What is found of them is kept aside until
-            then, so that no answer depends on how far workers looked ahead.
+            Stages that are likely to be requested next. Their results are stored separately until
+            then, so no answer depends on the number of workers.
         forces
-            Check again what was kept without its forces.
+            Whether to check again if the forces were not kept.
         checked
-            Check what was only screened.
+            Whether to check stages that were only screened.
 
         Raises
         ------
         Stopped
-            It is late; what was found before is kept. The first stage is always checked.
+            The time limit is reached; earlier results are kept. The first stage is always checked.
         """
         parts = [self.model.parts(stage) for stage in stages]
         missing = []
@@ -209,7 +208,7 @@ class Evaluator(OneLine):
             write_checkpoint(self._file, self.model, self._kept | self._known)
 
     def _find(self, part: Stage) -> Answer | None:
-        """What is known of a part: the full check, or any screening that shows it to stand."""
+        """The known answer of a part: the full check, or a screening that shows that it stands."""
         part = part._replace(near=None)
         checked = self._known.get(part._replace(screening=None))
         if checked is not None:
@@ -218,7 +217,7 @@ class Evaluator(OneLine):
         return next((one for one in seen if one is not None and one.stands), self._known.get(part))
 
     def _state_near(self, part: Stage) -> Floats | None:
-        """Displacements (n, 6) of the stage that a part is near to, where they are known."""
+        """Displacements (n, 6) of the similar stage of a part, if they are known."""
         if part.near is None:
             return None
         out = np.zeros((len(self.model.assembly), 6))
@@ -226,7 +225,7 @@ class Evaluator(OneLine):
             moving = other.placed & ~other.held
             found = self._find(other) if moving & part.placed else None
             if found is not None and found.stands:
-                if not len(found.motion):  # it came from a checkpoint
+                if not len(found.motion):  # from a checkpoint
                     found = self._known[other] = self.model.solve(other)
                 if len(found.motion):
                     out[list(members(moving))] = found.motion
@@ -261,9 +260,9 @@ class Evaluator(OneLine):
         return executor.submit(solve_remote, self._payload, part, self._state_near(part))
 
     def _revive(self, error: BaseException) -> None:
-        """After a worker died: new ones where we can start them, else we go on alone."""
+        """After the failure of a worker: start new ones if possible, else continue without."""
         self._revivals += 1
-        _log.warning("a worker died (%s); its stages are checked again", error)
+        _log.warning("a worker failed (%s); its stages are checked again", error)
         if self._factory is not None and self._executor is not None:
             self._executor.shutdown(wait=False, cancel_futures=True)
         self._executor = None
@@ -272,7 +271,7 @@ class Evaluator(OneLine):
 
 
 def solve_remote(payload: bytes, part: Stage, start: Floats | None = None) -> Answer:
-    """The verdict on one part in a worker, which unpacks the model once."""
+    """The verdict on one part, computed in a worker that unpacks the model once."""
     return _unpacked(payload).solve(Stage(*part), start)
 
 

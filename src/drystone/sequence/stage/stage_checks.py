@@ -1,4 +1,4 @@
-"""Functions that tell whether a stage stands."""
+"""Functions that give the verdict on a stage."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from drystone.stability import (
 )
 
 Check: TypeAlias = Callable[[Model], Result]
-"""Tells whether a model stands. Other processes must be able to import it."""
+"""Gives the verdict on a model. Other processes must be able to import it."""
 
 
 FOLLOWED = CheckOptions(settlement=SettlementOptions(fall=0.05))
-"""The verdict of :func:`drystone.check`. A block that went by a twentieth of its size is not
-followed farther: it is beyond what stands."""
+"""The verdict of :func:`drystone.check`. A block that moved by a twentieth of its size is not
+followed further: the structure does not stand."""
 
 
 def check_once(model: Model) -> Result:
@@ -45,7 +45,7 @@ def check_thoroughly(model: Model) -> Result:
 
 
 def balance(model: Model) -> Result:
-    """The verdict of rigid-block equilibrium alone: necessary for standing, not sufficient."""
+    """The verdict of rigid-block equilibrium: necessary for standing, not sufficient."""
     return solve_rbe(model, options=RBEOptions.feasibility())
 
 

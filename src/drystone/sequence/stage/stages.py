@@ -1,7 +1,7 @@
-"""Stages: which blocks are in place, which of them are held, and whether that stands.
+"""Stages: blocks in place, held blocks, and the answer whether the stage stands.
 
-A stage is two sets of free blocks, kept as the bits of integers; the supports are always there. A
-held block is one that a prop, a hand or a robot keeps where it is: it counts as fixed.
+A stage is two sets of free blocks, stored as bits of integers. Supports are always in place. A held
+block is held by a prop, a hand or a robot; it counts as fixed.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from drystone.stability import Screening
 class Stage(NamedTuple):
     """Blocks in place and, among them, those that are held; one bit per block.
 
-    With a ``screening`` level the stage is screened instead of checked: that it stands is then
-    proved, that it falls is not. The screening may start from the rest state of a similar stage
-    ``near``, given by its blocks in place and held.
+    With a ``screening`` level the stage is screened instead of checked. Screening can prove that it
+    stands, not that it falls. It may start from the rest state of a similar stage ``near``, given
+    by its blocks in place and held blocks.
     """
 
     placed: int
@@ -74,18 +74,19 @@ class Answer(OneLine):
     falling
         Positions of the blocks that fall.
     reaction : block to (6,) [N, N m]
-        What holds each held block: force, and moment about its centroid. In a part, what it takes
-        against the contact forces alone; in a stage, its own load included. Joints between two
-        held or fixed blocks carry nothing, so a held block may need less than this.
+        Force on each held block, and moment about its centroid. In a part it balances the contact
+        forces only; in a stage also the load of the block. Joints between two held or fixed blocks
+        carry no force, so this is an upper bound.
     used
-        Largest share of the friction coefficient that a loaded corner uses: the very same forces
-        still hold when all coefficients are multiplied by it.
+        Largest share of the friction coefficient that a loaded corner uses. The same forces are
+        still admissible when all coefficients are multiplied by it.
     corner : (c,)
-        Corners of the whole model that carry ``force`` (c, 3) [N]; empty when it was not kept.
+        Corners of the whole model with ``force`` (c, 3) [N]; empty if not kept.
     settled
-        What following the blocks told, where contact stiffness decides; else empty.
+        Result of following the blocks, where contact stiffness decides; else empty.
     motion : (b, 6) [m, rad]
-        Of the moving blocks of a part, ascending, for neighbours to start from; empty as well.
+        Displacements of the moving blocks of a part, ascending, as a start for similar stages; may
+        be empty.
     """
 
     verdict: Verdict
@@ -100,7 +101,7 @@ class Answer(OneLine):
 
     @property
     def stands(self) -> bool:
-        """Whether it was shown to stand."""
+        """Whether the verdict is STABLE."""
         return self.verdict is Verdict.STABLE
 
 

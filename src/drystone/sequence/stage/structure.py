@@ -1,8 +1,8 @@
-"""The structure that is built, and the verdict on its stages.
+"""The complete structure, and the verdict on its stages.
 
-Blocks that no chain of free blocks joins do not feel each other. A stage is therefore taken apart
-into its connected parts, and each part is checked, and remembered, by itself: after one block is
-taken away only the part that it belonged to has to be checked again.
+Blocks that are not connected through free blocks do not influence each other. So a stage is divided
+into connected parts. Each part is checked and cached separately: after the removal of a block only
+its part is checked again.
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.stability import Screening, try_rest
 
 LOADED = 1e-6
-"""Corners that carry less than this share of the largest force of their part say nothing about the
-friction that is needed."""
+"""Corners with less than this share of the largest force of their part are ignored in the required
+friction."""
 
 
 @dataclass(frozen=True, eq=False)
 class Structure(OneLine):
-    """What is built: the complete model, and how its stages are checked.
+    """The complete model, and the checks of its stages.
 
     Attributes
     ----------
     model
     check
-        Tells whether a stage stands.
+        Function that gives the verdict on a stage.
     screening
-        Levels by which a stage is screened before it is checked, in order.
+        Screening levels of a stage before its check, in order.
     """
 
     model: Model
@@ -75,7 +75,7 @@ class Structure(OneLine):
 
     @cached_property
     def everything(self) -> int:
-        """All free blocks."""
+        """The set of all free blocks."""
         return mask_of(self.assembly.free.tolist())
 
     @cached_property
@@ -106,19 +106,19 @@ class Structure(OneLine):
 
     @cached_property
     def up(self) -> Floats:
-        """(3,) unit, against the total load; z where there is none."""
+        """Unit vector (3,) opposite to the total load; z if there is no load."""
         total = self.load.wrench[self.assembly.free, :3].sum(axis=0)
         size = float(np.linalg.norm(total))
         return -total / size if size > 0.0 else np.array([0.0, 0.0, 1.0])
 
     @cached_property
     def height(self) -> Floats:
-        """(n,) [m], of the centroids against the load."""
+        """Heights (n,) [m] of the centroids, opposite to the load."""
         out: Floats = self.assembly.centroid @ self.up
         return out
 
     def parts(self, stage: Stage) -> list[Stage]:
-        """The connected parts of a stage, each with the held blocks that it touches."""
+        """The connected parts of a stage, each with its adjacent held blocks."""
         moving = stage.placed & ~stage.held
         out = []
         while moving:
@@ -137,7 +137,7 @@ class Structure(OneLine):
         return out
 
     def floating(self, placed: int) -> int:
-        """Blocks in place that no chain of blocks in place joins to a support."""
+        """Blocks in place that are not connected to a support through blocks in place."""
         reached = frontier = placed & self.grounded
         while frontier:
             near = 0
@@ -153,7 +153,7 @@ class Structure(OneLine):
         return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
 
     def solve(self, part: Stage, start: Floats | None = None) -> Answer:
-        """The verdict on one connected part. Stages are checked and screened nowhere else.
+        """The answer of one connected part. Stages are checked and screened only here.
 
         Parameters
         ----------
@@ -197,7 +197,7 @@ class Structure(OneLine):
         )
 
     def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Ints]:
-        """Contacts among some blocks, of which one can move, and their corners in the model."""
+        """Contacts of some blocks, at least one movable, and their corners in the model."""
         n = len(self.assembly)
         new = np.full(n, -1, dtype=np.intp)
         new[blocks] = np.arange(len(blocks))
@@ -234,11 +234,12 @@ class Structure(OneLine):
 
 
 def _friction_used(contacts: Contacts, force: Floats) -> float:
-    """Largest share of the friction coefficient used by a loaded corner."""
+    """Largest share of the friction coefficient used by a loaded corner, beside its cohesion."""
     normal = force[:, 0]
     loaded = normal > LOADED * float(normal.max(initial=0.0))
     friction = contacts.friction[contacts.interface]
-    sliding = np.linalg.norm(force[:, 1:], axis=1)
+    cohesion = contacts.corner_capacity[1]
+    sliding = np.maximum(np.linalg.norm(force[:, 1:], axis=1) - cohesion, 0.0)
     counted = loaded & (friction > 0.0)
     return float((sliding[counted] / (friction[counted] * normal[counted])).max(initial=0.0))
 

@@ -1,4 +1,4 @@
-"""Where stages are checked: processes of this machine, or a Dask cluster."""
+"""Workers that check stages: processes of this machine, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 from drystone.base.errors import InputError, MissingDependency
 
 ExecutorFactory: TypeAlias = Callable[[], Executor]
-"""Starts workers; called again when one of them died and took the executor with it."""
+"""Starts workers; called again when the failure of a worker broke the executor."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,8 @@ class LocalWorkers:
     count: int
 
     def __call__(self) -> Executor:
-        """Start them."""
-        # spawned, not forked: numerical libraries keep threads, which a fork would tear
+        """Start the workers."""
+        # spawned, not forked: a fork does not copy the threads of numerical libraries
         context = multiprocessing.get_context("spawn")
         executor = ProcessPoolExecutor(self.count, mp_context=context)
         with _interrupts_ignored():
@@ -43,11 +43,11 @@ class LocalWorkers:
 def _interrupts_ignored() -> Iterator[None]:
     """Processes started meanwhile ignore Ctrl-C, which reaches every process of a terminal.
 
-    Whoever started them answers for all, without a traceback from each.
+    Only the main process handles it, so there is one message.
     """
     before = signal.getsignal(signal.SIGINT)
     if before is None or threading.current_thread() is not threading.main_thread():
-        yield  # it cannot be set, or not be set back
+        yield  # it cannot be set or restored
         return
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -58,14 +58,14 @@ def _interrupts_ignored() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class DaskWorkers:
-    """Works on a running Dask scheduler: an :data:`ExecutorFactory`.
+    """Uses a running Dask scheduler: an :data:`ExecutorFactory`.
 
     Attributes
     ----------
     address
         Such as ``tcp://127.0.0.1:8786``.
     timeout_s
-        To wait for an answer.
+        Longest time to wait for an answer.
     """
 
     address: str
@@ -79,7 +79,7 @@ class DaskWorkers:
         MissingDependency
             Dask is not installed.
         InputError
-            Nothing answers at the address.
+            There is no scheduler at the address.
         """
         try:
             from distributed import Client  # optional: a cluster
@@ -105,7 +105,7 @@ class DaskWorkers:
 
 
 class _DaskExecutor(Executor):
-    """A Dask client as an executor; Dask itself gives the work of a dead worker to another one."""
+    """A Dask client as an executor; Dask moves the work of a failed worker to another one."""
 
     def __init__(self, client: Any) -> None:
         self._client = client
@@ -115,7 +115,7 @@ class _DaskExecutor(Executor):
     def submit(  # type: ignore[override]
         self, function: Callable[..., Any], payload: bytes, /, *arguments: Any
     ) -> Future[Any]:
-        """Ask for one piece of work; a payload travels once."""
+        """Submit one task; a payload is sent once."""
         if self._payload is None or self._payload[0] is not payload:
             self._payload = (payload, self._client.scatter(payload, broadcast=True, hash=True))
         future: Future[Any] = self._client.submit(
@@ -124,7 +124,7 @@ class _DaskExecutor(Executor):
         return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
-        """Leave the scheduler running, and let go of it."""
+        """Disconnect; the scheduler keeps running."""
         self._client.close()
 
 

@@ -1,1 +1,1 @@
-"""From cells on a surface to blocks with planar joints."""
+"""Cells on a surface converted to blocks with planar joints."""

@@ -1,4 +1,4 @@
-"""No two blocks of a shell overlap."""
+"""Check that no two blocks of a shell overlap."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from drystone.geometry.body.shared_volume import shared_volumes
 from drystone.shells.bond.tessellation import Tessellation
 
 TOLERANCE = 1e-6
-"""Largest depth of one block in another, by the width of a block."""
+"""Largest overlap of two blocks, relative to the width of a block."""
 
 
 def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> None:
-    """Refuse a shell of which two blocks overlap.
+    """Refuse a shell with blocks that overlap.
 
     Parameters
     ----------
@@ -25,13 +25,13 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> Non
         A block for each cell of the mesh.
     mesh
     width : [m]
-        Of a block.
+        Mean width of a block.
 
     Raises
     ------
     InputError
-        The surface crosses itself, or comes closer to itself than the shell
-        is thick, or a block is bent so far that it grows into its neighbour.
+        The surface crosses itself; two parts of it are closer than the thickness; or a strongly
+        curved block reaches into its neighbour.
     """
     a, b, depth = overlaps(assembly, TOLERANCE * width)
     if len(a) == 0:
@@ -58,7 +58,7 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> Non
 
 
 def overlaps(assembly: Assembly, least: float) -> tuple[Ints, Ints, Floats]:
-    """Pairs of blocks, first before second, that are deeper in each other than ``least`` [m].
+    """Pairs of blocks, first before second, that overlap deeper than ``least`` [m].
 
     Returns
     -------

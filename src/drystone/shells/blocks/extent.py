@@ -1,4 +1,4 @@
-"""Sizes of a shape and of its cells, and what they forbid."""
+"""Sizes of a shape and of its cells."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drystone.shells.surface.patch import curvatures
 from drystone.shells.surface.shape import Shape
 
 SAMPLES = 48
-"""Along u and v when volumes are summed up, chosen: a dome's is right to 1e-4."""
+"""Samples along u and v for volumes. Chosen: the error for a dome is 1e-4."""
 
 
 def mean_width(mesh: Tessellation) -> float:
@@ -23,12 +23,12 @@ def mean_width(mesh: Tessellation) -> float:
 
 
 def check_radius(shape: Shape, thickness: float) -> None:
-    """A shell is thinner than its smallest radius of curvature.
+    """Check that a shell is thinner than its smallest radius of curvature.
 
     Raises
     ------
     InputError
-        It is not.
+        It is thicker.
     """
     grid = (np.arange(17) + 0.5) / 17.0
     for patch in shape.patches:

@@ -1,4 +1,4 @@
-"""Flat cells in place of a curved surface, without losing area."""
+"""Flat cells that replace a curved surface and have its area."""
 
 from __future__ import annotations
 
@@ -12,16 +12,15 @@ from drystone.shells.bond.tessellation import Tessellation
 from drystone.shells.surface.shape import Shape
 
 LARGEST_SHARE = 2.0 / 3.0
-"""Of the sagitta: there a flat cell lies as much outside of the surface as inside."""
+"""Share of the sagitta at which a flat cell lies half outside and half inside the surface."""
 
 
 def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
-    """Move the vertices off the surface until the flat cells have its area.
+    """Move the vertices along their normals until the flat cells have the area of the surface.
 
-    A chord is shorter than its arc, so cells with their corners on a curved surface have too little
-    area and the shell too little volume. Every vertex moves along its normal by one share of the
-    mean rise of the surface over the cells around it, the share being the one that gives the cells
-    the area of the surface.
+    A chord is shorter than its arc. Cells with their corners on a curved surface have too little
+    area, and the shell too little volume. Every vertex moves along its normal by a share of the
+    mean rise of the surface over the cells around it. The share is the same for all vertices.
 
     Returns
     -------
@@ -37,11 +36,11 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
     known = np.isfinite(rise)
     wanted = _surface_area(shape)
 
-    def lacking(share: float) -> float:
+    def missing_area(share: float) -> float:
         moved = polygon.area_vectors((mesh.point + share * move)[loop], start)
         return wanted - float(np.linalg.norm(moved, axis=1)[known].sum())
 
-    at_zero, at_limit = lacking(0.0), lacking(LARGEST_SHARE)
+    at_zero, at_limit = missing_area(0.0), missing_area(LARGEST_SHARE)
     if at_zero <= 0.0 or at_limit >= at_zero:
         return mesh, 0.0
     share = min(LARGEST_SHARE, LARGEST_SHARE * at_zero / (at_zero - at_limit))

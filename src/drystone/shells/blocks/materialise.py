@@ -1,4 +1,4 @@
-"""From cells on a surface to blocks: pins through the thickness, planar joints, polyhedra."""
+"""Blocks from cells on a surface: pins through the thickness, side faces, polyhedra."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from drystone.geometry.plane.triangulate import triangulate
 from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
 
 LEAST_COSINE = 0.5
-"""Of the angle between a vertex's normal and the flat cells around it, chosen: beyond 60 degrees a
-block's faces say nothing of the surface any more."""
+"""Least cosine between the normal of a vertex and the flat cells around it. Chosen: beyond 60
+degrees the faces of a block no longer approximate the surface."""
 
 PLANAR = 1e-9
-"""Distance of a corner from the plane of its face, by the square root of its area, that counts as
-none: far above rounding, far below what files in text keep."""
+"""Distance of a corner from the plane of its face that counts as zero, relative to the square root
+of the area. Chosen: far above rounding, far below the precision of text files."""
 
 HOOK = ((0.4, 1.4), (0.84, 0.185), (0.74, 0.1))
-"""Corners of a hooked bed joint, from the intrados: place through the thickness by half of it, and
-height by the same half and the slope t of the register. The first face has the slope t, the
-undercut 0.85 t. No translation is free because 0.85 < 1. A turn about a point (1, -z) is free where
-z <= 0.6 / t - 1.4 t and z >= 0.26 / (0.85 t) - 0.1 t: up to t = 0.475 such points exist. At a slope
-of 10 degrees the ridge turns by 36 degrees, and the contact search takes it for an edge and not for
-a curved surface."""
+"""Corners of a joggle, from the intrados: position through the thickness, divided by half the
+thickness h, and height, divided by h t with the slope t. The first face has the slope t, the
+undercut 0.85 t. No translation is free because 0.85 < 1. A rotation about a point (1, -z) is free
+where z <= 0.6 / t - 1.4 t and z >= 0.26 / (0.85 t) - 0.1 t. Such points exist up to t = 0.475. At a
+slope of 10 degrees the angle at the ridge is 36 degrees, so the contact search treats it as an edge
+and not as a curved surface."""
 
 Polygon: TypeAlias = tuple[int, ...]
 
@@ -45,8 +45,8 @@ class Pins(OneLine):
     Attributes
     ----------
     point : (p, 3) [m]
-        From the intrados to the extrados, vertex after vertex: two, or five where the bed joint has
-        a register.
+        From the intrados to the extrados, vertex after vertex: two points, or five where the bed
+        joint has a joggle.
     start : (v + 1,) vertex i has the points start[i] to start[i + 1]
     """
 
@@ -66,7 +66,7 @@ def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
 
 
 def vertex_means(mesh: Tessellation, per_cell: Floats) -> Floats:
-    """(v,) mean over the cells at each vertex of a value per cell (c,)."""
+    """Mean (v,) at each vertex of a value per cell (c,)."""
     loop, start = flat_loops(mesh.cells)
     return _corner_means(loop, np.repeat(per_cell, np.diff(start)), len(mesh.point))
 
@@ -79,7 +79,7 @@ def _corner_means(loop: Ints, value: Floats, count: int) -> Floats:
 
 
 def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
-    """(v,) mean part of each vertex's vector (v, 3) square to the flat cells around it.
+    """Mean component (v,) of each vertex's vector (v, 3) normal to the flat cells around it.
 
     The cells have their vertices at ``point`` (v, 3).
     """
@@ -93,19 +93,19 @@ def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
 def facet_cosine(mesh: Tessellation) -> Floats:
     """(v,) mean cosine between each vertex normal and the flat cells around it.
 
-    A block is as thick as asked, measured across its faces, when the pins at its corners are longer
-    by this factor; otherwise coarse shells come out too thin.
+    Pins divided by this factor give blocks the required thickness, measured normal to their faces.
+    Without it coarse shells are too thin.
     """
     return _facet_means(mesh, mesh.point, mesh.normal)
 
 
 def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
-    """Straight pins along the normals, half the thickness (v,) [m] to either side.
+    """Straight pins along the normals, half the thickness (v,) [m] to each side.
 
     Raises
     ------
     InputError
-        The surface turns so far across a block that it has no thickness to speak of.
+        The surface turns by more than 60 degrees across a block.
     """
     cosine = facet_cosine(mesh)
     steep = cosine < LEAST_COSINE
@@ -122,15 +122,15 @@ def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
     return Pins(point, 2 * np.arange(len(low) + 1, dtype=np.intp))
 
 
-def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
-    """Give straight pins on bed lines between two courses a hook.
+def add_joggle(mesh: Tessellation, pins: Pins, joggle_deg: float) -> Pins:
+    """Give straight pins on bed lines between two courses a joggle.
 
-    The section of a bed joint has four faces. From the intrados it rises by ``register_deg``
-    [degrees] to a ridge, falls, goes back under the ridge, and then leads to the extrados. No
-    translation frees all four, so the block above cannot be lifted straight. It can be turned out
-    about the direction of the course: there is a centre, below the extrados, towards which the
-    section goes all the way. A negative register is the mirror image, which turns out inwards. The
-    hook lies in the head joint that ends at the pin, so that this one stays planar.
+    The section of a bed joint has four faces. From the intrados it rises at ``joggle_deg``
+    [degrees] to a ridge, falls, returns under the ridge, and then runs to the extrados. No
+    translation opens all four faces, so the upper block cannot be lifted straight. It can be
+    removed by a rotation about the direction of the course, with a centre below the extrados. A
+    negative joggle is the mirror image; the rotation is then inwards. The joggle lies in the plane
+    of the head joint that ends at the pin, so the head joint stays planar.
     """
     low, high = pins.point[0::2], pins.point[1::2]
     middle, along = 0.5 * (low + high), high - low
@@ -144,8 +144,8 @@ def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
     axis = along / length
     up -= np.einsum("vi,vi->v", up, axis)[:, None] * axis
     up /= np.linalg.norm(up, axis=1, keepdims=True)
-    half, slope = 0.5 * length, np.tan(np.deg2rad(abs(register_deg)))
-    side = 1.0 if register_deg >= 0.0 else -1.0
+    half, slope = 0.5 * length, np.tan(np.deg2rad(abs(joggle_deg)))
+    side = 1.0 if joggle_deg >= 0.0 else -1.0
     count = np.where(mesh.inner, 2 + len(HOOK), 2)
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
     point = np.empty((start[-1], 3))
@@ -158,9 +158,10 @@ def add_register(mesh: Tessellation, pins: Pins, register_deg: float) -> Pins:
 
 
 def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
-    """Lengthen pins that were tilted, until the blocks are as thick as asked across their faces.
+    """Lengthen tilted pins until the blocks have the required thickness.
 
-    A pin grows along its own line, so that planar joints between straight pins stay planar.
+    The thickness is measured normal to the faces. A pin grows along its own line, so planar joints
+    between straight pins stay planar.
     """
     first, last = pins.start[:-1], pins.start[1:] - 1
     low, high = pins.point[first], pins.point[last]
@@ -173,7 +174,7 @@ def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
 
 
 def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tuple[int, ...]]:
-    """Faces of the cell on the left of an edge, outwards: one, or four where there is a hook."""
+    """Side faces of the cell on the left of an edge, outwards: one, or four at a joggle."""
     a, b = pins.of(edge[0]), pins.of(edge[1])
     head = (min(edge), max(edge)) in mesh.heads
     if len(a) == len(b) and not head:
@@ -182,7 +183,7 @@ def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tu
 
 
 def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
-    """Every side face once, shared or not."""
+    """Every side face once."""
     seen: set[frozenset[int]] = set()
     polygons = []
     for cell in mesh.cells:
@@ -211,16 +212,15 @@ def make_blocks(
     *,
     density: float = DEFAULT_DENSITY,
 ) -> list[Block]:
-    """One block per cell; neighbours have the corners of their common faces in common.
+    """One block per cell; neighbours share the corners of their common faces.
 
-    Inner and outer faces stay polygons, slightly warped ones included, except those that the mean
-    of their corners does not see whole: a warped face is understood as the fan about that mean,
-    which would fold over, so they become triangles.
+    Inner and outer faces stay polygons, also slightly warped ones. A warped face stands for the fan
+    about the mean of its corners. Where this fan would fold over, the face becomes triangles.
 
     Raises
     ------
     InputError
-        A block that is turned inside out, or a face that crosses itself; the block is named.
+        A block is inside out, or a face crosses itself; the block is named.
     """
     _refuse_crossed_faces(mesh, pins)
     blocks = []
@@ -236,7 +236,7 @@ def make_blocks(
             raise InputError(
                 "is turned inside out",
                 where=f"block '{name}'",
-                remedy="use a smaller thickness, wedge or register, or larger blocks",
+                remedy="use a smaller thickness, wedge or joggle, or larger blocks",
             )
         blocks.append(block)
     return blocks
@@ -256,7 +256,7 @@ def _solid_caps(pins: Pins, caps: Sequence[Polygon]) -> list[list[Polygon]]:
 
 
 def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
-    """Every face of every cell, seen along its own normal, is a simple polygon."""
+    """Raise for a face that, seen along its normal, is no simple polygon."""
     faces, owner = [], []
     for c, cell in enumerate(mesh.cells):
         low, high, sides = cell_faces(mesh, pins, cell)
@@ -275,5 +275,5 @@ def _refuse_crossed_faces(mesh: Tessellation, pins: Pins) -> None:
         raise InputError(
             "has a face that crosses itself",
             where=f"block '{mesh.names[owner[int(np.flatnonzero(bad)[0])]]}'",
-            remedy="use a smaller thickness, wedge or register, or larger blocks",
+            remedy="use a smaller thickness, wedge or joggle, or larger blocks",
         )

@@ -1,4 +1,4 @@
-"""Pins with planar joints between them, at the thickness asked for."""
+"""Pins with planar joints between them, with the required thickness."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.shells.blocks.materialise import (
     Pins,
-    add_register,
+    add_joggle,
     cell_faces,
     joint_polygons,
     keep_thickness,
@@ -24,25 +24,25 @@ from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
 
 LARGE_DRIFT = 0.25
-"""Drift, by the width of a block, above which a shell has a note about it, chosen: the laps of
-joints are as large."""
+"""Drift, relative to the width of a block, above which a shell has a note. Chosen: the lap of head
+joints is as large."""
 
 LARGEST_WARP = 1e-6
-"""By the width of a block: joints farther from planar are refused, since contacts and volumes are
-exact to this only."""
+"""Largest warp of a joint, relative to the width of a block. Contacts and volumes have this
+accuracy."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlanarPins:
-    """What :func:`planar_pins` made.
+    """Result of :func:`planar_pins`.
 
     Attributes
     ----------
     pins
     report
-        Lengths by the width of a block.
+        Lengths are relative to the width of a block.
     off_surface
-        Largest part of a corner's move that leads off the surface of its face, by that width.
+        Largest component of a corner's move normal to its face, relative to that width.
     worst
         Vertex of the mesh whose corners moved most.
     """
@@ -58,14 +58,13 @@ def planar_pins(
 ) -> PlanarPins:
     """Pins with planar joints between them, at the thickness asked for.
 
-    Planarised, lengthened, given their register, and planarised again: the second time finds
-    nothing to do unless there are registers or planar intrados, and then little, since a step
-    raised within planar joints hardly warps them.
+    The pins are planarised, lengthened, given their joggle, and planarised again. The second time
+    changes something only with joggles or planar intrados, and then little: a step in a planar
+    joint hardly warps it.
 
-    Where the surface twists, pins have to lean, most of all the few that have all of the twist on
-    one side. Holding those more was tried: it makes the largest drift a third less and leans the
-    joints of many more blocks, so that the sample of 40 blocks needs a friction of 0.38 in place of
-    0.24.
+    Where the surface twists, pins must lean; those with all of the twist on one side lean most. A
+    larger weight for these pins was tried. It reduced the largest drift by a third, but more joints
+    leaned, and the sample of 40 blocks needed a friction of 0.38 instead of 0.24.
     """
     raised = raise_pins(mesh, thickness)
 
@@ -80,8 +79,8 @@ def planar_pins(
 
     tilted, first = planar(raised)
     grown = keep_thickness(mesh, tilted, thickness)
-    if body.register_deg:
-        grown = add_register(mesh, grown, body.register_deg)
+    if body.joggle_deg:
+        grown = add_joggle(mesh, grown, body.joggle_deg)
     pins, last = planar(grown)
     ends = np.stack([pins.start[:-1], pins.start[1:] - 1], axis=1)
     move = (pins.point[ends] - raised.point.reshape(-1, 2, 3)) / width
@@ -98,57 +97,60 @@ def planar_pins(
 
 
 STRAIGHT_REMEDY = (
-    "planar inner faces need the wedge that the curvatures ask for (wedge=None; leave --wedge out) "
+    "planar inner faces need the wedge of the curvatures (wedge=None; leave --wedge out) "
     "or none (0) where the surface is bent both ways, and blocks no wider than twice their height; "
     "else leave the inner faces as they are"
 )
-REGISTER_REMEDY = "leave the register out: surfaces of one patch, barrels and domes, take it"
+JOGGLE_REMEDY = "leave the joggle out: surfaces of one patch, barrels and domes, take it"
 
 
 def special_remedy(shape: Shape, body: Body) -> str | None:
-    """What helps most likely where blocks do not fit; None where the sizes decide."""
+    """The most likely remedy where blocks do not fit; None where it depends on the sizes."""
     if body.intrados is Intrados.STRAIGHT:
         return STRAIGHT_REMEDY
-    return REGISTER_REMEDY if body.register_deg and shape.seams else None
+    return JOGGLE_REMEDY if body.joggle_deg and shape.seams else None
 
 
-def refuse_register_at_sides(shape: Shape, body: Body) -> None:
-    """A step runs along a bed; where the beds of two patches meet at an angle it has no way on.
+def refuse_joggle_at_sides(shape: Shape, body: Body) -> None:
+    """Refuse joggles where courses end at a seam.
+
+    A joggle runs along a bed joint. It cannot continue where the bed joints of two patches meet at
+    an angle.
 
     Raises
     ------
     InputError
-        There is a register, and a seam at which courses end.
+        There is a joggle, and a seam at which courses end.
     """
     sides = {edge.side for seam in shape.seams for edge in (seam.one, seam.other)}
-    if body.register_deg and sides & {Side.LEFT, Side.RIGHT}:
+    if body.joggle_deg and sides & {Side.LEFT, Side.RIGHT}:
         raise InputError(
-            "takes no register: its courses end at seams between patches",
+            "takes no joggle: its courses end at seams between patches",
             where=f"shape '{shape.name}'",
-            remedy=REGISTER_REMEDY,
+            remedy=JOGGLE_REMEDY,
         )
 
 
 def refuse_warped(shape: Shape, made: PlanarPins, body: Body) -> None:
-    """Joints, and straight inner faces, are planar to 1e-6 of a block.
+    """Refuse joints and straight inner faces that are not planar to 1e-6 of a block.
 
     Raises
     ------
     InputError
-        They are not, unless the options of planarising ask for less.
+        They are not planar, unless the options of planarisation allow more.
     """
     if made.report.warp_after > max(LARGEST_WARP, body.planar.tolerance):
         what = "joints and inner faces" if body.intrados is Intrados.STRAIGHT else "joints"
         raise InputError(
             f"{what} stay {made.report.warp_after:.1e} of a block's width from planar",
             where=f"shape '{shape.name}'",
-            remedy=special_remedy(shape, body) or "use another wedge or register, or larger blocks",
+            remedy=special_remedy(shape, body) or "use another wedge or joggle, or larger blocks",
         )
 
 
 def hook_notes(mesh: Tessellation, body: Body) -> tuple[str, ...]:
     """A line where a block hooks over beds that meet at an angle: it cannot be turned in there."""
-    if not body.register_deg:
+    if not body.joggle_deg:
         return ()
     largest, worst = 1.0, -1
     for number, cell in enumerate(mesh.cells):
@@ -165,20 +167,21 @@ def hook_notes(mesh: Tessellation, body: Body) -> tuple[str, ...]:
         return ()
     return (
         f"block '{mesh.names[worst]}' hooks over beds that meet at {largest:.0f} degrees, so it "
-        "cannot be turned in: give no register where courses are bent",
+        "cannot be turned in: give no joggle where courses are bent",
     )
 
 
 def drift_notes(mesh: Tessellation, made: PlanarPins) -> tuple[str, ...]:
-    """A line about joints that are not planar, and one about a large drift, naming the block."""
+    """Notes about joints that are not planar and about a large drift, with the block."""
     report = made.report
     notes = []
     if not report.reached:
         notes.append(f"joints are up to {report.warp_after:.1e} of a block from planar")
     if report.drift > LARGE_DRIFT:
         notes.append(
-            f"the surface twists at block '{mesh.name_at(made.worst)}': its joints lean, and a "
-            f"corner is {report.drift:.2f} of a block's width from where the surface has it "
+            f"the surface twists at block '{mesh.name_at(made.worst)}': its joints lean, and a"
+            f" "
+            f"corner moved by {report.drift:.2f} of a block's width "
             f"(noted above {LARGE_DRIFT})"
         )
     return tuple(notes)

@@ -1,10 +1,10 @@
-"""Make polygons that share corners planar, moving the corners as little as may be.
+"""Make polygons with shared corners planar, with the smallest moves of the corners.
 
-Two stages. The local/global projection: every polygon is projected onto its best plane (local),
-and the corners that agree best with all projections are found (global), by one sparse positive
-definite matrix, factorised once. It is robust and slows down near the answer. Then Newton steps:
-the smallest move that satisfies the linearised planarity conditions, which double the digits at
-every step.
+Two stages. First local/global projection: every polygon is projected onto its best plane (local);
+then the corners that fit all projections best are found (global), with one sparse positive definite
+matrix, factorised once. This is robust, but slow near the solution. Then Newton steps: the smallest
+move that satisfies the linearised planarity conditions. Each step doubles the number of correct
+digits.
 
 Source: Bouaziz et al. 2012, "Shape-Up", section 3; Deuss et al. 2015, "ShapeOp"; for the second
 stage Tang et al. 2014, "Form-finding with polyhedral meshes made simple".
@@ -24,11 +24,11 @@ from drystone.base.progress import Progress
 from drystone.base.settings import Options
 
 TOLERANCE = 1e-10
-"""Largest distance of a corner from its polygon's plane, by the length scale: far below the 1e-6
-that joints need, far above rounding."""
+"""Largest distance of a corner from its polygon's plane, relative to the length scale: far below
+the 1e-6 that joints need, far above rounding."""
 
 STAY = 0.05
-"""Weight of staying at the starting point, by that of a projection, chosen."""
+"""Weight of the distance from the starting point, relative to that of a projection. Chosen."""
 
 REGULAR = 1e-12
 """Added to the diagonal of the Newton system, relative: conditions may depend on each other."""
@@ -41,7 +41,7 @@ class PlanarOptions(Options):
     Attributes
     ----------
     tolerance
-        Largest warp to reach, by the length scale.
+        Largest warp in the end, relative to the length scale.
     projections
         Rounds of local/global projection.
     newton
@@ -60,7 +60,7 @@ class PlanarOptions(Options):
 
 @dataclass(frozen=True)
 class PlanarReport:
-    """What planarising did; lengths by the length scale given.
+    """Result of the planarisation; lengths are relative to the given length scale.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class PlanarReport:
 
 @dataclass(frozen=True, eq=False)
 class _Group:
-    """Polygons of one number of corners: their points (m, k)."""
+    """Polygons with the same number of corners: their points (m, k)."""
 
     corner: Ints
 
@@ -106,9 +106,9 @@ def planarise(
     polygons
         Loops of points; triangles are planar already.
     scale : [m]
-        Length by which warp and drift are reported, such as the size of a block.
+        Length to which warp and drift are related, such as the size of a block.
     hold : (p,), optional
-        Weight of leaving each point where it is, relative; 1 when left out.
+        Relative weight of keeping each point in place; 1 when left out.
     options
     progress
 
@@ -141,7 +141,7 @@ def planarise(
         trial = x + move
         new = _warp(trial, groups)
         length = 1.0
-        while not new < warp and length > 1e-3:  # a step too long for the linearisation
+        while not new < warp and length > 1e-3:  # the step is too long for the linearisation
             length *= 0.5
             trial = x + length * move
             new = _warp(trial, groups)
@@ -218,7 +218,7 @@ def _project(
 
 
 def _centring(corner: Ints, count: int) -> sparse.csr_matrix:
-    """Rows that take the corners of each polygon about their mean: (m k, count)."""
+    """Matrix (m k, count) that gives the corners of each polygon relative to their mean."""
     m, k = corner.shape
     block = np.eye(k) - 1.0 / k
     rows = np.repeat(np.arange(m * k), k)

@@ -1,4 +1,4 @@
-"""What a shell stands on: fixed springers, or ground blocks under them."""
+"""Supports of a shell: fixed springers, or ground blocks under them."""
 
 from __future__ import annotations
 
@@ -27,15 +27,16 @@ class Grounded:
 
 
 def springers(mesh: Tessellation) -> Bools:
-    """(c,) which cells stand on a support."""
+    """Which cells (c,) stand on a support."""
     supported = set(mesh.supported)
     return np.array([any(edge in supported for edge in directed(cell)) for cell in mesh.cells])
 
 
 def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> Grounded:
-    """A ground block under every springer, sharing its whole support face.
+    """A ground block under every springer, with the same support face.
 
-    Its far side is the support face moved out of the shell by ``depth`` [m], square to the border.
+    Its other side is the support face moved out of the shell by ``depth`` [m], normal to the
+    border.
     """
     outwards = _outwards(mesh)
     new_vertex = {old: len(mesh.point) + i for i, old in enumerate(outwards)}
@@ -70,7 +71,7 @@ def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> Grounded:
 
 
 def _outwards(mesh: Tessellation) -> dict[int, Floats]:
-    """Per supported vertex the move that takes its edges out of the shell by one, mitred."""
+    """Per supported vertex the vector that offsets its edges out of the shell by 1, mitred."""
     at: dict[int, list[Floats]] = {}
     for a, b in mesh.supported:
         along = mesh.point[b] - mesh.point[a]

@@ -15,7 +15,7 @@ from drystone.shells.bond.tessellation import Tessellation
 from drystone.shells.surface.lengths import numbers
 
 Thickness: TypeAlias = float | Sequence[float] | Callable[[Floats], Floats]
-"""[m]: one for all, one per course, or a function of points (k, 3) on the middle surface."""
+"""[m]: one value, one per course, or a function of points (k, 3) on the middle surface."""
 
 
 def vertex_thickness(mesh: Tessellation, thickness: Thickness) -> Floats:

@@ -1,1 +1,1 @@
-"""The pattern on a surface: courses, staggered joints, wedges."""
+"""The pattern on a surface: courses, staggered head joints, wedges."""

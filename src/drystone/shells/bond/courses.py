@@ -15,12 +15,12 @@ from drystone.shells.surface.lengths import numbers, refuse_unless_positive
 from drystone.shells.surface.patch import Patch
 
 MOST_COURSES = 5_000
-"""Of a patch, chosen: far above any vault."""
+"""Largest number of courses of a patch. Chosen: far above any vault."""
 
 TABLE_U = 257
 TABLE_V = 129
-"""Samples of the arc-length table, chosen: linear interpolation in it moves a bed line by less than
-1e-5 of the patch, which every block on it shares."""
+"""Samples of the arc-length table. Chosen: linear interpolation moves a bed line by less than 1e-5
+of the patch, the same for all blocks along it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class Courses:
     patch
     height : (c,) nominal heights, relative to each other
     start, end : (c,) positions along v between which each course exists
-    taper : length in v over which a partial course runs out into its tip
+    taper : length in v over which the height of a partial course goes to zero at its tip
     """
 
     patch: Patch
@@ -47,7 +47,7 @@ class Courses:
         return len(self.height)
 
     def present(self, v: Floats) -> Bools:
-        """(k, c) whether each course has a height at the positions ``v`` (k,)."""
+        """Whether each course has a height at the positions ``v`` (k,): (k, c)."""
         full = (self.start <= 0.0) & (self.end >= 1.0)
         inside = (v[:, None] > self.start) & (v[:, None] < self.end)
         at_end = ((v[:, None] <= 0.0) & (self.start <= 0.0)) | (
@@ -57,7 +57,7 @@ class Courses:
         return exists
 
     def line(self, v: Floats) -> Floats:
-        """(k, c + 1) position of each bed line at ``v``, as a share of the length along u."""
+        """Position (k, c + 1) of each bed line at ``v``, as a share of the length along u."""
         ramp = np.ones((len(v), self.count))
         left, right = self.start > 0.0, self.end < 1.0
         ramp[:, left] = np.clip((v[:, None] - self.start[left]) / self.taper, 0.0, 1.0)
@@ -67,7 +67,7 @@ class Courses:
         return np.concatenate([np.zeros((len(v), 1)), total / total[:, -1:]], axis=1)
 
     def canonical(self, v: Floats) -> np.ndarray[tuple[int, int], np.dtype[np.intp]]:
-        """(k, c + 1) for each bed line at ``v`` the lowest bed line that it has merged with."""
+        """The lowest bed line (k, c + 1) with which each bed line coincides at ``v``."""
         number = np.arange(1, self.count + 1)
         rising = np.where(self.present(v), number, 0)
         merged = np.maximum.accumulate(rising, axis=1)
@@ -75,7 +75,7 @@ class Courses:
 
     @cached_property
     def _inverse(self) -> RegularGridInterpolator:
-        """(share of the length along u, v) to u."""
+        """Function from (share of the length along u, v) to u."""
         u, v = np.linspace(0.0, 1.0, TABLE_U), np.linspace(0.0, 1.0, TABLE_V)
         points = self.patch.point(u[:, None], v[None, :])
         step = np.linalg.norm(np.diff(points, axis=0), axis=2)
@@ -113,12 +113,12 @@ def lay_courses(
     count
         Number of full courses, of equal height at every v.
     height : [m]
-        Or: the height wanted; the shorter side decides the number of full courses.
+        Or: the target height; the shorter side gives the number of full courses.
     heights
         Or: one relative height per full course.
     partial
-        Courses added on the longer side that end inside; None lets the height decide: as many as
-        bring the heights of the two sides together.
+        Number of courses that start on the longer side and end inside the patch. None: the number
+        that makes the heights on both sides most equal.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def lay_courses(
 
 
 def _spread(full: int, extra: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Positions of the partial courses among all: spread, none at the bottom or the top."""
+    """Positions of the partial courses among all courses: spread, none at the bottom or top."""
     if extra and full < 2:
         raise InputError("a partial course needs a full one below and above", remedy="partial=0")
     after = np.round(np.arange(1, extra + 1) * full / (extra + 1)).astype(np.intp)
@@ -186,7 +186,7 @@ def _spread(full: int, extra: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
 def _extent(
     wanted: Floats, v: Floats, full: int, k: int, extra: int, taper: float, where: str
 ) -> tuple[float, float]:
-    """Where partial course k is: where its share of the surplus of courses is more than half."""
+    """Range in v of partial course k: its share of the additional courses is above a half."""
     surplus = wanted - full
     level = (k + 0.5) / extra * float(surplus.max())
     if surplus.max() <= 0.0:

@@ -1,4 +1,4 @@
-"""Bond: where the head joints of each course stand, staggered against the course below."""
+"""Bond: positions of the head joints of each course, staggered against the course below."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from drystone.shells.bond.courses import Courses
 from drystone.shells.surface.lengths import refuse_unless_positive
 
 SAMPLES = 257
-"""Samples along a course when its length is measured."""
+"""Samples along a course for its length."""
 
 LEAST_LAP = 0.2
-"""Smallest distance between head joints of neighbouring courses, by the width of a block, chosen:
-the usual least lap of masonry is a quarter of the block's length; a little less where courses of
-different number meet."""
+"""Smallest distance between head joints of neighbouring courses, relative to the width of a block.
+Chosen: the usual least lap of masonry is a quarter of the block's length; here a little less, for
+courses with different numbers of blocks."""
 
 MOST_BLOCKS = 10_000
-"""In a course, chosen: far above any vault, and still answered within minutes."""
+"""Largest number of blocks in a course. Chosen: far above any vault; the calculation takes
+minutes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,11 +32,11 @@ class Bond:
     Attributes
     ----------
     courses
-        The tips of partial courses moved away from head joints, where they met.
+        Tips of partial courses are moved away from head joints.
     joints
-        Per course the positions along v of its head joints, ascending. An open course begins and
-        ends with its ends; a closed one with n blocks has n + 1 values, the last one more than the
-        first by 1.
+        Per course the positions along v of its head joints, ascending. For an open course the first
+        and last value are its ends. A closed course with n blocks has n + 1 values; the last is the
+        first plus 1.
     """
 
     courses: Courses
@@ -55,17 +56,17 @@ def lay_bond(
     ----------
     courses
     blocks
-        Blocks in each course, one number for all or one each. A staggered open course has its two
-        half blocks besides, in place of one.
+        Blocks in each course, one number for all or one per course. In a staggered open course two
+        half blocks replace one block.
     width : [m]
-        Or: the width of block wanted.
+        Or: the target width of a block.
     staggered
         Whether every other course starts with a half block.
 
     Raises
     ------
     InputError
-        Neither or both of blocks and width, too few blocks, lists of another length.
+        Neither or both of blocks and width, too few blocks, or a list of another length.
     """
     where = f"patch '{courses.patch.name}'"
     if (blocks is None) == (width is None):
@@ -130,7 +131,7 @@ def _numbers(blocks: int | Sequence[int], count: int, where: str) -> list[int]:
 
 
 def _along(courses: Courses, course: int) -> tuple[Floats, Floats, float]:
-    """v, share of the course's length, and the length [m]; closed ones run a half turn further."""
+    """v, share of the course's length, and the length [m]; closed courses extend by half a turn."""
     end = 1.5 if courses.patch.closed else float(courses.end[course])
     v = np.linspace(float(courses.start[course]), end, SAMPLES)
     step = np.linalg.norm(np.diff(courses.middle(course, v), axis=0), axis=1)
@@ -140,7 +141,7 @@ def _along(courses: Courses, course: int) -> tuple[Floats, Floats, float]:
 
 
 def _even(number: int, half: bool, closed: bool, tips: tuple[bool, bool]) -> Floats:
-    """Shares of the course's length; half blocks at its ends, but not where it runs out."""
+    """Shares of the course's length; half blocks at its ends, but not at a tip."""
     if closed:
         return (np.arange(number) + 0.5 * half) / number
     left, right = (half and not tip for tip in tips)
@@ -148,7 +149,7 @@ def _even(number: int, half: bool, closed: bool, tips: tuple[bool, bool]) -> Flo
     inner = np.concatenate([[0.5], inner - 0.5, [number - 0.5]]) if left or right else inner
     inner = inner[1:] if left < right else inner
     cuts = np.unique(np.concatenate([[0.0], inner, [float(number)]]))
-    if left != right:  # one half block only: the other end keeps a longer one
+    if left != right:  # only one half block: the block at the other end is longer
         cuts = np.delete(cuts, -2 if left else 1) if number > 1 else cuts
     shares: Floats = cuts / number
     return shares
@@ -179,7 +180,7 @@ def _narrower(joints: Floats, closed: bool) -> Floats:
 
 
 def _apart(joints: Floats, below: Floats, closed: bool) -> Floats:
-    """Move joints away from those below, so that they lap by at least the least lap."""
+    """Move joints away from those below, to at least the least lap."""
     inner = joints if closed else joints[1:-1]
     if len(inner) == 0 or len(below) == 0:
         return joints
@@ -191,7 +192,7 @@ def _apart(joints: Floats, below: Floats, closed: bool) -> Floats:
 
 
 def _together(joints: Floats, below: Floats, closed: bool) -> Floats:
-    """Continue joints that nearly meet those below: a joint beside a joint leaves a sliver."""
+    """Continue joints that nearly meet those below; a small offset would leave a sliver."""
     inner = joints if closed else joints[1:-1]
     if len(inner) == 0 or len(below) == 0:
         return joints

@@ -1,8 +1,8 @@
 """The pattern on a patch: cells with shared vertices, staggered and wedged.
 
-A cell is the outline of one block on the surface. Along each bed line stand the head joints of both
-neighbouring courses, and every cell that touches a joint's end has it as a vertex, so that any two
-neighbours share whole edges.
+A cell is the outline of one block on the surface. The head joints of both neighbouring courses end
+on a bed line. Every cell that touches such an end has it as a vertex, so neighbours share whole
+edges.
 """
 
 from __future__ import annotations
@@ -63,16 +63,17 @@ def lay_pattern(
     joints
         Per course the positions of its head joints along v.
     wedge
-        Positive: where a course above has a head joint the bed line rises, where the course below
-        has one it sinks; blocks are hexagons, and each sits in the valley between two others. The
-        half blocks of an open end taper inwards then and hold by friction only. Negative turns it
-        round: blocks are waisted, and none can be pulled out of an open end. It is less where head
-        joints above and below come close to each other. None: what planar cells have.
+        Positive: the bed line rises at head joints of the course above and falls at head joints of
+        the course below. Blocks are hexagons, and each lies between two blocks of the course below.
+        Half blocks at an open end then taper inwards and are held by friction only. Negative:
+        blocks are narrow in the middle, and none can be pulled out of an open end. The wedge is
+        reduced where head joints above and below are close to each other. None: the wedge of planar
+        cells.
 
     Raises
     ------
     InputError
-        A wedge that turns a block inside out, or a list of another length.
+        The wedge turns a block inside out, or the list has another length.
     """
     head_course = np.concatenate([np.full(len(x), i) for i, x in enumerate(joints)]).astype(np.intp)
     head_v = np.concatenate(list(joints))
@@ -99,7 +100,7 @@ def lay_pattern(
         borders=_borders(courses, u, v, line),
     )
     _refuse_inside_out(pattern)
-    if courses.patch.turn > 0.0:  # a loop along v, then back one course up, looks along dv x du
+    if courses.patch.turn > 0.0:  # a loop along v and back has the normal dv x du
         pattern = replace(pattern, cells=tuple(cell[::-1] for cell in pattern.cells))
     return pattern
 
@@ -109,7 +110,7 @@ def _wrapped(v: Floats, courses: Courses) -> Floats:
 
 
 def _merge(level: Ints, v: Floats, *, closed: bool) -> tuple[Ints, Ints]:
-    """Vertex of each corner, and the first corner of each vertex: same bed line, same v."""
+    """Vertex of each corner, and the first corner of each vertex; equal bed line and v."""
     cyclic = np.where(v > 1.0 - SAME, 0.0, v) if closed else v
     order = np.lexsort((cyclic, level))
     new = np.ones(len(v), dtype=bool)
@@ -122,7 +123,7 @@ def _merge(level: Ints, v: Floats, *, closed: bool) -> tuple[Ints, Ints]:
 def _shifted(
     courses: Courses, v: Floats, line: Ints, bottom: Ints, top: Ints, wedge: Wedge | None
 ) -> Floats:
-    """Parameter u of each vertex: on its bed line, less or more the wedge."""
+    """Parameter u of each vertex: that of its bed line plus or minus the wedge."""
     lines = courses.line(v)
     row = np.arange(len(v))
     share = lines[row, line]
@@ -210,7 +211,7 @@ def _names(course: Ints, position: Ints) -> tuple[str, ...]:
 
 
 def _refuse_inside_out(pattern: Pattern) -> None:
-    """Every head joint rises and every cell has an area in (u, v)."""
+    """Raise for a head joint that does not rise, or a cell without area in (u, v)."""
     rise = pattern.uv[pattern.heads[:, 1], 0] - pattern.uv[pattern.heads[:, 0], 0]
     bad = rise <= 0.0
     if bad.any():

@@ -40,7 +40,7 @@ class Tessellation(OneLine):
     heads
         Pairs of vertices, lower number first, at the ends of the head joints.
     supported
-        Edges on which the shell stands, directed as in their cell.
+        Edges on which the shell is supported, directed as in their cell.
     """
 
     point: Floats

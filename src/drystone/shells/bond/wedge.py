@@ -1,4 +1,4 @@
-"""Wedge: how far the corners of bed joints are shifted towards the neighbouring course."""
+"""Wedge: shift of the corners of bed joints towards the neighbouring course."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from drystone.shells.surface.lengths import numbers
 from drystone.shells.surface.patch import line_curvatures
 
 Wedge: TypeAlias = float | Sequence[float] | Callable[[Floats, Floats], Floats]
-"""Shift of bed-joint corners towards the neighbouring course, by the height of the course: one for
-all, one per bed line between two courses, or a function of (u, v)."""
+"""Shift of bed-joint corners towards the neighbouring course, relative to its height: one value,
+one per bed line between two courses, or a function of (u, v)."""
 
 FLAT_WEDGE = 0.4
-"""Largest wedge taken from the curvatures, chosen: a little below the largest one possible."""
+"""Largest wedge from the curvatures. Chosen: a little below the largest possible one."""
 
 LARGEST_WEDGE = 0.45
-"""Chosen: at half a course's height head joints shrink to nothing."""
+"""Largest wedge. Chosen: at half the height of a course head joints have no length."""
 
 
 def wedge_amount(
     courses: Courses, wedge: Wedge | None, lines: Floats, v: Floats, line: Ints
 ) -> Floats:
-    """(p,) wedge at each vertex, by the height of the course.
+    """Wedge (p,) at each vertex, relative to the height of the course.
 
     Parameters
     ----------
     courses
     wedge
-        None: that of planar cells.
-    lines : (p, c + 1) position of every bed line at each vertex, by the length along u
+        None: the wedge of planar cells.
+    lines : (p, c + 1) position of every bed line at each vertex, relative to the length along u
     v, line : (p,) position and bed line of each vertex
 
     Raises
@@ -78,12 +78,12 @@ def wedge_amount(
 
 
 def _flat_wedge(courses: Courses, lines: Floats, v: Floats, line: Ints) -> Floats:
-    """(p,) wedge of planar cells on a surface with these curvatures, within the largest.
+    """Wedge (p,) of planar cells on a surface with these curvatures, at most the largest.
 
-    Planes that touch the surface at the middles of the cells meet in the edges of the power diagram
-    of these middles, with lengths along u and v weighed by the root of the curvatures there: in a
-    bond of width w and height h its corners are shifted by ``k_v w^2 / (8 k_u h^2)`` of the height.
-    Source of planes that touch a paraboloid as such a diagram: Aurenhammer 1987, Power diagrams.
+    The tangent planes at the middles of the cells intersect in the edges of a power diagram of
+    these middles, with lengths along u and v scaled by the root of the curvatures. In a bond of
+    width w and height h the corners are shifted by ``k_v w^2 / (8 k_u h^2)`` of the height. Source
+    (tangent planes of a paraboloid): Aurenhammer 1987, Power diagrams.
     """
     row = np.arange(len(v))
     at_u = [
@@ -108,10 +108,11 @@ def _flat_wedge(courses: Courses, lines: Floats, v: Floats, line: Ints) -> Float
 
 
 def eased_share(v: Floats, line: Ints, direction: Floats, *, closed: bool) -> Floats:
-    """(p,) share of the wedge at each vertex: less where joints above and below come close.
+    """Share (p,) of the wedge at each vertex: smaller where joints above and below are close.
 
-    Twice the distance to the nearer of the two next vertices that is shifted otherwise, by the
-    distance between these two: 1 in a regular bond, so that no bed is steeper than there.
+    The share is 2 d / D. D is the distance between the previous and the next vertex with the
+    opposite shift; d is the distance to the nearer of them. It is 1 in a regular bond, so no bed
+    joint is steeper than there.
     """
     share = np.ones(len(v))
     for level in np.unique(line):

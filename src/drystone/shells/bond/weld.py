@@ -1,4 +1,4 @@
-"""Patterns of several patches welded into one cell complex in space."""
+"""Patterns of several patches merged into one cell complex in space."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Edge, Seam, Shape
 
 SNAP = 0.15
-"""Joints from the two sides of a seam that are closer than this share of the shorter neighbouring
-stretch are made one, chosen: below the least lap within a patch."""
+"""Joints from the two sides of a seam are merged when they are closer than this share of the
+shorter neighbouring stretch. Chosen: below the least lap within a patch."""
 
 
 class _Weld:
-    """Working state: patterns side by side, their borders, and what each vertex became."""
+    """Working state: all patterns, their borders, and the merged vertex of each vertex."""
 
     def __init__(self, shape: Shape, patterns: Sequence[Pattern]) -> None:
         self.shape = shape
@@ -43,13 +43,13 @@ class _Weld:
         self.cell_of = {edge: c for c, cell in enumerate(self.cells) for edge in directed(cell)}
 
     def root(self, i: int) -> int:
-        """The vertex that vertex ``i`` has become."""
+        """The vertex with which vertex ``i`` was merged."""
         while self.parent[i] != i:
             i = self.parent[i]
         return i
 
     def insert(self, key: tuple[int, Side], along: float, vertex: int) -> None:
-        """Put ``vertex`` into the border and into the cell that is there."""
+        """Insert ``vertex`` into the border and into the cell there."""
         run = self.border[key]
         place = next((n for n, (a, _) in enumerate(run) if a > along), len(run))
         low, high = run[max(place - 1, 0)][1], run[min(place, len(run) - 1)][1]
@@ -69,7 +69,7 @@ class _Weld:
         return inside if edge.start <= edge.end else inside[::-1]
 
     def end_at(self, edge: Edge, along: float) -> None:
-        """Make sure that a vertex stands at one end of a stretch."""
+        """Insert a vertex at one end of a stretch if there is none."""
         run = self.border[edge.patch, edge.side]
         spacing = np.diff([a for a, _ in run])
         gaps = np.abs(np.array([a for a, _ in run]) - along)
@@ -93,8 +93,8 @@ class _Weld:
 def weld(shape: Shape, patterns: Sequence[Pattern]) -> Tessellation:
     """One cell complex from the patterns of the patches.
 
-    Along a seam every joint that ends on either side becomes a corner of the blocks on both; joints
-    that nearly meet are made to meet.
+    Every joint that ends at a seam becomes a corner of the blocks on both sides. Joints that nearly
+    meet are merged.
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def _edges_on(
 
 
 def _with_keystone(state: _Weld, renumber: Ints, mesh: Tessellation) -> Tessellation:
-    """One more cell that closes the opening, where the shape has one."""
+    """The mesh with a cell that closes the opening, where the shape has a keystone."""
     if not state.shape.keystone:
         return mesh
     around = _edges_on(state, renumber, state.shape.keystone, mesh.cells)

@@ -1,1 +1,1 @@
-"""A shell's middle surface: patches, their sources, and form finding."""
+"""The middle surface of a shell: patches, their sources, form finding."""

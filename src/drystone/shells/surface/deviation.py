@@ -1,4 +1,4 @@
-"""How far a mesh is from a patch, its edges and faces included."""
+"""Distance of a mesh from a patch, at vertices, edges and faces."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from drystone.shells.bond.tessellation import directed
 from drystone.shells.surface.patch import Patch
 
 PROJECTED = 2_000
-"""Points of the mesh, those farthest from the patch, whose nearest point of it is looked for;
-chosen: bounds the time on large meshes."""
+"""Number of mesh points, those farthest from the patch, for which the nearest point of the patch is
+searched. Chosen: bounds the time on large meshes."""
 
 
 def distances(patch: Patch, at: Floats, loops: Sequence[Sequence[int]]) -> Floats:
-    """(k,) [m] distance of the vertices, then of the middles of edges and faces, from the patch.
+    """Distance (k,) [m] from the patch of the vertices, then of the middles of edges and faces.
 
-    ``at`` (p, 5) has u, v and the place of every vertex. Where the parameters are not those of the
-    nearest point of the patch, a few Gauss-Newton steps lead there.
+    ``at`` (p, 5) holds u, v and the position of every vertex. A few Gauss-Newton steps correct the
+    parameters to those of the nearest point of the patch.
     """
     pairs = np.array([pair for loop in loops for pair in directed(loop)])
     ends = np.unique(np.sort(pairs, axis=1), axis=0)

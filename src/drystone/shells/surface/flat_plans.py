@@ -1,4 +1,4 @@
-"""Flat plans to find a form over."""
+"""Flat plans for form finding."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def rectangular_plan(
 ) -> Shape:
     """A flat rectangle, v along x over ``width`` [m], u along y over ``depth`` [m].
 
-    Supported on all sides but the open ones.
+    It is supported on all sides except the open ones.
     """
     refuse_unless_positive(width=width, depth=depth)
 

@@ -1,8 +1,8 @@
 """Form finding: a net of bars in compression that carries the shell's own weight.
 
-Every bar has a force density q, force by length. The nodes of a net with given densities are where
-linear equations put them: ``sum_j q_ij (x_i - x_j) = p_i``. With the net in the middle of the shell
-the line of thrust lies in it.
+Every bar has a force density q, its force divided by its length. For given densities, linear
+equations give the positions of the nodes: ``sum_j q_ij (x_i - x_j) = p_i``. The net is the middle
+surface of the shell, so the thrust stays in the middle of the shell.
 
 Source: Schek 1974, "The force density method for form finding".
 """
@@ -29,10 +29,10 @@ from drystone.shells.surface.shape import Shape
 from drystone.shells.surface.sources import patch_from_grid
 
 ROUNDS = 60
-"""Largest number of rounds of load and form; each makes the error about ten times smaller."""
+"""Largest number of iterations of load and form; each reduces the error about ten times."""
 
 SETTLED = 1e-10
-"""Change of height, by the height, at which the form has settled."""
+"""Relative change of height at which the iteration has converged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +42,15 @@ class FormFound(OneLine):
     Attributes
     ----------
     shape
-        Spline patches through the nodes, joined and supported as the plan was.
+        Spline patches through the nodes, with the seams and supports of the plan.
     thickness : [m]
-        That the load was computed for.
+        Thickness from which the load was calculated.
     point : (p, 3) [m] nodes
     bar : (b, 2) nodes at the ends of each bar
     force : (b,) [N] compression in each bar
-    reaction : (p, 3) [N] of the supports, zero elsewhere
+    reaction : (p, 3) [N] at the supports, zero elsewhere
     residual
-        Largest unbalanced force on a free node, by the mean load of a node.
+        Largest unbalanced force on a free node, relative to the mean load of a node.
     height : [m] reached
     rounds
     """
@@ -68,10 +68,10 @@ class FormFound(OneLine):
     def stress_thickness(
         self, stress: float, *, least: float, most: float
     ) -> Callable[[Floats], Floats]:
-        """Thickness [m] at which the thrust makes the given mean stress [Pa], within limits.
+        """Thickness [m] at which the thrust causes the given mean stress [Pa], within limits.
 
-        The thrust per width at a node is the mean force of its bars, by half the mean length of
-        the bars: each bar carries the strip half-way to its neighbours.
+        The thrust per width at a node is the mean force of its bars divided by half their mean
+        length: each bar carries the strip half-way to its neighbours.
         """
         ends = self.bar.ravel()
         length = np.linalg.norm(self.point[self.bar[:, 0]] - self.point[self.bar[:, 1]], axis=1)
@@ -92,7 +92,7 @@ class FormFound(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class _Net:
-    """Nodes of all patches, those that coincide made one."""
+    """Nodes of all patches, coincident ones merged."""
 
     point: Floats
     node: tuple[Ints, ...]
@@ -109,17 +109,17 @@ def find_form(
     thickness: float | None = None,
     options: FormOptions | None = None,
 ) -> FormFound:
-    """The form over a plan that stands by compression alone.
+    """The form over a plan that carries its weight in compression only.
 
     Parameters
     ----------
     plan
-        A shape whose patches lie in plan; its supports keep their height, its other borders move
-        to where the free edge of the net is in balance.
+        A shape whose patches are flat plans. Its supports keep their height; its other borders move
+        until the free edges of the net are in equilibrium.
     height : [m]
         Of the highest node above the lowest support.
     thickness : [m]
-        Its weight is the load; left out, that of the plan.
+        Its weight is the load; that of the plan when left out.
     options
 
     Raises
@@ -168,7 +168,7 @@ def find_form(
 
 
 def _refuse_line(plan: Shape, net: _Net) -> None:
-    """A net that hangs from one line only closes up on it."""
+    """Refuse supports on one line: the net would collapse onto it."""
     held = net.point[net.fixed] - net.point[net.fixed].mean(axis=0)
     spread = np.linalg.svd(held, compute_uv=False)
     if spread[1] <= 1e-6 * np.linalg.norm(np.ptp(net.point, axis=0)):
@@ -213,7 +213,7 @@ def _net(plan: Shape, options: FormOptions) -> _Net:
 def _balance(
     net: _Net, height: float, thickness: float, options: FormOptions
 ) -> tuple[Floats, Floats, float, int]:
-    """Nodes in balance, their loads [N], the force density of an inner bar [N/m], and rounds."""
+    """Nodes in equilibrium, loads [N], force density of an inner bar [N/m], iterations."""
     count, free, fixed = len(net.point), np.flatnonzero(~net.fixed), np.flatnonzero(net.fixed)
     incidence = sparse.csr_matrix(
         (

@@ -1,4 +1,4 @@
-"""Lengths, counts and numbers that make sense."""
+"""Checks of lengths, counts and numbers."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ LONGEST = 40
 
 
 def refuse_unless_positive(where: str = "", **metres: float) -> None:
-    """Refuse a length that is no number above zero, by its name.
+    """Refuse lengths that are not numbers above zero.
 
     Raises
     ------
     InputError
-        There is one.
+        There is such a length; it is named.
     """
     for name, value in metres.items():
         if not (_is_number(value) and math.isfinite(value) and value > 0.0):
@@ -32,12 +32,12 @@ def refuse_unless_positive(where: str = "", **metres: float) -> None:
 
 
 def refuse_unless_count(value: object, name: str, where: str = "") -> None:
-    """Refuse what is no whole number.
+    """Refuse a value that is no whole number.
 
     Raises
     ------
     InputError
-        It is none; 4.0 and True are none either.
+        It is no whole number; 4.0 and True are refused too.
     """
     if not isinstance(value, Integral) or isinstance(value, bool):
         raise InputError(
@@ -51,7 +51,7 @@ def numbers(values: object, what: str, where: str = "") -> Floats:
     Raises
     ------
     InputError
-        They are none, or ragged.
+        They are no numbers, or ragged.
     """
     try:
         return np.asarray(values, dtype=np.float64)

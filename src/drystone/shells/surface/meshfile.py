@@ -22,7 +22,8 @@ def read_surface(
     ----------
     path
     units
-        Of the numbers in the file: mm, cm, m, in or ft; left out, what the file says, else metres.
+        Of the numbers in the file: mm, cm, m, in or ft. When left out: the unit in the file, else
+        metres.
 
     Raises
     ------

@@ -20,25 +20,26 @@ from drystone.shells.surface.patch import Patch, check_patch
 
 DEGREE = 3
 SMOOTHING = 1e-6
-"""Weight of the second differences of the control points, by that of a mesh vertex, chosen: it
-decides only where vertices are too few to."""
+"""Weight of the second differences of the control points, relative to that of a mesh vertex.
+Chosen: it has an effect only where there are too few vertices."""
 
 CORNER_TURN = 20.0
-"""[degrees] a border turns at a corner at least, when corners are looked for, chosen."""
+"""[degrees] Least angle of the border at a corner, when corners are searched. Chosen."""
 
 WELD = 1e-6
-"""Vertices closer than this, by the size of the mesh, are one: formats such as STL repeat them."""
+"""Vertices closer than this, relative to the size of the mesh, are merged: formats such as STL
+repeat them."""
 
 FARTHEST_FIT = 0.05
-"""Largest distance of a mesh from its patch, by the size of the mesh, chosen: beyond it the corners
-are not where the surface has them, or the mesh is too coarse to tell its surface."""
+"""Largest distance of a mesh from its patch, relative to the size of the mesh. Chosen: beyond it
+the corners are wrong, or the mesh is too coarse."""
 
 REMEDY = "give a finer mesh, name its corners, or use more control points"
 
 
 @dataclass(frozen=True, eq=False)
 class MeshFit(OneLine):
-    """A patch and how far the mesh is from it.
+    """A patch, and the distance of the mesh from it.
 
     Attributes
     ----------
@@ -72,8 +73,8 @@ def patch_from_mesh(
     faces
         Loops of vertices.
     corners
-        Four border vertices: bottom left, bottom right, top right, top left. Left out, the four
-        sharpest turns of the border, the bottom being the lowest side.
+        Four border vertices: bottom left, bottom right, top right, top left. When left out: the
+        four sharpest turns of the border, with the lowest side as the bottom.
     control
         Control points along u and v.
     name
@@ -81,14 +82,14 @@ def patch_from_mesh(
     Raises
     ------
     InputError
-        The mesh is closed, has several borders, no four corners, or is farther from the patch than
-        a twentieth of its size.
+        The mesh is closed, has several borders or no four corners, or is farther from the patch
+        than a twentieth of its size.
 
     Notes
     -----
-    The mesh is laid out on the unit square with its border on the border, every inner vertex at the
-    mean of its neighbours by inverse length (source: Floater 1997), and the patch is the
-    least-squares B-spline through it.
+    The mesh is mapped to the unit square. Every inner vertex lies at the mean of its neighbours,
+    weighted by inverse length (source: Floater 1997). The patch is the least-squares B-spline
+    through it.
     """
     points = frozen_floats(vertices, (None, 3), "vertices")
     points, loops, named = _welded(points, faces, corners)
@@ -134,7 +135,7 @@ def patch_from_mesh(
 def _welded(
     points: Floats, faces: Sequence[Sequence[int]], corners: Sequence[int] | None
 ) -> tuple[Floats, list[list[int]], list[int] | None]:
-    """Used vertices, coincident ones made one."""
+    """Used vertices, coincident ones merged."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     first = first_coincident(points, WELD * size)
     loops = [list(dict.fromkeys(int(first[i]) for i in face)) for face in faces]
@@ -157,9 +158,9 @@ def _border(loops: list[list[int]], name: str) -> list[int]:
     edges = set(runs)
     if len(edges) < len(runs):
         raise InputError(
-            "neighbouring faces look different ways, or three meet at an edge",
+            "neighbouring faces have opposite normals, or three meet at an edge",
             where=f"mesh '{name}'",
-            remedy="turn its faces one way, and leave one surface",
+            remedy="orient its faces consistently, and leave one surface",
         )
     for a, b in edges:
         if (b, a) not in edges:
@@ -175,8 +176,7 @@ def _border(loops: list[list[int]], name: str) -> list[int]:
         run.append(after[run[-1]])
     if len(run) != len(after):
         raise InputError(
-            "the mesh has several borders: a hole, or it closes to a ring as a dome does, which "
-            "a mesh may not",
+            "the mesh has several borders: it has a hole, or it is closed to a ring like a dome",
             where=f"mesh '{name}'",
             remedy="close its holes; for a ring use patch_from_grid with closed=True, or cut the "
             "mesh open from border to border",
@@ -219,7 +219,7 @@ def _layout(
     if any(c not in border for c in corners):
         raise InputError("a corner is not on the border", where=f"mesh '{name}'")
     square = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])  # u, v of the corners
-    if not _cyclic([border.index(c) for c in corners]):  # given the other way round
+    if not _cyclic([border.index(c) for c in corners]):  # given in the opposite direction
         corners, square = [corners[i] for i in (0, 3, 2, 1)], square[[0, 3, 2, 1]]
         if not _cyclic([border.index(c) for c in corners]):
             raise InputError("the corners do not follow each other", where=f"mesh '{name}'")
@@ -245,7 +245,7 @@ def _layout(
 
 
 def _cyclic(order: list[int]) -> bool:
-    """Whether four positions ascend, from some one of them on."""
+    """Whether four positions ascend cyclically."""
     start = int(np.argmin(order))
     turned = order[start:] + order[:start]
     return turned == sorted(turned)

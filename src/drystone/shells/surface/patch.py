@@ -1,7 +1,7 @@
 """Four-sided parametric surface patches: a point for every (u, v) in the unit square.
 
 u runs across the courses, from the springing (0) to the crown or the free edge (1); v runs along a
-course. A closed patch comes back to its beginning along v, as a dome does.
+course. A closed patch, such as a dome, has the same points at v = 0 and v = 1.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ STEP = 2e-3
 the analytic families."""
 
 FOLD_GRID = 33
-"""Samples along u and v when a patch is looked over for folds, chosen: finer than any course."""
+"""Samples along u and v when a patch is checked for folds. Chosen: finer than any course."""
 
 
 class Side(enum.Enum):
@@ -61,7 +61,7 @@ class Patch(OneLine):
     function
         Points (k, 3) [m] for u (k,) and v (k,), each in [0, 1].
     closed
-        Whether v = 1 is v = 0 again.
+        Whether v = 1 is the same as v = 0.
     name
     breaks
         Positions in v at which its lines along v may have a corner.
@@ -69,7 +69,7 @@ class Patch(OneLine):
     Raises
     ------
     InputError
-        The function gives something else than finite points.
+        The function does not return finite points.
 
     Examples
     --------
@@ -116,7 +116,7 @@ class Patch(OneLine):
         return by_u, by_v
 
     def normal(self, u: Any, v: Any) -> Floats:
-        """Unit normals (..., 3), outwards: to the side that looks up on the whole.
+        """Unit normals (..., 3), outwards: to the side that faces up on average.
 
         Raises
         ------
@@ -160,8 +160,8 @@ class Patch(OneLine):
 def curvatures(patch: Patch, u: Any, v: Any) -> Floats:
     """Principal curvatures (..., 2) [1/m], positive where the surface bends away from its normal.
 
-    The derivative of the unit normal by the point, in the tangent plane (Weingarten map).
-    Source: do Carmo 1976, section 3-3.
+    They are the eigenvalues of the Weingarten map, the derivative of the unit normal in the tangent
+    plane. Source: do Carmo 1976, section 3-3.
     """
     (E, F, G), (e, f, g) = _forms(patch, u, v)
     determinant = E * G - F * F
@@ -199,12 +199,12 @@ def _forms(patch: Patch, u: Any, v: Any) -> tuple[tuple[Floats, ...], tuple[Floa
 
 
 def check_patch(patch: Patch) -> None:
-    """Look a patch over for folds and for sides without a length.
+    """Check a patch for folds and for sides without length.
 
     Raises
     ------
     InputError
-        The normal turns over between two neighbouring samples: the patch is folded there.
+        The normal reverses between two neighbouring samples: the patch is folded there.
     """
     grid = (np.arange(FOLD_GRID) + 0.5) / FOLD_GRID
     normal = patch.normal(*np.meshgrid(grid, grid, indexing="ij"))
@@ -223,8 +223,8 @@ def check_patch(patch: Patch) -> None:
 def _stencil(at: Floats, *, bounded: bool) -> tuple[Floats, Floats]:
     """Nodes (..., 5) around ``at`` and the weights of the derivative there.
 
-    Inside [0, 1] when bounded: near its ends the derivative of the same interpolating polynomial is
-    taken off centre.
+    When bounded, all nodes are inside [0, 1]: near the ends the derivative of the same
+    interpolating polynomial is taken off centre.
     """
     centre = np.clip(at, 2.0 * STEP, 1.0 - 2.0 * STEP) if bounded else at
     offset = np.arange(-2.0, 3.0)

@@ -1,4 +1,4 @@
-"""A shell's middle surface: patches, the seams that join them, the sides that are supported."""
+"""The middle surface of a shell: patches, seams between them, supported sides."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from drystone.base.errors import InputError
 from drystone.shells.surface.patch import Patch, Side, check_patch
 
 SEAM_GAP = 1e-4
-"""Largest distance between the two sides of a seam, by the size of the patch, chosen: far below any
-block, far above the rounding of a spline."""
+"""Largest distance between the two sides of a seam, relative to the size of the patch. Chosen: far
+below any block, far above the rounding of a spline."""
 
 SLENDERNESS = 30.0
-"""Size of a patch by its thickness where none is given, chosen: a stout masonry shell."""
+"""Size of a patch divided by its thickness, where none is given. Chosen: a thick masonry shell."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Edge:
         Position of the patch in the shape.
     side
     start, end
-        Positions along the side, in [0, 1]; start after end runs it backwards.
+        Positions along the side, in [0, 1]; start above end reverses the direction.
     """
 
     patch: int
@@ -58,7 +58,7 @@ class Seam:
 
 @dataclass(frozen=True, eq=False)
 class Shape(OneLine):
-    """Patches joined along seams, standing on some of their sides.
+    """Patches joined along seams, supported on some of their sides.
 
     Parameters
     ----------
@@ -66,18 +66,18 @@ class Shape(OneLine):
     seams
         Where patches meet; checked.
     supports
-        Stretches of border on which the shell stands.
+        Stretches of border on which the shell is supported.
     keystone
-        Stretches of border around an opening that one block closes; none for an open eye.
+        Stretches of border around an opening that one block closes; empty for an open eye.
     name
     thickness : [m]
-        That goes with the shape, where one is known: a form was found for it.
+        Thickness of the shape, if known: that of form finding.
 
     Raises
     ------
     InputError
-        A folded patch, a seam whose sides are apart, or an edge of a patch or side that is not
-        there.
+        A folded patch, a seam whose sides do not meet, or an edge of a patch or side that does not
+        exist.
     """
 
     patches: tuple[Patch, ...]
@@ -132,7 +132,7 @@ class Shape(OneLine):
 
     @property
     def default_thickness(self) -> float:
-        """[m], its own thickness, else the size of its largest patch by 30."""
+        """[m], the thickness of the shape, else 1/30 of the size of its largest patch."""
         if self.thickness is not None:
             return self.thickness
         return max(patch.size for patch in self.patches) / SLENDERNESS

@@ -13,12 +13,12 @@ from drystone.shells.surface.patch import Patch, PatchFunction, Side
 from drystone.shells.surface.shape import Edge, Seam, Shape
 
 VAULT_THICKNESS = 0.075
-"""Default thickness of a barrel vault by its span, chosen: 0.15 of a semicircle's radius, which
-stands from 0.1075 on (Milankovitch 1907); flatter vaults stand with less."""
+"""Default thickness of a barrel vault, relative to its span. Chosen: 0.15 of the radius of a
+semicircle, which stands from 0.1075 on (Milankovitch 1907). Flatter vaults need less."""
 
 
 def barrel_vault(span: float = 6.0, length: float = 6.0, rise: float | None = None) -> Shape:
-    """A vault over a rectangle, a segment of a cylinder that stands on its two long sides.
+    """A vault over a rectangle: a segment of a cylinder, supported on two sides.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def dome(
     Raises
     ------
     InputError
-        An eye that is not smaller than the springing.
+        The eye is not smaller than the springing.
     """
     refuse_unless_positive(radius=radius, oculus=oculus)
     if not (0.0 <= springing_deg < 90.0) or oculus >= radius * math.cos(
@@ -112,7 +112,7 @@ def cross_vault(span: float = 6.0, springing_deg: float = 25.0) -> Shape:
     ----------
     span : [m]
     springing_deg : [degrees]
-        Angle at which the webs spring: below it the corner is solid.
+        Angle at which the webs begin; below it the corner is solid.
     """
     refuse_unless_positive(span=span)
     _within(springing_deg, 5.0, 60.0, "springing_deg")

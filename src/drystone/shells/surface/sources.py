@@ -18,16 +18,16 @@ Curve: TypeAlias = Callable[[Floats], Any]
 """s (k,) in [0, 1] to points (k, 3) [m]."""
 
 CORNER_GAP = 1e-6
-"""Largest gap between two boundary curves at a corner, by the size of the patch."""
+"""Largest gap between two boundary curves at a corner, relative to the size of the patch."""
 
 CROSSING_SAMPLES = 65
-"""Samples of each boundary curve when crossings are looked for, chosen."""
+"""Samples of each boundary curve in the search for crossings. Chosen."""
 
 
 def patch_from_function(
     function: Any, *, closed: bool = False, name: str = "patch", breaks: Sequence[float] = ()
 ) -> Patch:
-    """A patch from ``function(u, v)``, looked over for folds; see :class:`Patch`.
+    """A patch from ``function(u, v)``, checked for folds; see :class:`Patch`.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def patch_from_grid(
     closed
         Whether v is closed.
     breaks
-        Columns at which the patch may have an edge: a spline of its own on either side.
+        Columns at which the patch may have an edge: each side has its own spline.
     name
 
     Raises
@@ -168,7 +168,7 @@ def patch_from_grid(
     if not np.isfinite(points).all():
         raise InputError("the control grid is not finite", where=f"patch '{name}'")
     rows, columns = points.shape[:2]
-    if closed:  # three more columns at either end make the spline smooth across the closure
+    if closed:  # three more columns at each end make the spline smooth across the closure
         pad = min(3, columns - 1)
         points = np.concatenate([points[:, -1 - pad : -1], points, points[:, 1 : 1 + pad]], axis=1)
         at_v = (np.arange(points.shape[1]) - pad) / (columns - 1)
@@ -204,7 +204,7 @@ def _spline(at_u: Floats, at_v: Floats, points: Floats) -> list[RectBivariateSpl
 
 
 def _refuse_crossings(curves: dict[str, Curve], size: float, where: str) -> None:
-    """Boundary curves may meet at their corners only."""
+    """Raise for boundary curves that meet away from their corners."""
     s = np.linspace(0.0, 1.0, CROSSING_SAMPLES)[1:-1]
     sampled = {side: np.asarray(curve(s), dtype=np.float64) for side, curve in curves.items()}
     middle = {side: points[len(points) // 2] for side, points in sampled.items()}

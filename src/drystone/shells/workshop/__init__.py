@@ -1,1 +1,1 @@
-"""What making the blocks needs: schedules and files."""
+"""Schedules and files for fabrication."""

@@ -1,4 +1,4 @@
-"""Files for making the blocks: each in its own frame, and its joint faces flattened."""
+"""Files for fabrication: blocks in their own frames, and their joint faces in a plane."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from drystone.shells.shell_of_blocks import Shell
 from drystone.shells.workshop.schedule import block_frame
 
 MARGIN = 0.25
-"""Space between flattened faces, by the mean height of a face."""
+"""Space between drawn faces, relative to the mean height of a face."""
 
 LABEL = 0.06
-"""Height of a label by the width of its face, chosen: two names fit into it."""
+"""Height of a label relative to the width of its face. Chosen: two names fit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,13 +51,13 @@ def own_frame(shell: Shell, block: int | str) -> Block:
 
 
 def write_blocks(shell: Shell, folder: PathLike, *, suffix: str = ".obj") -> list[Path]:
-    """A file per voussoir, in its own frame, named as the block.
+    """A file per voussoir, in its own frame, with the name of the block.
 
     Parameters
     ----------
     shell
     folder
-        Made where it is not there.
+        Created if it does not exist.
     suffix
         ``.obj`` keeps polygons; any other format that :func:`drystone.io.write` knows.
 
@@ -132,7 +132,7 @@ def write_unrolled(
     Raises
     ------
     InputError
-        Another suffix, or a block that is not there.
+        Another suffix, or a block that does not exist.
     FormatError
         The file cannot be written.
     """
@@ -148,7 +148,7 @@ def write_unrolled(
 
 
 def _rows(blocks: Sequence[Sequence[FlatFace]]) -> list[tuple[FlatFace, Floats]]:
-    """Faces with their corners [mm] moved to their places, a row per block."""
+    """Faces with their corners [mm] in the drawing, a row per block."""
     heights = [float(np.ptp(face.corner[:, 1])) for faces in blocks for face in faces]
     gap = MARGIN * float(np.mean(heights))
     placed, y = [], 0.0

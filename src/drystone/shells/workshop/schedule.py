@@ -1,4 +1,4 @@
-"""What fabrication needs to know of each block: its own frame, and a schedule."""
+"""The frame of each block for fabrication, and a schedule."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drystone.shells.shell_of_blocks import Shell
 
 @dataclass(frozen=True)
 class ScheduleRow(OneLine):
-    """One line of the schedule; lengths and angles in the block's own frame.
+    """One row of the schedule; lengths and angles in the block's own frame.
 
     Attributes
     ----------
@@ -37,9 +37,9 @@ class ScheduleRow(OneLine):
     bevel_deg
         Per side face the angle between it and the middle plane of the block; 90 is square.
     corner_deg
-        The angle inside the block between a side face and the next, at each edge that two of them
-        share: one per corner, in the order of the faces. With a register a bed has three faces:
-        their two edges are told as well, and a corner per face.
+        The interior angle between two neighbouring side faces, at each edge that they share, in the
+        order of the faces. A bed joint with a joggle has three faces; the angles at their two edges
+        are included.
     """
 
     name: str
@@ -156,7 +156,7 @@ def _angles(shell: Shell, block: int, out: Floats) -> tuple[tuple[float, ...], t
 
 
 def _shared_edges(sides: Sequence[Sequence[int]]) -> list[tuple[int, int, int, int]]:
-    """Faces and ends of the edges between two side faces: as the first face runs it, then by it."""
+    """Edges between two side faces: both faces, the ends in the direction of the first."""
     face_of = {edge: f for f, face in enumerate(sides) for edge in directed(face)}
     shared = [
         (f, face_of[b, a], a, b) for (a, b), f in face_of.items() if a < b and (b, a) in face_of

@@ -110,6 +110,7 @@ def solve_cra(
     chosen = CRAOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
+    problem.model.require_dry("coupled rigid-block analysis")
     base = Cascade(
         problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
     ).run()

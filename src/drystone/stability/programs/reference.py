@@ -81,6 +81,7 @@ def solve_cra_reference(
         raise MissingDependency("casadi", extra="reference", purpose="the reference") from error
     clock = Clock(float("inf"))
     problem = Problem.build(as_model(given, **how))
+    problem.model.require_dry("the reference")
     corners = problem.statics.corner_count
     if corners > LARGEST:
         raise InputError(

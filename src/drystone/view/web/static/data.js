@@ -177,6 +177,12 @@ function polygonIndex(layer) {
   return index;
 }
 
+// How far a block, or a joint between two, is moved where the model is taken apart.
+function awayOf(data, view, a, b = a) {
+  const { away } = data.blocks;
+  return [0, 1, 2].map((k) => 0.5 * view.spread * (away[3 * a + k] + away[3 * b + k]));
+}
+
 function colourOf(hex) {
   return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 }

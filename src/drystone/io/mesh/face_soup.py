@@ -1,4 +1,4 @@
-"""Formats without blocks: one heap of faces becomes one shape per solid."""
+"""Formats without blocks: a soup of faces becomes one shape per solid."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ import numpy as np
 from drystone.base.arrays import FARTHEST, Floats, Ints
 from drystone.base.errors import FormatError, counted
 from drystone.geometry.body.polyhedron import Loop, edge_defects
-from drystone.geometry.mend import coincidence, soup
+from drystone.geometry.mend import coincidence
 from drystone.geometry.mend.merge import merge_coplanar
+from drystone.geometry.mend.soup import split_solids, without_slivers
 from drystone.io.draft import Shape
 
 MANY = 5
-"""Names told of in notes."""
+"""Names in one note."""
 
 
 @dataclass(frozen=True)
-class Heap:
+class FaceSoup:
     """Faces that belong to one or more solids.
 
     Attributes
@@ -30,11 +31,11 @@ class Heap:
     vertices : (v, 3)
     faces
     name
-        Of its solid; with a number behind it where there are several.
+        Name of its solid; a number is added if there are several.
     where
-        Its place in the file, for errors; empty where it is all there is.
+        Position in the file, for errors; empty if it is the only one.
     split
-        Otherwise all its faces are one shape.
+        Whether to separate solids; otherwise all faces are one shape.
     """
 
     vertices: Floats
@@ -45,84 +46,86 @@ class Heap:
 
 
 def shapes_of(
-    heaps: Sequence[Heap], tolerance: float, path: Path, *, shared: bool = True
+    soups: Sequence[FaceSoup], tolerance: float, path: Path, *, shared: bool = True
 ) -> tuple[list[Shape], list[str]]:
-    """A shape for each solid in heaps of faces, and what was done to find them.
+    """A shape for each solid in soups of faces, and notes about repairs.
 
-    Vertices that coincide become one, faces without area go, solids are told apart, and coplanar
-    neighbours are merged into polygons.
+    Coincident vertices are merged, faces without area removed, solids separated, and coplanar
+    neighbours merged into polygons.
 
     Parameters
     ----------
-    heaps
+    soups
     tolerance
-        Distance that counts as none, relative to the extent of a heap.
+        Distance of coincident points, relative to the extent of a soup.
     path
         The file, for errors.
     shared
-        Whether faces of the format share their vertices; where not, merging them is no news.
+        Whether faces of the format share vertices. If not, there is no note about merged vertices.
 
     Raises
     ------
     FormatError
-        A heap has no face with an area, or a vertex that is not finite.
+        A soup has no face with an area, or a vertex that is not finite.
     """
-    if not heaps:
+    if not soups:
         return [], []
-    reach = np.array([tolerance * _extent(heap, path) for heap in heaps])
-    count = np.array([len(heap.vertices) for heap in heaps])
-    owner = np.repeat(np.arange(len(heaps)), count)
-    vertices = np.concatenate([heap.vertices for heap in heaps])
+    reach = np.array([tolerance * _extent(soup, path) for soup in soups])
+    count = np.array([len(soup.vertices) for soup in soups])
+    owner = np.repeat(np.arange(len(soups)), count)
+    vertices = np.concatenate([soup.vertices for soup in soups])
     first = coincidence.first_coincident(vertices, reach[owner], owner).tolist()
     offset = (np.cumsum(count) - count).tolist()
     loops: list[Loop] = []
     of_loop: list[int] = []
-    for number, heap in enumerate(heaps):
-        for face in heap.faces:
+    for number, soup in enumerate(soups):
+        for face in soup.faces:
             loop = tuple(dict.fromkeys(first[i + offset[number]] for i in face))
             if len(loop) >= 3:
                 loops.append(loop)
                 of_loop.append(number)
-    loops, kept = soup.without_slivers(vertices, loops, reach[owner])
+    loops, kept = without_slivers(vertices, loops, reach[owner])
     home = np.array(of_loop, dtype=np.intp)[kept]
-    missing = np.flatnonzero(np.bincount(home, minlength=len(heaps)) == 0)
+    missing = np.flatnonzero(np.bincount(home, minlength=len(soups)) == 0)
     if len(missing):
-        where = _place(heaps[missing[0]], path)
+        where = _place(soups[missing[0]], path)
         raise FormatError("has no face with an area", where=where, remedy="export it again")
-    solids = _per_heap(soup.split_solids(vertices, loops, home), home, heaps)
-    gone = sum(len(heap.faces) for heap in heaps) - len(loops)
+    solids = _per_soup(split_solids(vertices, loops, home), home, soups)
+    gone = sum(len(soup.faces) for soup in soups) - len(loops)
     merged = len(vertices) - len(set(first)) if shared else 0
-    return _shapes(vertices, loops, solids, heaps, tolerance), _notes(merged, gone, solids)
+    return _shapes(vertices, loops, solids, soups, tolerance), _notes(merged, gone, solids)
 
 
-def _place(heap: Heap, path: Path) -> str:
-    return f"{path}, {heap.where}" if heap.where else str(path)
+def _place(soup: FaceSoup, path: Path) -> str:
+    return f"{path}, {soup.where}" if soup.where else str(path)
 
 
-def _extent(heap: Heap, path: Path) -> float:
-    """Diagonal of a heap whose numbers can be used."""
-    usable = (np.abs(heap.vertices) <= FARTHEST).all(axis=1)
+def _extent(soup: FaceSoup, path: Path) -> float:
+    """Diagonal of the bounding box of a soup; refuses unusable numbers."""
+    usable = (np.abs(soup.vertices) <= FARTHEST).all(axis=1)
     if not usable.all():
         bad = int(np.flatnonzero(~usable)[0])
-        what = "far too large" if np.isfinite(heap.vertices[bad]).all() else "not finite"
+        what = "far too large" if np.isfinite(soup.vertices[bad]).all() else "not finite"
         raise FormatError(
-            f"vertex {bad} is {what}", where=_place(heap, path), remedy="give finite numbers"
+            f"vertex {bad} is {what}", where=_place(soup, path), remedy="give finite numbers"
         )
-    if len(heap.faces) == 0 or len(heap.vertices) == 0:
+    if len(soup.faces) == 0 or len(soup.vertices) == 0:
         raise FormatError(
-            "holds no faces", where=_place(heap, path), remedy="export the blocks as meshes"
+            "holds no faces", where=_place(soup, path), remedy="export the blocks as meshes"
         )
-    return float(np.linalg.norm(heap.vertices.max(axis=0) - heap.vertices.min(axis=0)))
+    return float(np.linalg.norm(soup.vertices.max(axis=0) - soup.vertices.min(axis=0)))
 
 
-def _per_heap(solids: list[list[int]], home: Ints, heaps: Sequence[Heap]) -> list[list[list[int]]]:
-    """Solids (lists of faces) of each heap."""
-    grouped: list[list[list[int]]] = [[] for _ in heaps]
+def _per_soup(
+    solids: list[list[int]], home: Ints, soups: Sequence[FaceSoup]
+) -> list[list[list[int]]]:
+    """Solids (lists of faces) of each soup."""
+    grouped: list[list[list[int]]] = [[] for _ in soups]
     for solid in solids:
         grouped[int(home[solid[0]])].append(solid)
     return [
-        found if heap.split else [sorted(face for solid in found for face in solid)]
-        for found, heap in zip(grouped, heaps, strict=True)
+        found if soup.split else [sorted(face for solid in found for face in solid)]
+        for found, soup in zip(grouped, soups, strict=True)
     ]
 
 
@@ -130,16 +133,16 @@ def _shapes(
     vertices: Floats,
     loops: Sequence[Loop],
     solids: Sequence[Sequence[Sequence[int]]],
-    heaps: Sequence[Heap],
+    soups: Sequence[FaceSoup],
     tolerance: float,
 ) -> list[Shape]:
     made: list[Shape] = []
     own: list[list[Loop]] = []
-    for found, heap in zip(solids, heaps, strict=True):
+    for found, soup in zip(solids, soups, strict=True):
         for number, solid in enumerate(found):
-            name = heap.name if len(found) == 1 else f"{heap.name}-{number}"
+            name = soup.name if len(found) == 1 else f"{soup.name}-{number}"
             points, faces = _own_vertices(vertices, [loops[i] for i in solid])
-            made.append(Shape(name, points, faces, heap.where))
+            made.append(Shape(name, points, faces, soup.where))
             own.append(faces)
     closed = [i for i, faces in enumerate(own) if edge_defects(faces) == ([], [], True)]
     polygons = merge_coplanar(
@@ -159,21 +162,21 @@ def _notes(merged: int, gone: int, solids: Sequence[Sequence[Any]]) -> list[str]
     several = [i for i, found in enumerate(solids) if len(found) > 1]
     if several:
         parts = sum(len(solids[i]) for i in several)
-        what = "one heap of faces" if len(several) == 1 else f"{len(several)} heaps of faces"
+        what = "one soup of faces" if len(several) == 1 else f"{len(several)} soups of faces"
         notes.append(f"{what} split into {parts} solids")
     return notes
 
 
 def in_double(values: np.ndarray[Any, Any]) -> Floats:
-    """Numbers of a file as float64; what is not a number there is found where it is used."""
+    """Numbers of a file as float64; NaN is found later."""
     with np.errstate(invalid="ignore"):  # a signalling NaN
         return values.astype(np.float64)
 
 
 def moved(vertices: Floats, matrix: Floats) -> tuple[Floats, bool]:
-    """Vertices (v, 3) moved by a matrix (4, 4), and whether that mirrors them.
+    """Vertices (v, 3) moved by a matrix (4, 4), and whether the matrix mirrors them.
 
-    What overflows becomes infinite or NaN, which the caller refuses with the name of the block.
+    Overflow gives infinity or NaN; the caller refuses it with the name of the block.
     """
     with np.errstate(all="ignore"):
         placed = vertices @ matrix[:3, :3].T + matrix[:3, 3]
@@ -193,7 +196,7 @@ def shape_of(vertices: Floats, loops: Sequence[Loop], name: str, where: str) -> 
 
 
 def named_apart(shapes: Sequence[Shape]) -> tuple[list[Shape], list[str]]:
-    """Shapes with a number behind names that several have, for formats in which that is usual."""
+    """Shapes with a number added to repeated names, for formats where these are usual."""
     count = Counter(shape.name for shape in shapes)
     taken = set(count)
     number: Counter[str] = Counter()

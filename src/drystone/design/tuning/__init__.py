@@ -1,0 +1,1 @@
+"""Parameters by search: the values with which a family of structures is best and stands."""

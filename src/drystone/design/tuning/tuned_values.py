@@ -1,0 +1,138 @@
+"""What is varied, what a trial found, and which trials are best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from drystone.base.arrays import number
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+
+
+@dataclass(frozen=True)
+class Parameter(OneLine):
+    """A parameter that is varied: a number within bounds, or one of a few values.
+
+    Attributes
+    ----------
+    name
+    low, high
+        Bounds, both included.
+    whole
+        Whole numbers only.
+    choices
+        The values to choose from, instead of bounds.
+    """
+
+    name: str
+    low: float = 0.0
+    high: float = 0.0
+    whole: bool = False
+    choices: tuple[Any, ...] = ()
+
+    def __post_init__(self) -> None:
+        where = f"parameter '{self.name}'"
+        if self.choices:
+            if len(self.choices) < 2:
+                raise InputError("has one choice only", where=where, remedy="give two or more")
+            return
+        if not number(self.low, where) < number(self.high, where):
+            raise InputError(
+                f"its bounds {self.low:g} to {self.high:g} are empty",
+                where=where,
+                remedy="give the lower one first, and another one above it",
+            )
+        if self.whole and (self.low != int(self.low) or self.high != int(self.high)):
+            raise InputError("its bounds are not whole", where=where, remedy="give whole numbers")
+
+
+@dataclass(frozen=True, eq=False)
+class TuneTrial(OneLine):
+    """One set of values, and what came of it.
+
+    Attributes
+    ----------
+    number
+        From 0, in the order in which they were asked for.
+    values
+        By the names of the parameters.
+    goals
+        What was to be least or most; empty where the structure could not be built.
+    stands
+        Whether it stands at the margin.
+    message
+        Why it does not, or could not be built.
+    """
+
+    number: int
+    values: Mapping[str, Any]
+    goals: tuple[float, ...]
+    stands: bool
+    message: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "number": self.number,
+            "values": dict(self.values),
+            "goals": list(self.goals),
+            "stands": self.stands,
+            "message": self.message,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Tuned(OneLine):
+    """All trials of a search.
+
+    Attributes
+    ----------
+    goals
+        Names of what was to be least or, with a minus before it, most.
+    trials
+    """
+
+    goals: tuple[str, ...]
+    trials: tuple[TuneTrial, ...]
+
+    def _summary(self) -> str:
+        some = counted(sum(trial.stands for trial in self.trials), "structure")
+        return f"{counted(len(self.trials), 'trial')}, {some} that stand"
+
+    @property
+    def front(self) -> tuple[TuneTrial, ...]:
+        """The trials that stand and that no other one beats in every goal (Pareto).
+
+        With one goal, the best one. They are in the order of the first goal.
+        """
+        standing = [trial for trial in self.trials if trial.stands]
+        signs = [-1.0 if goal.startswith("-") else 1.0 for goal in self.goals]
+
+        def cost(trial: TuneTrial) -> tuple[float, ...]:
+            return tuple(s * x for s, x in zip(signs, trial.goals, strict=True))
+
+        best: dict[tuple[float, ...], TuneTrial] = {}
+        for trial in standing:
+            mine = cost(trial)
+            if mine not in best and not any(_beats(cost(one), mine) for one in standing):
+                best[mine] = trial
+        return tuple(best[key] for key in sorted(best))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values."""
+        return {
+            "goals": list(self.goals),
+            "front": [trial.to_dict() for trial in self.front],
+            "trials": [trial.to_dict() for trial in self.trials],
+        }
+
+
+def _beats(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether costs are no higher anywhere, and lower somewhere."""
+    both = list(zip(one, other, strict=True))
+    return all(a <= b for a, b in both) and any(a < b for a, b in both)
+
+
+__all__ = ["Parameter", "TuneTrial", "Tuned"]

@@ -1,0 +1,331 @@
+"""The search for parameters.
+
+Source: the tree-structured Parzen estimator, Bergstra et al. 2011, as Optuna has it.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, Executor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from drystone.base.errors import InputError, MissingDependency
+from drystone.base.progress import Progress
+from drystone.base.settings import Options, checked_call
+from drystone.design.mends.margin import DesignMargin
+from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
+from drystone.io.opening import as_model
+from drystone.model import Model
+from drystone.sequence import LocalWorkers
+
+STUDY = "drystone"
+SETTINGS = "settings"
+FALLS = "falls"
+
+MEASURES: dict[str, Callable[[Model], float]] = {
+    "volume": lambda model: float(model.assembly.volume[model.assembly.free].sum()),
+    "blocks": lambda model: float(len(model.assembly.free)),
+    "height": lambda model: float(model.assembly.bounds[:, 1, 2].max()),
+}
+"""What can be least or most, beside the parameters themselves: of the free blocks [m3], their
+number, and the highest point [m]."""
+
+
+@dataclass(frozen=True)
+class TuneOptions(Options):
+    """Options of :func:`tune`.
+
+    Attributes
+    ----------
+    trials
+        Structures that are built and checked, those of an earlier run included.
+    batch
+        Trials that are asked for together. The answer depends on it, and not on the number of
+        workers.
+    workers
+        Processes.
+    seed
+    margin
+        How far from falling each structure has to stand.
+    """
+
+    trials: int = 100
+    batch: int = 8
+    workers: int = 1
+    seed: int = 0
+    margin: DesignMargin = field(default_factory=DesignMargin)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("trials", "batch", "workers"):
+            if getattr(self, name) < 1:
+                raise InputError(f"{name} is {getattr(self, name)}", remedy="give 1 or more")
+        if self.seed < 0:
+            raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
+
+
+Outcome = tuple[tuple[float, ...], bool, str]
+"""Goals, whether it stands, and why not."""
+
+
+@checked_call
+def tune(
+    build: Callable[..., Any],
+    parameters: Sequence[Parameter],
+    *,
+    goals: Sequence[str] = ("volume",),
+    how: Mapping[str, Any] | None = None,
+    store: str | Path | None = None,
+    options: TuneOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Tuned:
+    """Search for the parameters with which a structure stands and is best.
+
+    Parameters
+    ----------
+    build
+        Makes a model or an assembly of the parameters, by their names. With several workers it must
+        be a function that another process can import.
+    parameters
+    goals
+        What is to be least: ``volume`` [m3], ``blocks`` or ``height`` [m] of the free blocks, or a
+        parameter; with a minus before it, what is to be most. Several give a Pareto front.
+    how
+        Of an assembly: friction, supports and so on, as :func:`drystone.check` takes them.
+    store
+        File that keeps the trials: a search that was ended goes on where it was.
+    options
+    progress
+    stop
+        Asked before each trial; True ends with the trials so far.
+
+    Raises
+    ------
+    InputError
+        A goal is unknown, a parameter is given twice, or the store is of another search.
+    MissingDependency
+        Optuna is not installed.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> edge, count = Parameter("edge", 0.5, 2.0), Parameter("count", choices=(2, 3))
+    >>> found = tune(tower, [edge, count], options=TuneOptions(trials=8))
+    >>> len(found.trials), found.front[0].values["edge"] < 1.5
+    (8, True)
+    """
+    chosen = TuneOptions.of(options)
+    asked = tuple(goals)
+    names = [one.name for one in parameters]
+    if not names or len(set(names)) < len(names):
+        raise InputError(
+            "no parameter is varied" if not names else "a parameter is given twice",
+            remedy="give each parameter once",
+        )
+    known = [*MEASURES, *(one.name for one in parameters if not one.choices)]
+    for goal in asked:
+        if goal.removeprefix("-") not in known:
+            raise InputError(f"'{goal}' is no goal", remedy=f"use {', '.join(known)}")
+    if not asked or len({goal.removeprefix("-") for goal in asked}) < len(asked):
+        raise InputError(
+            "the goals contradict each other, or there is none", remedy="name each once"
+        )
+    evaluate = partial(outcome_of, build, dict(how or {}), chosen.margin, asked)
+    return _Search(parameters, asked, evaluate, store, chosen, progress, stop).run()
+
+
+def outcome_of(
+    build: Callable[..., Any],
+    how: Mapping[str, Any],
+    margin: DesignMargin,
+    goals: Sequence[str],
+    values: Mapping[str, Any],
+) -> Outcome:
+    """Build one structure and check it."""
+    try:
+        made = build(**values)
+        model = made if isinstance(made, Model) else as_model(made, **how)
+        result = margin.holds(model)
+    except InputError as error:
+        return (), False, str(error)
+    found = []
+    for goal in goals:
+        name = goal.removeprefix("-")
+        found.append(float(values[name]) if name in values else MEASURES[name](model))
+    stands = margin.meets(result)
+    return tuple(found), stands, "" if stands else result.message
+
+
+class _Search:
+    """One search: trials are asked for in batches, evaluated anywhere, and told in order."""
+
+    def __init__(
+        self,
+        parameters: Sequence[Parameter],
+        goals: tuple[str, ...],
+        evaluate: Callable[[Mapping[str, Any]], Outcome],
+        store: str | Path | None,
+        options: TuneOptions,
+        progress: Progress | None,
+        stop: Callable[[], bool] | None,
+    ) -> None:
+        try:
+            import optuna
+        except ImportError as error:
+            raise MissingDependency(
+                "optuna", extra="tune", purpose="the search for parameters"
+            ) from error
+        optuna.logging.set_verbosity(optuna.logging.ERROR)
+        self.optuna: Any = optuna
+        self.parameters, self.goals, self.evaluate = parameters, goals, evaluate
+        self.options, self.progress, self.stop = options, progress, stop
+        self.pool: Executor | None = None
+        self.study = self.opened(store)
+
+    def opened(self, store: str | Path | None) -> Any:
+        """The study, new or as it was left."""
+        optuna = self.optuna
+        storage = None
+        if store is not None:
+            backend = optuna.storages.journal.JournalFileBackend(str(store))
+            try:
+                storage = optuna.storages.JournalStorage(backend)
+            except ValueError as error:
+                raise InputError(
+                    "is no store of a search", where=str(store), remedy="name another file"
+                ) from error
+        study = optuna.create_study(
+            storage=storage,
+            study_name=STUDY,
+            sampler=self.sampler(self.options.seed),
+            load_if_exists=True,
+            directions=["maximize" if goal.startswith("-") else "minimize" for goal in self.goals],
+        )
+        settings = json.dumps(
+            {
+                "parameters": [[one.name, *self.range_of(one)] for one in self.parameters],
+                "goals": self.goals,
+                "seed": self.options.seed,
+                "batch": self.options.batch,
+            },
+            default=str,
+        )
+        before = study.user_attrs.get(SETTINGS, settings)
+        if before != settings:
+            raise InputError(
+                "keeps another search: its parameters, bounds, goals, seed or batch differ",
+                where=str(store),
+                remedy="name another file",
+            )
+        study.set_user_attr(SETTINGS, settings)
+        return study
+
+    @staticmethod
+    def range_of(one: Parameter) -> list[Any]:
+        return [*one.choices] if one.choices else [one.low, one.high, one.whole]
+
+    def run(self) -> Tuned:
+        options = self.options
+        with self.workers():
+            while not self.late():
+                asked, waiting = len(self.study.trials), len(self.waiting)
+                whole = options.batch * (1 + (asked - (waiting > 0)) // options.batch)
+                for number in range(asked, min(options.trials, whole)):
+                    self.ask(number)
+                if not self.waiting:
+                    break
+                self.answer(self.waiting)
+        return Tuned(self.goals, tuple(self.trials()))
+
+    @property
+    def waiting(self) -> list[Any]:
+        """The trials that were asked for and not told; those of a run that was ended, too."""
+        return [one for one in self.study.trials if not one.state.is_finished()]
+
+    def late(self) -> bool:
+        return self.stop is not None and self.stop()
+
+    def sampler(self, seed: int) -> Any:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", self.optuna.exceptions.ExperimentalWarning)
+            return self.optuna.samplers.TPESampler(seed=seed, constant_liar=True)
+
+    def ask(self, number: int) -> None:
+        """Ask for the values of a trial; they depend on its number and on what is known."""
+        self.study.sampler = self.sampler(1_000_003 * self.options.seed + number)
+        trial = self.study.ask()
+        for one in self.parameters:
+            if one.choices:
+                trial.suggest_categorical(one.name, list(one.choices))
+            elif one.whole:
+                trial.suggest_int(one.name, int(one.low), int(one.high))
+            else:
+                trial.suggest_float(one.name, one.low, one.high)
+
+    def answer(self, batch: list[Any]) -> None:
+        """Evaluate trials, and tell what came of them in the order of their numbers."""
+        for frozen, (goals, stands, message) in zip(batch, self.outcomes(batch), strict=False):
+            trial = self.optuna.trial.Trial(self.study, frozen._trial_id)
+            if FALLS not in frozen.user_attrs:  # else it was ended before this trial was told
+                trial.set_constraint(FALLS, 0.0 if stands else 1.0)
+            trial.set_user_attr(FALLS, not stands)
+            trial.set_user_attr("message", message)
+            if goals:
+                self.study.tell(trial, list(goals))
+            else:
+                self.study.tell(trial, state=self.optuna.trial.TrialState.FAIL)
+            if self.progress is not None:
+                done = min(frozen.number + 1, self.options.trials)
+                self.progress("trials", done, self.options.trials)
+
+    def outcomes(self, batch: list[Any]) -> Iterator[Outcome]:
+        """What came of each trial, in their order; a worker that is killed is replaced once."""
+        if self.pool is None:
+            for one in batch:
+                if self.late():
+                    return
+                yield self.evaluate(one.params)
+            return
+        first = self.pool
+        futures = [first.submit(self.evaluate, one.params) for one in batch]
+        for one, future in zip(batch, futures, strict=True):
+            try:
+                yield future.result()
+            except BrokenExecutor:
+                if self.pool is first:
+                    self.pool = LocalWorkers(self.options.workers)()
+                try:
+                    yield self.pool.submit(self.evaluate, one.params).result()
+                except BrokenExecutor:
+                    self.pool = LocalWorkers(self.options.workers)()
+                    yield (), False, "its worker ended twice"
+
+    @contextmanager
+    def workers(self) -> Iterator[None]:
+        """Worker processes, where there is to be more than one."""
+        if self.options.workers > 1:
+            self.pool = LocalWorkers(self.options.workers)()
+        try:
+            yield
+        finally:
+            if self.pool is not None:
+                self.pool.shutdown(cancel_futures=True)
+
+    def trials(self) -> Iterator[TuneTrial]:
+        for one in self.study.trials:
+            if one.state.is_finished():
+                stands = not one.user_attrs.get(FALLS, True)
+                goals = tuple(one.values or ())
+                yield TuneTrial(
+                    one.number, one.params, goals, stands, one.user_attrs.get("message", "")
+                )
+
+
+__all__ = ["Parameter", "TuneOptions", "TuneTrial", "Tuned", "outcome_of", "tune"]

@@ -1,0 +1,144 @@
+"""What a joint carries beyond friction: mortar, glue, studs and dowels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+
+NO_LIMIT = 1e30
+"""[N]. A capacity of this size or more is no limit."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointCapacity(OneLine):
+    """Largest pull, cohesion and largest shear of each interface.
+
+    The force of an interface is spread over its corners by their tributary areas. With the share w
+    of a corner, its normal force fn (positive in compression) and tangential force ft::
+
+        fn >= -w tension,    |ft| <= mu fn + w cohesion,    |ft| <= w shear
+
+    This is the law of Mohr and Coulomb with a limit of tension and one of shear. A joint slides
+    open at a pull of cohesion / mu, so a larger ``tension`` is never reached.
+
+    Parameters
+    ----------
+    tension : (m,) [N]
+        Largest pull of the whole interface, where it pulls evenly.
+    cohesion : (m,) [N]
+        Tangential force of the whole interface without any normal force.
+    shear : (m,) [N]
+        Largest tangential force of the whole interface. Left out, without limit.
+
+    Raises
+    ------
+    InputError
+        The lengths differ, or a value is negative or not a number.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import tower
+    >>> model = drystone.Model.of(tower(2), friction=0.6)
+    >>> glue = JointCapacity.of_stress(model.contacts, tension=2e5, cohesion=3e5)
+    >>> glue.tension.tolist(), glue.cohesion.tolist()
+    ([200000.0], [300000.0])
+    >>> glued = model.with_capacity(glue)
+    """
+
+    tension: Floats
+    cohesion: Floats
+    shear: Floats = None  # type: ignore[assignment]  # filled in below
+
+    def __post_init__(self) -> None:
+        count = len(np.atleast_1d(np.asarray(self.tension)))
+        if self.shear is None:
+            object.__setattr__(self, "shear", np.full(count, NO_LIMIT))
+        for field in fields(self):
+            object.__setattr__(
+                self, field.name, _capacities(getattr(self, field.name), count, field.name)
+            )
+
+    def _summary(self) -> str:
+        some = int(((self.tension > 0.0) | (self.cohesion > 0.0)).sum())
+        return f"{counted(len(self.tension), 'interface')}, {some} of them pull or cohere"
+
+    @classmethod
+    def of(
+        cls,
+        contacts: Any,
+        *,
+        tension: float | Sequence[float] | Floats = 0.0,
+        cohesion: float | Sequence[float] | Floats | None = None,
+        shear: float | Sequence[float] | Floats | None = None,
+    ) -> JointCapacity:
+        """From forces, one for all interfaces or one each.
+
+        Parameters
+        ----------
+        contacts
+        tension, cohesion, shear : [N]
+            Left out, the cohesion is friction times tension: just enough for the whole pull.
+        """
+        m = contacts.count
+        pull = _capacities(tension, m, "tension")
+        if cohesion is None:
+            cohesion = contacts.friction * pull
+        most = NO_LIMIT if shear is None else shear
+        return cls(pull, _capacities(cohesion, m, "cohesion"), _capacities(most, m, "shear"))
+
+    @classmethod
+    def of_stress(
+        cls,
+        contacts: Any,
+        *,
+        tension: float | Sequence[float] | Floats = 0.0,
+        cohesion: float | Sequence[float] | Floats | None = None,
+        shear: float | Sequence[float] | Floats | None = None,
+    ) -> JointCapacity:
+        """From stresses times the areas of the interfaces; see :meth:`of`.
+
+        Parameters
+        ----------
+        contacts
+        tension, cohesion, shear : [Pa]
+        """
+        m, area = contacts.count, contacts.area
+
+        def forces(value: Any, name: str) -> Any:
+            return None if value is None else _capacities(value, m, name) * area
+
+        return cls.of(
+            contacts,
+            tension=forces(tension, "tension"),
+            cohesion=forces(cohesion, "cohesion"),
+            shear=forces(shear, "shear"),
+        )
+
+    def select(self, interfaces: Bools | Ints) -> JointCapacity:
+        """Those of some interfaces (mask or positions)."""
+        return JointCapacity(*(getattr(self, f.name)[interfaces] for f in fields(self)))
+
+
+def _capacities(values: Any, count: int, name: str) -> Floats:
+    try:
+        out = np.broadcast_to(np.asarray(values, dtype=np.float64), (count,))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} must be one number or {count}") from error
+    bad = ~(out >= 0.0)
+    if bad.any():
+        raise InputError(
+            f"the {name} of interface {int(np.argmax(bad))} is {out[np.argmax(bad)]}",
+            remedy="give newtons, zero or more",
+        )
+    return frozen(np.minimum(out, NO_LIMIT))
+
+
+__all__ = ["NO_LIMIT", "JointCapacity"]

@@ -1,0 +1,275 @@
+"""The verdicts of many models, side by side, into a file that can be continued."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+import pickle
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
+from concurrent.futures import BrokenExecutor, Executor, Future
+from contextlib import AbstractContextManager, nullcontext
+from itertools import chain, islice
+from typing import Any, TextIO, TypeAlias, Unpack
+
+from drystone.base.errors import DrystoneError, InputError
+from drystone.base.files import PathLike, plain_target, read_bytes
+from drystone.base.progress import Clock, Progress
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.io.opening import Given, How
+from drystone.stability.check import check
+from drystone.stability.check_options import CheckOptions
+
+COLUMNS: Mapping[str, Callable[[str], Any]] = {
+    "number": int,
+    "name": str,
+    "verdict": str,
+    "stiffnesses_standing": int,
+    "stiffnesses_tried": int,
+    "falling": str,
+    "message": str,
+    "time_s": float,
+}
+AHEAD = 64
+"""Models that are given to the workers before their answers are asked for: enough for some tens of
+workers, and few enough to be kept in memory."""
+
+Row: TypeAlias = list[Any]
+Task: TypeAlias = tuple[int, str, bytes]
+"""Number, name, and the model with its options, ready to travel."""
+
+
+@checked_call
+def check_many(
+    models: Iterable[Given],
+    *,
+    out: PathLike | None = None,
+    options: CheckOptions | None = None,
+    executor: Executor | Callable[[], Executor] | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+    each_s: float = float("inf"),
+    **how: Unpack[How],
+) -> Table:
+    """The verdict of each of many models.
+
+    Parameters
+    ----------
+    models
+        Models, assemblies or files, such as ``sorted(Path("piles").glob("*.json"))``. They may come
+        from a generator.
+    out
+        A file of comma-separated values. Each answer is added as soon as it is known. Where the
+        file has answers already, those models are not checked again: work that was ended goes on
+        when it is called again with the same models.
+    options
+        Of every check.
+    executor
+        Works on the models side by side: an executor, or a function that starts one, such as
+        ``drystone.sequence.LocalWorkers(2)`` or ``DaskWorkers("tcp://127.0.0.1:8786")``. With a
+        function, workers that died are started again. A model that ends its worker twice is told
+        as ``failed``.
+    progress
+    stop
+        Asked between answers; True ends the work with the answers so far.
+    time_limit_s
+        After it the work ends with the answers so far.
+    each_s : [s]
+        Time limit of every check.
+
+    Returns
+    -------
+    Table
+        One row for each model in the order given: verdict, or ``refused`` or ``failed``; the number
+        of contact stiffnesses with which it stands and of those tried; names of the blocks that
+        fall; message; time [s].
+
+    Raises
+    ------
+    InputError
+        The file has answers about other models, or an executor died that cannot be started again.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import shelf, tower
+    >>> found = drystone.check_many([tower(3), shelf()], friction=0.6)
+    >>> found["verdict"].tolist()
+    ['stable', 'unstable']
+    """
+    clock = Clock(time_limit_s, stop)
+    rows = [] if out is None else _earlier(out)
+    opened: AbstractContextManager[TextIO | None]
+    opened = nullcontext() if out is None else _opened(out)
+    total = len(models) if isinstance(models, Sized) else 0
+    with opened as file, _Workers(executor) as workers:
+        if file is not None and not file.tell():
+            _add(file, list(COLUMNS))
+        tasks = islice(
+            _tasks(models, rows, (CheckOptions.of(options), each_s, how)), len(rows), None
+        )
+        for row in workers.answers(tasks, clock.late):
+            rows.append(row)
+            if file is not None:
+                _add(file, row)
+            if progress is not None:
+                progress("checking models", len(rows), max(total, len(rows)))
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(COLUMNS)}
+    return Table("verdicts", columns, {"time_s": "s"})
+
+
+def _tasks(
+    models: Iterable[Given], earlier: Sequence[Row], rest: tuple[Any, ...]
+) -> Iterator[Task]:
+    """Each model ready to travel; those answered earlier are only compared by name."""
+    for number, given in enumerate(models):
+        name = _line(os.fspath(given)) if isinstance(given, str | os.PathLike) else ""
+        if number < len(earlier):
+            if earlier[number][1] != name:
+                raise InputError(
+                    f"model {number} of the file is '{earlier[number][1]}', not '{name}'",
+                    remedy="give the same models in the same order, or another file",
+                )
+            yield number, name, b""
+        else:
+            yield number, name, pickle.dumps((given, *rest))
+
+
+def _answer(payload: bytes, number: int, name: str) -> Row:
+    """The row of one model; what cannot be made into a model is refused in words."""
+    given, options, each_s, how = pickle.loads(payload)
+    try:
+        found = check(given, options=options, time_limit_s=each_s, **how)
+    except DrystoneError as error:
+        return [number, name, "refused", 0, 0, "", _line(str(error)), 0.0]
+    tried = found.samples.standing, found.samples.tried
+    falling = _line(" ".join(found.falling_names))
+    seconds = sum(found.time_s.values())
+    return [number, name, found.verdict.value, *tried, falling, _line(found.message), seconds]
+
+
+class _Workers:
+    """What answers: an executor, one that is started again when it dies, or this process."""
+
+    def __init__(self, given: Executor | Callable[[], Executor] | None) -> None:
+        self.executor = given if isinstance(given, Executor) else None
+        self.factory = None if given is None or isinstance(given, Executor) else given
+
+    def __enter__(self) -> _Workers:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._end()
+
+    def answers(self, tasks: Iterator[Task], late: Callable[[], bool]) -> Iterator[Row]:
+        """Rows in the order of the tasks."""
+        if self.executor is None and self.factory is None:
+            for number, name, payload in tasks:
+                if late():
+                    return
+                yield _answer(payload, number, name)
+            return
+        taken: deque[Task] = deque()
+        futures: deque[Future[Row]] = deque()
+        alone = 0
+        while not late():
+            ahead = 1 if alone else AHEAD
+            try:
+                for task in islice(tasks, ahead - len(taken)):
+                    taken.append(task)
+                    futures.append(self._submit(task))
+                if not taken:
+                    return
+                row = futures[0].result()
+            except (BrokenExecutor, ConnectionError) as error:
+                self._revive(error)
+                if alone:  # nothing else can have ended the worker
+                    alone -= 1
+                    number, name, _ = taken.popleft()
+                    yield [number, name, "failed", 0, 0, "", "its worker was ended twice", 0.0]
+                else:  # those that were at work are asked one by one: which one was it?
+                    alone = len(taken)
+                tasks = chain(tuple(taken), tasks)
+                taken.clear()
+                futures.clear()
+            else:
+                taken.popleft()
+                futures.popleft()
+                alone = max(alone - 1, 0)
+                yield row
+        for future in futures:
+            future.cancel()
+
+    def _submit(self, task: Task) -> Future[Row]:
+        number, name, payload = task
+        if self.executor is None:
+            assert self.factory is not None
+            self.executor = self.factory()
+        return self.executor.submit(_answer, payload, number, name)
+
+    def _revive(self, error: BaseException) -> None:
+        if self.factory is None:
+            raise InputError(
+                f"a worker died: {_line(str(error))}",
+                remedy="give LocalWorkers(2), which is started again, and call again to go on",
+            ) from error
+        self._end()
+
+    def _end(self) -> None:
+        if self.factory is not None and self.executor is not None:
+            self.executor.shutdown(wait=False, cancel_futures=True)
+            self.executor = None
+
+
+def _earlier(out: PathLike) -> list[Row]:
+    """The answers that a file has; half a row at its end, of work that was killed, is removed."""
+    path = plain_target(out)
+    if not path.exists() or not path.stat().st_size:
+        return []
+    data = read_bytes(path)
+    whole = data.rfind(b"\n") + 1
+    lines = list(csv.reader(io.StringIO(data[:whole].decode("utf-8", "replace"), newline="")))
+    try:
+        if lines[:1] != [list(COLUMNS)]:
+            raise ValueError("other columns")
+        kinds = COLUMNS.values()
+        rows = [[k(x) for k, x in zip(kinds, line, strict=True)] for line in lines[1:]]
+    except ValueError as error:
+        raise InputError(
+            f"has no verdicts that could be continued: {error}",
+            where=str(path),
+            remedy="choose another name",
+        ) from error
+    if whole < len(data):
+        os.truncate(path, whole)
+    return rows
+
+
+def _opened(out: PathLike) -> TextIO:
+    """The file, to add rows to it."""
+    path = plain_target(out)
+    try:
+        return path.open("a", encoding="utf-8", newline="")
+    except OSError as error:
+        raise InputError(
+            f"cannot be written: {error.strerror}",
+            where=str(path),
+            remedy="choose a folder that exists and that you may write to",
+        ) from error
+
+
+def _add(file: TextIO, row: Row) -> None:
+    """One row, on the disk before the next model is answered."""
+    csv.writer(file, lineterminator="\n").writerow(row)
+    file.flush()
+
+
+def _line(text: str | bytes) -> str:
+    """Text on one line."""
+    return " ".join(os.fsdecode(text).split())
+
+
+__all__ = ["check_many"]

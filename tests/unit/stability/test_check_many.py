@@ -1,0 +1,81 @@
+"""Many models, their verdicts in a file that can be continued."""
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone import InputError
+from drystone.models import shelf, tower
+from drystone.sequence import LocalWorkers
+
+MODELS = [tower(2), shelf(), tower(3), tower(4)]
+VERDICTS = ["stable", "unstable", "stable", "stable"]
+
+
+class Deadly:
+    """Ends the process that it is unpacked in."""
+
+    def __reduce__(self) -> tuple[object, tuple[int]]:
+        return os._exit, (1,)
+
+
+def test_answers_do_not_depend_on_who_works() -> None:
+    alone = drystone.check_many(MODELS, friction=0.6)
+    assert alone["verdict"].tolist() == VERDICTS
+    with ThreadPoolExecutor(2) as threads:
+        shared = drystone.check_many(iter(MODELS), friction=0.6, executor=threads)
+    for name in ("number", "verdict", "falling", "message", "stiffnesses_standing"):
+        assert shared[name].tolist() == alone[name].tolist()
+
+
+def test_work_that_was_ended_goes_on_where_its_file_ends(tmp_path: Path) -> None:
+    out = tmp_path / "found.csv"
+    asked = iter([False, False, True])
+    first = drystone.check_many(MODELS, out=out, friction=0.6, stop=lambda: next(asked, True))
+    assert len(first) == 2
+    with out.open("a", encoding="utf-8") as file:
+        file.write("2,,sta")  # killed while it wrote
+    told: list[tuple[int, int]] = []
+
+    def progress(_: str, done: int, total: int) -> None:
+        told.append((done, total))
+
+    whole = drystone.check_many(MODELS, out=out, friction=0.6, progress=progress)
+    assert told == [(3, 4), (4, 4)]
+    assert whole["verdict"].tolist() == VERDICTS
+    assert len(out.read_text(encoding="utf-8").splitlines()) == 5
+    again = drystone.check_many(MODELS, out=out, friction=0.6)
+    assert again["message"].tolist() == whole["message"].tolist()
+
+
+def test_a_file_about_other_models_is_not_continued(tmp_path: Path) -> None:
+    out, model = tmp_path / "found.csv", tmp_path / "tower.json"
+    drystone.check_many([tower(2)], out=out)
+    drystone.write(tower(2), model)
+    with pytest.raises(InputError, match="model 0 of the file is '', not "):
+        drystone.check_many([model], out=out)
+    out.write_text("a,b\n1,2\n", encoding="utf-8")
+    with pytest.raises(InputError, match="no verdicts that could be continued"):
+        drystone.check_many([tower(2)], out=out)
+    with pytest.raises(InputError, match="cannot be written"):
+        drystone.check_many([tower(2)], out=tmp_path / "nowhere" / "found.csv")
+
+
+def test_what_is_no_model_is_refused_in_its_row(tmp_path: Path) -> None:
+    found = drystone.check_many([tmp_path / "nothing.json", tower(2)])
+    assert found["verdict"].tolist() == ["refused", "stable"]
+    assert "there is no such file" in found["message"][0]
+
+
+def test_a_model_that_ends_its_worker_is_told_and_the_others_are_answered() -> None:
+    def models() -> Iterator[object]:
+        yield from (tower(2), Deadly(), tower(3))
+
+    found = drystone.check_many(models(), executor=LocalWorkers(1))  # type: ignore[arg-type]
+    assert found["verdict"].tolist() == ["stable", "failed", "stable"]
+    with ProcessPoolExecutor(1) as processes, pytest.raises(InputError, match="a worker died"):
+        drystone.check_many(models(), executor=processes)  # type: ignore[arg-type]

@@ -1,0 +1,140 @@
+"""Capacities of joints: made, kept in files, carried along, given on the command line, refused."""
+
+import json
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import JointCapacity, Model
+from drystone.base.errors import InputError
+from drystone.cli.application import main
+from drystone.joint_capacity import NO_LIMIT
+from drystone.models import arch, tower
+from drystone.sequence import plan
+
+MODEL = Model.of(tower(4), friction=0.6)
+
+
+def test_stresses_are_forces_by_area_and_cohesion_follows_tension():
+    found = JointCapacity.of_stress(MODEL.contacts, tension=[1.0, 2.0, 3.0], shear=5.0)
+    assert found.tension == pytest.approx(MODEL.contacts.area * [1.0, 2.0, 3.0])
+    assert found.cohesion == pytest.approx(0.6 * found.tension)
+    assert found.shear == pytest.approx(5.0 * MODEL.contacts.area)
+
+
+def test_corners_share_the_capacity_of_their_interface():
+    model = MODEL.with_capacity(JointCapacity.of(MODEL.contacts, tension=8.0, cohesion=12.0))
+    tension, cohesion, shear = model.contacts.corner_capacity
+    assert tension == pytest.approx(2.0)
+    assert cohesion == pytest.approx(3.0)
+    assert (shear == NO_LIMIT).all()
+
+
+def test_capacities_follow_a_part_of_the_model():
+    model = MODEL.with_capacity(JointCapacity.of(MODEL.contacts, tension=[1.0, 2.0, 3.0]))
+    part = model.subset([2, 3])
+    assert part.contacts.capacity.tension.tolist() == [3.0]
+    assert model.with_friction(0.3).contacts.capacity is model.contacts.capacity
+    assert MODEL.contacts.dry.all()
+    assert not part.contacts.dry.any()
+
+
+@pytest.mark.parametrize("suffix", [".json"])
+def test_a_file_keeps_them(tmp_path, suffix):
+    capacity = JointCapacity.of(MODEL.contacts, tension=[0.1, 0.2, 0.0], shear=7.0)
+    drystone.write(MODEL.with_capacity(capacity), tmp_path / f"glued{suffix}")
+    again = drystone.read(tmp_path / f"glued{suffix}").contacts.capacity
+    for name in ("tension", "cohesion", "shear"):
+        assert (getattr(again, name) == getattr(capacity, name)).all()
+    drystone.write(MODEL, tmp_path / "dry.json")
+    assert drystone.read(tmp_path / "dry.json").contacts.capacity is None
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: JointCapacity([-1.0], [0.0]), "the tension of interface 0 is -1.0"),
+        (lambda: JointCapacity([1.0], [float("nan")]), "the cohesion of interface 0 is nan"),
+        (lambda: JointCapacity([1.0], [0.0, 1.0]), "cohesion must be one number or 1"),
+        (lambda: JointCapacity.of(MODEL.contacts, tension="x"), "tension must be one number or 3"),
+        (lambda: MODEL.with_capacity(JointCapacity([1.0], [1.0])), "3 interfaces and 1 capacities"),
+        (lambda: MODEL.with_capacity(3.0), "the capacity of contacts"),
+    ],
+)
+def test_bad_capacities_are_refused(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
+
+
+@pytest.mark.parametrize(
+    "analysis", [drystone.settle, drystone.solve_cra, drystone.solve_cra_penalty]
+)
+def test_analyses_of_dry_joints_refuse_others(analysis):
+    with pytest.raises(InputError, match="takes dry joints only"):
+        analysis(MODEL.with_capacity(JointCapacity.of(MODEL.contacts, tension=1.0)))
+
+
+def test_a_plan_needs_no_help_where_glue_holds():
+    """The voussoirs of an arch need props; glued strongly each of them stands alone."""
+    model = Model.of(arch(0.3, 5), friction=0.4)
+    glue = JointCapacity.of(model.contacts, tension=NO_LIMIT, cohesion=NO_LIMIT)
+    assert plan(model).counts["free"] < 5
+    glued = plan(model.with_capacity(glue))
+    assert glued.counts["free"] == len(model.assembly.free)
+    assert all(step.answer.stands for step in glued.steps)
+
+
+def test_utilisation_counts_the_cohesion():
+    assembly = tower(2)
+    load = drystone.LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 20.0)
+    model = Model.of(assembly, friction=0.6, load=load)
+    dry = drystone.check(model)
+    assert dry.utilisation == pytest.approx([np.tan(np.deg2rad(20.0)) / 0.6])
+    weight = np.linalg.norm(model.load.wrench[1, :3])
+    more = 0.4 * weight * np.cos(np.deg2rad(20.0))
+    glued = drystone.check(model.with_capacity(JointCapacity.of(model.contacts, cohesion=more)))
+    assert glued.utilisation == pytest.approx([np.tan(np.deg2rad(20.0)) / 1.0])
+
+
+@pytest.fixture
+def overhang(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    from drystone.models import box
+
+    blocks = (box((1.0, 1.0, 1.0), name="pier"), box((2.5, 1.0, 0.3), (0.0, 0.0, 1.0), "slab"))
+    drystone.write(drystone.Assembly(blocks, [True, False]), tmp_path / "overhang.json")
+    return tmp_path
+
+
+def test_the_command_line_takes_stresses_and_a_table(overhang, capsys):
+    """Weight 17,658 N at 0.25 m beyond the edge; the pier's other edge is 1 m from it."""
+    assert main(["check", "overhang.json"]) == 1
+    assert main(["check", "overhang.json", "--joint-capacity", "tension=0.01MPa"]) == 0
+    assert main(["check", "overhang.json", "--joint-capacity", "tension=0.008MPa"]) == 1
+    (overhang / "joints.csv").write_text(
+        "block_a,block_b,tension,cohesion,shear\nslab,pier,10000,10000,\n"
+    )
+    capsys.readouterr()
+    assert main(["check", "overhang.json", "--joint-capacity", "joints.csv", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["verdict"] == "stable"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("tension", ["--joint-capacity", "'tension' is no capacity"]),
+        ("pull=3Pa", ["'pull=3Pa' is no capacity"]),
+        ("tension=3", ["tension '3'", "unit"]),
+        ("tension=-3Pa", ["the tension of interface 0 is -3"]),
+        ("absent.csv", ["absent.csv"]),
+        ("bad.csv", ["bad.csv, line 2", "names no block"]),
+    ],
+)
+def test_bad_capacities_on_the_command_line_are_one_line(overhang, capsys, text, words):
+    (overhang / "bad.csv").write_text("block_a,block_b,tension,cohesion,shear\na,pier,1,1,\n")
+    assert main(["check", "overhang.json", "--joint-capacity", text]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert all(word in err for word in words)

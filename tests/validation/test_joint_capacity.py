@@ -1,0 +1,172 @@
+"""Joints that pull and cohere against closed forms: cantilever, incline, hanging block, dowel."""
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import Assembly, JointCapacity, LoadCase, Model, Verdict, check, solve_rbe
+from drystone.checks import check_forces, mechanism_defects
+from drystone.models import box as box_of_size
+
+
+def box(low, high, name):
+    """A box between two corners."""
+    size = np.subtract(high, low)
+    return box_of_size(size, low, name)
+
+
+HEIGHT, WIDTH, LENGTH = 0.4, 0.3, 1.0
+
+
+def cantilever(tension, cohesion=1e9, friction=0.6):
+    """A block glued by its end face to the side of a fixed one."""
+    wall = box((-1.0, 0.0, 0.0), (0.0, WIDTH, HEIGHT), "wall")
+    arm = box((0.0, 0.0, 0.0), (LENGTH, WIDTH, HEIGHT), "arm")
+    model = Model.of(Assembly((wall, arm), fixed=[True, False]), friction=friction)
+    glue = JointCapacity.of_stress(model.contacts, tension=tension, cohesion=cohesion)
+    return model.with_capacity(glue)
+
+
+def weight(model):
+    return -model.load.wrench[~model.assembly.fixed, 2].sum()
+
+
+def critical_tension():
+    """The moment W L / 2 is carried by the glue about the lower edge: t (b h) h / 2."""
+    moment = weight(cantilever(1.0)) * LENGTH / 2.0
+    return moment / (WIDTH * HEIGHT * HEIGHT / 2.0)
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(1.01, "stable"), (0.99, "unstable")])
+def test_a_glued_cantilever_falls_at_tension_times_lever_arm(share, verdict):
+    model = cantilever(share * critical_tension())
+    result = check(model)
+    assert result.verdict == verdict
+    if result.stable:
+        assert check_forces(model, result.force, result.displacement).largest <= 1e-8
+    else:
+        violation, power = mechanism_defects(model, result.mechanism)
+        assert violation < 1e-5
+        assert power > 0.0
+
+
+def test_the_largest_load_of_a_glued_cantilever():
+    model = cantilever(critical_tension())
+    force = 100.0
+    load = LoadCase.point_load(model.assembly, "arm", (0, 0, -force), (LENGTH, 0.15, 0.2))
+    strong = cantilever(2.0 * critical_tension())
+    expected = weight(model) * 0.5 / force  # W L / 2 more at the lever L
+    limit = drystone.limit_load(strong, load, upper=3.0 * expected)
+    for bracket in (limit.equilibrium, limit.rest):
+        assert bracket.stands <= expected * (1 + 1e-6)
+        assert bracket.falls >= expected * (1 - 1e-6)
+        assert bracket.falls - bracket.stands < 0.05 * expected
+
+
+def incline(angle_deg, cohesion, friction=0.5):
+    """A flat block on a plane; gravity leans."""
+    base = box((-2.0, -2.0, -0.2), (2.0, 2.0, 0.0), "base")
+    block = box((-0.5, -0.4, 0.0), (0.5, 0.4, 0.05), "block")
+    assembly = Assembly((base, block), fixed=[True, False])
+    load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), angle_deg)
+    model = Model.of(assembly, friction=friction, load=load)
+    return model.with_capacity(JointCapacity.of_stress(model.contacts, cohesion=cohesion))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+@pytest.mark.parametrize("angle", [20.0, 35.0])
+def test_a_cohesive_block_slides_at_friction_and_cohesion_by_pressure(angle, friction):
+    """tan(angle) = mu + c A / (W cos(angle))"""
+    dry = incline(angle, 0.0)
+    load = np.linalg.norm(dry.load.wrench[1, :3])
+    tangent, cosine = np.tan(np.deg2rad(angle)), np.cos(np.deg2rad(angle))
+    critical = (tangent - friction) * load * cosine / 0.8
+    if critical <= 0.0:
+        assert check(incline(angle, 0.0, friction)).stable
+        return
+    assert check(incline(angle, 1.01 * critical, friction)).stable
+    falls = check(incline(angle, 0.99 * critical, friction))
+    assert falls.verdict is Verdict.UNSTABLE
+    assert solve_rbe(incline(angle, 0.99 * critical, friction)).verdict is Verdict.UNSTABLE
+    assert (
+        solve_rbe(incline(angle, 1.01 * critical, friction)).verdict is Verdict.EQUILIBRIUM_EXISTS
+    )
+
+
+def hanging(tension):
+    """A block below a fixed one."""
+    top = box((0.0, 0.0, 1.0), (1.0, 1.0, 2.0), "top")
+    block = box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), "block")
+    model = Model.of(Assembly((top, block), fixed=[True, False]), friction=0.6)
+    return model.with_capacity(JointCapacity.of(model.contacts, tension=tension))
+
+
+def test_a_hanging_block_falls_when_its_weight_exceeds_the_tension():
+    load = weight(hanging(0.0))
+    held = check(hanging(1.001 * load))
+    assert held.stable
+    assert held.resultants.normal == pytest.approx([-load], rel=1e-6)
+    assert check(hanging(0.999 * load)).verdict is Verdict.UNSTABLE
+    assert check(hanging(0.0)).verdict is Verdict.UNSTABLE
+
+
+def test_a_limit_of_shear_holds_whatever_the_pressure():
+    """A block pressed on a table is pushed sideways: it slides at s although mu n is larger."""
+    base = box((-2.0, -2.0, -0.2), (2.0, 2.0, 0.0), "base")
+    block = box((-0.5, -0.5, 0.0), (0.5, 0.5, 0.05), "block")
+    assembly = Assembly((base, block), fixed=[True, False])
+    own = LoadCase.gravity(assembly)
+    for push, verdict in ((99.0, "stable"), (101.0, "unstable")):
+        load = own + LoadCase.point_load(assembly, "block", (push, 0.0, 0.0), (0.0, 0.0, 0.0))
+        model = Model.of(assembly, friction=0.6, load=load)
+        capacity = JointCapacity.of(model.contacts, shear=100.0)
+        assert check(model).stable  # friction alone would hold it
+        result = check(model.with_capacity(capacity))
+        assert result.verdict == verdict
+        if not result.stable:
+            violation, power = mechanism_defects(model.with_capacity(capacity), result.mechanism)
+            assert violation < 1e-5
+            assert power > 0.0
+
+
+def test_without_any_capacity_nothing_changes():
+    dry = cantilever(0.0, 0.0)
+    assert check(dry).verdict is Verdict.UNSTABLE
+    model = Model.of(drystone.models.arch(0.15), friction=0.9)
+    none = JointCapacity.of(model.contacts)
+    assert check(model.with_capacity(none)).message == check(model).message
+
+
+def test_a_pull_ends_where_the_joint_slides_open():
+    """Mohr and Coulomb: with friction 0.5 and a cohesion of 100 N no pull exceeds 200 N."""
+    model = hanging(1e6)
+    load = weight(model)
+    for cohesion, verdict in ((0.61 * load, "stable"), (0.59 * load, "unstable")):
+        capacity = JointCapacity.of(model.contacts, tension=1e9, cohesion=cohesion)
+        assert check(model.with_capacity(capacity)).verdict == verdict
+
+
+def test_an_arch_of_blocks_glued_without_limit_stands_like_one_block():
+    """Half an arch leans out and falls dry; glued to its support it is a cantilever."""
+    from drystone.joint_capacity import NO_LIMIT
+
+    whole = Model.of(drystone.models.arch(0.15, 7), friction=0.6)
+    names = whole.assembly.names
+    half = whole.subset(names[: len(names) // 2 + 1])
+    assert half.assembly.fixed.any()
+    assert check(half).verdict is Verdict.UNSTABLE
+    glue = JointCapacity.of(half.contacts, tension=NO_LIMIT, cohesion=NO_LIMIT)
+    assert check(half.with_capacity(glue)).stable
+    assert solve_rbe(half.with_capacity(glue)).verdict is Verdict.EQUILIBRIUM_EXISTS
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_the_verdict_does_not_depend_on_units(scale):
+    for share, verdict in ((1.01, "stable"), (0.99, "unstable")):
+        model = cantilever(share * critical_tension())
+        assembly = model.assembly.transformed(scale * np.eye(3))
+        scaled = Model.of(assembly, friction=0.6)
+        forces = model.contacts.capacity
+        cube = scale**3
+        capacity = JointCapacity(forces.tension * cube, forces.cohesion * cube)
+        assert check(scaled.with_capacity(capacity)).verdict == verdict

@@ -1,0 +1,114 @@
+"""Stud-and-tube bricks: the eight labelled designs of StableLego (arXiv 2402.10711).
+
+The shares of the largest pull are those of a linear program for the same contact points.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import JointCapacity, RBEOptions, Verdict, solve_rbe
+from drystone.base.errors import FormatError
+from drystone.joint_capacity import NO_LIMIT
+
+GRAVITY = 9.8 / 9.81
+"""The data set uses 9.8 m/s2."""
+PLATE = "4 2 0 2.16"
+STICK = [(0, 0, 8), (6, 1, 4), (8, 2, 4), (10, 3, 8), (16, 2, 8), (22, 3, 6), (26, 2, 6),
+         (30, 3, 6), (34, 2, 6), (38, 3, 6), (42, 2, 6), (44, 3, 4), (44, 4, 4)]  # fmt: skip
+GRAMS = {8: 3.03, 6: 2.28, 4: 1.57}
+
+
+def stair(count):
+    return [f"{2 * i} 21 {i} {PLATE}" for i in range(count)]
+
+
+def stick(*more):
+    return [f"{x} 21 {z} {n} 1 0 {GRAMS[n]}" for x, z, n in STICK] + list(more)
+
+
+HEAVY = "44 21 5 4 1 0 1.57"
+DESIGNS = {
+    "stair-19": (stair(19), 0.9007),
+    "stair-20": (stair(20), 1.0055),
+    "stair-20-good": ([*stair(20), "4 21 0 1 2 0 0.81"], 0.9007),
+    "stick-light": (stick(), 0.9214),
+    "stick-heavy": (stick(HEAVY), 1.0215),
+    "stick-heavy-good": (stick(HEAVY, "8 21 0 2 1 0 0.81"), 0.9341),
+    "external-weight-good": ([*stair(3), "5 21 3 2 2 0 200"], 0.6413),
+    "external-weight-fail": ([*stair(4), "7 21 4 2 2 0 200"], 1.1872),
+}
+
+
+def read(folder: Path, lines):
+    (folder / "design.bricks").write_text("\n".join(lines) + "\n")
+    return drystone.read(folder / "design.bricks", load=GRAVITY)
+
+
+@pytest.mark.parametrize("name", DESIGNS)
+def test_the_labelled_designs(tmp_path, name):
+    lines, share = DESIGNS[name]
+    model = read(tmp_path, lines)
+    result = solve_rbe(model, options=RBEOptions.feasibility())
+    stands = share < 1.0
+    assert result.verdict is (Verdict.EQUILIBRIUM_EXISTS if stands else Verdict.UNSTABLE)
+    given = model.contacts.capacity
+    for factor, holds in ((1.001 * share, True), (0.999 * share, False)):
+        pull = JointCapacity(factor * given.tension, given.cohesion)
+        found = solve_rbe(model.with_capacity(pull), options=RBEOptions.feasibility())
+        assert found.verdict is (Verdict.EQUILIBRIUM_EXISTS if holds else Verdict.UNSTABLE)
+
+
+@pytest.mark.parametrize("name", ["external-weight-good", "external-weight-fail", "stick-heavy"])
+def test_the_full_verdict_agrees(tmp_path, name):
+    lines, share = DESIGNS[name]
+    assert drystone.check(read(tmp_path, lines)).stable == (share < 1.0)
+
+
+def test_a_list_is_read_with_rotations_remarks_and_usual_masses(tmp_path):
+    model = read(tmp_path, ["# a wall", "", "0 0 0 4 2", "0 0 1 4 2 90  # crosswise", "5 0 0 1 1"])
+    assert model.assembly.names == ("brick-000", "brick-001", "brick-002", "ground")
+    assert model.assembly.fixed.tolist() == [False, False, False, True]
+    assert model.assembly.mass[:3] == pytest.approx([2.16e-3, 2.16e-3, 0.39e-3])
+    extent = model.assembly.bounds[1, 1] - model.assembly.bounds[1, 0]
+    assert extent == pytest.approx([2 * 7.8e-3, 4 * 7.8e-3, 9.6e-3])
+    pairs = list(zip(model.contacts.block_a.tolist(), model.contacts.block_b.tolist(), strict=True))
+    assert pairs.count((3, 0)) == 8
+    assert pairs.count((0, 1)) == 4  # of eight studs under it four meet a brick
+    assert pairs.count((3, 2)) == 1
+
+
+def test_bricks_side_by_side_press_each_other(tmp_path):
+    model = read(tmp_path, ["0 0 0 2 2", "2 0 0 2 2", "0 2 0 2 2"])
+    beside = model.contacts.capacity.tension == 0.0
+    assert beside.sum() == 4
+    assert model.contacts.area[beside].sum() == pytest.approx(4 * 7.8e-3 * 9.6e-3)
+    for i in np.flatnonzero(beside):
+        a, b = model.contacts.block_a[i], model.contacts.block_b[i]
+        way = model.assembly.centroid[b] - model.assembly.centroid[a]
+        assert model.contacts.frame[i, 0] @ way > 0.0
+        face = model.contacts.polygon(i)
+        turn = np.cross(face[1] - face[0], face[2] - face[1])
+        assert turn @ model.contacts.frame[i, 0] > 0.0
+    assert (model.contacts.capacity.cohesion[~beside] == NO_LIMIT).all()
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (["0 0 0 4"], "design.bricks, line 1: '0 0 0 4' is no brick"),
+        (["0 0 0 4 2 45"], "the rotation is 45 degrees"),
+        (["0 0 -1 4 2"], "is no brick"),
+        (["0 0 0 0 2"], "is no brick"),
+        (["0 0 0 4 2 0 0"], "its mass is zero"),
+        (["0 0 0 4 2", "2 1 0 4 2"], "bricks 0 and 1 are both at 2 1 0"),
+        (["0 0 1 4 2"], "has no brick on the ground"),
+        (["# nothing"], "holds no brick"),
+        (["0 0 0 4 2 0 1e9"], "is no brick"),
+    ],
+)
+def test_bad_lists_are_refused(tmp_path, lines, words):
+    with pytest.raises(FormatError, match=words):
+        read(tmp_path, lines)
