@@ -1,4 +1,4 @@
-"""Large displacement: a scene that plays the states, with the curve in the panel."""
+"""Scenes that play a path: large displacement, with its curve in the panel, and films of a fall."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.base import units
 from drystone.base.arrays import Floats
+from drystone.fall import Film
 from drystone.settlement import LargeDisplacement, LargeState
 from drystone.view.scenes.header import directions, facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
@@ -18,6 +19,7 @@ LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
 """[px] of the drawing, and its margins for ticks."""
 SECONDS = 6.0
 """In which the page plays the states, chosen."""
+NO_VERDICT = "a simulated fall: no verdict"
 NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
 
 
@@ -105,4 +107,22 @@ def _up(load: Floats, low: float, high: float) -> Floats:
     return place
 
 
-__all__ = ["curve_panel", "large_scene"]
+def film_scene(film: Film, source: str = "") -> Scene:
+    """A scene that plays a film in the time that it took."""
+    assembly, model = film.assembly, film.model
+    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    state[film.fell] = State.FALLING
+    up, gravity = directions(assembly, model.load)
+    headline = film.message[0].upper() + film.message[1:]
+    message = "; ".join([NO_VERDICT, film.engine, *model.notes])
+    stage = Stage(
+        "film", headline, message, state, motion=film.positions[-1], motion_name="Film",
+        path=film.positions if len(film) > 1 else None, seconds=float(film.time[-1]), plays=True,
+        up=up, gravity=gravity,
+    )  # fmt: skip
+    facts = facts_of(assembly, film.contacts, model.load, source)
+    title = f"drystone: {film.message}"
+    return Scene(assembly, film.contacts, (stage,), title, facts, preset="solid")
+
+
+__all__ = ["curve_panel", "film_scene", "large_scene"]

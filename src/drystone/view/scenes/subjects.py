@@ -14,8 +14,7 @@ from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan
 from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
-from drystone.view.scenes.film_scenes import film_scene
-from drystone.view.scenes.large_scenes import large_scene
+from drystone.view.scenes.large_scenes import film_scene, large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scene import Scene
