@@ -182,7 +182,7 @@ def add_contact_rows(
         row = np.searchsorted(joints, statics.interface)
         together = sparse.csr_matrix((np.ones(k), (row, np.arange(k))), shape=(len(joints), k))
         whole = statics.friction[first]
-        sums = np.bincount(row, cohesion, minlength=len(joints))
+        sums = np.bincount(row, cohesion, minlength=len(joints)).astype(np.float64)
         _bounded(
             program,
             "friction of joints",
