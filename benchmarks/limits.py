@@ -253,6 +253,28 @@ share of structures that stand, with a confidence interval. In Python these are 
 `concurrent.futures.Executor`, and `progress`, `stop` and `time_limit_s`. A search that is stopped
 answers with the brackets, directions or draws that it has. A sweep that is stopped lists the
 directions that are known and names no weakest one.
+
+## Imperfections
+
+    drystone limit imperfections a.json --tolerance 0.002 --friction-range 0.5,0.7 --png a.png
+    drystone limit imperfections a.json --tolerance 0.002 --order at-once --order turned
+
+Joints are drawn at random, the same ones for the same seed: their place and angle from a tolerance
+[m] of how exactly blocks are made, their friction from a range, corners that have broken off. Each
+draw is checked. With an order of loading it is followed by [finite steps](settlement.md) instead:
+friction remembers how a load came about, whether at once, as a ramp in 20 parts, or turned from
+upright. The share that stands is told for every order, with its interval (Clopper, Pearson 1934).
+`--table` writes every draw, `--png` plots the share against the number of draws.
+
+```python
+from drystone.limits import Imperfections, imperfections
+from drystone.models import tower
+
+kinds = Imperfections(tolerance=0.01, friction=(0.5, 0.7))
+study = imperfections(tower(4), kinds, draws=10, loading=["at once", "turned"])
+for row in study.by_loading():
+    print(row["loading"], row["share"], row["low"], row["high"])
+```
 """
 
 FINDINGS = """## Remarks

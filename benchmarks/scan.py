@@ -1,4 +1,4 @@
-"""The tilt at which something is lost, without believing that it is lost only once."""
+"""The tilt at which something is lost, which may be lost more than once."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Settlement by steps against published tilt limits: ``python -m benchmarks.settlement``.
 
 Writes the table of docs/settlement.md. With another ``--overlap``, ``--pace`` or ``--tangential``
-it prints the limits and writes nothing.
+it prints the limits and writes nothing. ``--insensitive`` asks a degree below and above each limit
+of the page with a tenth of the overlap, and with steps twice as long.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import argparse
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from drystone.settlement import Carrier, Outcome, SettlementOptions
 
 PAGE = Path(__file__).parents[1] / "docs" / "settlement.md"
 BEGIN, END = "<!-- limits -->\n", "<!-- end of limits -->\n"
+BEGIN_SAME, END_SAME = "<!-- insensitive -->\n", "<!-- end of insensitive -->\n"
 
 QUICK = SettlementOptions(fall=0.05, carrier=Carrier.MOVING)
 """For limits: what went by a twentieth of its size does not stand."""
@@ -138,8 +140,68 @@ def table(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
+VARIANTS = {
+    "overlap 1e-7": replace(QUICK, overlap=1e-7),
+    "steps twice as long": replace(QUICK, pace=2.0),
+}
+"""Numerical choices that must not change a limit by a degree."""
+
+
+def limits_of_page() -> dict[str, float]:
+    """The settled limits [degrees] of the page by study."""
+    rows = PAGE.read_text(encoding="utf-8").partition(BEGIN)[2].partition(END)[0].splitlines()
+    cells = [[cell.strip() for cell in row.split("|")[1:-1]] for row in rows if row[:2] == "| "]
+    return {f"{row[0]} {row[1]} mu {row[2]}": float(row[4]) for row in cells[1:]}
+
+
+def insensitive(study: Study, limit: float) -> dict[str, str]:
+    """Whether the limit moves by less than a degree, by variant; else what happens instead."""
+    model = Model.of(study.build(), friction=study.friction)
+    found = {}
+    for name, options in VARIANTS.items():
+        below = rests(model, study.axis, options, max(limit - 1.0, 0.0))
+        above = limit < 179.0 and rests(model, study.axis, options, limit + 1.0)
+        wrong = [] if below else [f"falls at {limit - 1.0:.1f}"]
+        wrong += [f"rests at {limit + 1.0:.1f}"] if above else []
+        found[name] = ", ".join(wrong)
+    return found
+
+
+def told_insensitive(chosen: Sequence[Study], workers: int) -> list[str]:
+    """Markdown lines; progress is printed."""
+    limits = limits_of_page()
+    known = [study for study in chosen if f"{study.model} {_axis(study)}" in limits]
+    asked = [limits[f"{study.model} {_axis(study)}"] for study in known]
+    moved: dict[str, list[str]] = {name: [] for name in VARIANTS}
+    with ProcessPoolExecutor(workers) as pool:
+        for study, found in zip(known, pool.map(insensitive, known, asked), strict=True):
+            print(f"{study.key:32s} {found}", flush=True)
+            for name, wrong in found.items():
+                if wrong:
+                    moved[name].append(f"{study.key} {wrong}")
+    return [
+        f"- {name}: {len(known) - len(wrong)} of {len(known)} limits change by less than a degree"
+        + (f"; the others: {'; '.join(wrong)}." if wrong else ".")
+        for name, wrong in moved.items()
+    ]
+
+
+def _axis(study: Study) -> str:
+    return f"{study.axis_label} mu {study.friction:.2f}"
+
+
+def written(begin: str, end: str, lines: Sequence[str]) -> None:
+    """Lines of the page between two marks."""
+    before, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
+    after = rest.partition(end)[2]
+    draft = PAGE.with_suffix(".md.new")
+    draft.write_text(before + begin + "\n".join([*lines, ""]) + end + after, encoding="utf-8")
+    draft.replace(PAGE)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--insensitive", action="store_true", help="with other numerical choices")
     parser.add_argument("--only", default="", help="studies whose name contains this")
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--overlap", type=float, default=QUICK.overlap)
@@ -150,6 +212,12 @@ def main() -> None:
         fall=QUICK.fall, overlap=given.overlap, tangential=given.tangential, pace=given.pace
     )
     chosen = [study for study in studies() if given.only in study.key]
+    if given.insensitive:
+        lines = told_insensitive(chosen, given.workers)
+        print("\n".join(lines))
+        if not given.only:
+            written(BEGIN_SAME, END_SAME, lines)
+        return
     rows = []
     with ProcessPoolExecutor(given.workers) as pool:
         for row in pool.map(partial(measure, options=options), chosen):
@@ -163,12 +231,7 @@ def main() -> None:
     print("rms {:.3f} largest {:.2f}".format(*rms(rows)))
     if given.only or options != SettlementOptions(fall=QUICK.fall):
         return
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    after = rest.partition(END)[2]
-    text = before + BEGIN + "\n".join([*table(rows), ""]) + END + after
-    draft = PAGE.with_suffix(".md.new")
-    draft.write_text(text, encoding="utf-8")
-    draft.replace(PAGE)
+    written(BEGIN, END, table(rows))
 
 
 if __name__ == "__main__":

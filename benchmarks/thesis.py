@@ -18,7 +18,7 @@ from pathlib import Path
 import drystone
 from benchmarks.explanations import EXPLANATIONS
 from benchmarks.scan import Limit, tilt_limit
-from benchmarks.settlement import QUICK
+from benchmarks.settlement import MECHANISMS, QUICK
 from benchmarks.studies import Study, studies
 from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Verdict, models
 from drystone.detection import find_contacts
@@ -31,7 +31,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "validation.md"
 
 UNIFORM = CheckOptions(samples=0, settle=False)
 
-Judge = Callable[[Assembly, Contacts, LoadCase], bool]
+StandsCheck = Callable[[Assembly, Contacts, LoadCase], bool]
 
 
 def octagon(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
@@ -64,7 +64,7 @@ def compatible(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
     return found.verdict is Verdict.STABLE and found.method == "cra"
 
 
-JUDGES: dict[str, Judge] = {
+CHECKS: dict[str, StandsCheck] = {
     "RBE8": octagon,
     "RBE": exact,
     "uniform": uniform,
@@ -117,10 +117,10 @@ def measure(study: Study) -> Row:
     contacts = find_contacts(assembly, friction=study.friction).contacts
 
     def limit(name: str, below: Limit | None) -> Limit:
-        judge = JUDGES[name]
+        stands = CHECKS[name]
         highest = 180.0 if below is None else max(below.angle, *below.islands, 1.0)
         return tilt_limit(
-            lambda tilt: judge(
+            lambda tilt: stands(
                 Model(assembly, contacts, LoadCase.tilt(assembly, study.axis, tilt))
             ),
             highest,
@@ -130,7 +130,7 @@ def measure(study: Study) -> Row:
     found = {name: limit(name, None) for name in ("RBE8", "RBE")}
     found["search"] = limit("search", found["RBE"])
     found |= {name: limit(name, found["search"]) for name in ("uniform", "settled", "5.6")}
-    return Row(study, {name: found[name] for name in JUDGES}, time.perf_counter() - began)
+    return Row(study, {name: found[name] for name in CHECKS}, time.perf_counter() - began)
 
 
 def limits_table(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
@@ -313,9 +313,25 @@ in the notes.
         "",
         *(notes or ["None."]),
         "",
+        *settled_misses(rows),
+        "",
         extras(),
     ]
     return text + "\n".join(body)
+
+
+def settled_misses(rows: Sequence[Row]) -> list[str]:
+    """How far the settled limits are from 3DEC, and why where that is more than a degree."""
+    miss = {row.study.key: row.limits["settled"].angle - row.study.dem for row in rows}
+    mean = math.sqrt(sum(one**2 for one in miss.values()) / len(miss))
+    largest = max(miss, key=lambda key: abs(miss[key]))
+    lines = [
+        f"Settled less 3DEC: root mean square {mean:.2f} degrees over {len(rows)} rows, largest "
+        f"{miss[largest]:+.2f} ({largest}). Where it is more than a degree:",
+        "",
+    ]
+    why = {key: MECHANISMS.get(key, "Not explained yet.") for key in miss}
+    return lines + [f"- {key}, {one:+.2f}: {why[key]}" for key, one in miss.items() if abs(one) > 1]
 
 
 def run(pool: Executor | None, chosen: Sequence[Study]) -> list[Row]:

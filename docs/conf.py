@@ -11,6 +11,7 @@ import drystone
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
+import gallery
 from reference import write_reference
 
 project = "drystone"
@@ -22,9 +23,11 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
 ]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
-exclude_patterns = ["reference.py"]
+exclude_patterns = ["reference.py", "gallery.py", "gallery/GALLERY_HEADER.rst"]
+sphinx_gallery_conf = gallery.SETTINGS
 myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[1]
 FLOORS = {
     "Show": ("cli", "live", "mcp", "reproduce", "view"),
     "Design and plan": ("design", "compat", "sequence", "shells", "models"),
-    "Analyse": ("limits", "stability", "settlement", "formulations", "statics", "checks"),
+    "Analyse": ("limits", "stability", "settlement", "fall", "formulations", "statics", "checks"),
     "Describe": ("io", "results", "joints", "virtual", "model", "detection", "contacts", "loads"),
     "Blocks": ("repair", "supports", "assembly"),
     "Numbers": ("solvers", "geometry"),

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
+    from drystone.settlement import push as push
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import RBEOptions as RBEOptions
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
     from drystone.view import save_cad as save_cad
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
+    from drystone.view import show as show
 
 __version__ = "0.2.0"
 
@@ -89,11 +91,13 @@ _HOME = {
     "limit_thickness": "limits",
     "limit_tilt": "limits",
     "plan": "sequence",
+    "push": "settlement",
     "read": "io",
     "save_cad": "view",
     "save_figure": "view",
     "save_page": "view",
     "settle": "settlement",
+    "show": "view",
     "solve_cra": "stability",
     "solve_cra_penalty": "stability",
     "solve_rbe": "stability",
@@ -101,20 +105,20 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
-_ROOMS = ("design", "limits", "models", "sequence", "settlement", "shells", "view")
+_ROOMS = ("design", "fall", "limits", "models", "sequence", "settlement", "shells", "view")
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)
 
 
-def _thumbnail(value: object) -> str:
+def _beside(value: object) -> str:
     """A small picture of a value as HTML; drawing is loaded when one is asked for."""
-    from drystone.view.web.notebook import thumbnail
+    from drystone.view.web.notebook import beside
 
-    return thumbnail(value)
+    return beside(value)
 
 
-draw_with(_thumbnail)
+draw_with(_beside)
 
 
 def __getattr__(name: str) -> Any:

@@ -22,11 +22,11 @@ blocks that meet there. Less is rounding, and a force there would be prestress. 
 and states of eq. 5.6 that were examined it is 8e-6 or more."""
 
 NEGLIGIBLE = 1e-9
-"""Friction below this share of the forces on a block has no direction worth checking."""
+"""The direction of friction is checked above this share of the forces on a block."""
 
 MOVING = 0.05
-"""Motions of a corner below this share of the largest of its joint count as none where joints that
-turn are told from those that slide. Chosen, for pictures."""
+"""Motions of a corner below this share of the largest of its joint count as zero, to distinguish
+hinges from sliding joints in pictures. Chosen."""
 
 
 def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Floats:
@@ -44,7 +44,7 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
 
 
 def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
-    """Sum of all wrenches (n, 6) on each block about its centroid, and what acts on it (n,).
+    """Sum of all wrenches (n, 6) on each block about its centroid, and the size (n,) of its forces.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def check_forces(
 
 
 def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
-    """How far a motion is from being a collapse mechanism (Farkas certificate).
+    """Residuals of a motion as a collapse mechanism (Farkas certificate).
 
     Where every corner opens at least as fast as friction times its slide and the loads do work,
     no contact forces can balance the loads. Source: Livesley 1978 for the associated
@@ -188,7 +188,7 @@ def _resistance(contacts: Contacts, opening: Floats, slide: Floats) -> Floats:
 
 
 def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
-    """Where a first motion turns about an edge, and where it slides.
+    """Joints at which a first motion hinges about an edge, and joints at which it slides.
 
     Parameters
     ----------

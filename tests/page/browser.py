@@ -115,7 +115,7 @@ class Browser:
 
     def open(
         self,
-        path: Path,
+        path: Path | str,
         *,
         size: tuple[int, int] = (760, 480),
         dark: bool = False,
@@ -125,7 +125,11 @@ class Browser:
         fragment: str = "",
         ratio: float = 0.5,
     ) -> Tab:
-        """Open a file in a tab of its own and wait until it has drawn; few pixels are quick."""
+        """Open a file or an address in a tab of its own and wait until it has drawn.
+
+        Few pixels are quick.
+        """
+        address = path if isinstance(path, str) else path.resolve().as_uri()
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         tab = Tab(self, session, target)
@@ -140,7 +144,7 @@ class Browser:
         if forced:
             features.append({"name": "forced-colors", "value": "active"})
         tab.send("Emulation.setEmulatedMedia", features=features)
-        tab.send("Page.navigate", url=path.resolve().as_uri() + fragment)
+        tab.send("Page.navigate", url=address + fragment)
         tab.until("document.readyState === 'complete'")
         tab.frames(3)
         return tab

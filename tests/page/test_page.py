@@ -283,3 +283,13 @@ def test_the_model_fills_the_view(opened):
         })()"""
     )
     assert ratio > 0.7
+
+
+def test_a_settlement_plays_its_states_and_blocks_come_apart(opened):
+    tab = opened(drystone.settle(drystone.Model.of(arch(0.2, 4), friction=0.15)))
+    before = pixels(tab)
+    for slider, value in (("#motion", 0.5), ("#motion", 1), ("#spread", 1)):
+        tab.slide(slider, value)
+        after = pixels(tab)
+        assert after != before, (slider, value)
+        before = after

@@ -106,3 +106,7 @@ def test_the_peer_is_given_the_model_turned_and_its_joints(tmp_path):
     assert np.linalg.norm(turned, axis=1) == pytest.approx(
         np.linalg.norm(assembly.blocks[0].vertices, axis=1)
     )
+
+
+def test_the_limit_of_the_arch_is_measured():
+    assert measure.measure(WORK["arch-tilt-limit"], whole=False, enough_s=0.0)["right"]

@@ -52,6 +52,7 @@ def followed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 
 def test_the_two_commands_that_set_it_up_are_in_the_readme_and_the_second_is_what_ci_runs() -> None:
+    assert len(README.splitlines()) < 120
     assert f"\n    {SETUP}\n" in README
     assert f"\n    {TESTING}\n" in README
     for command in (SETUP, TESTING):
@@ -183,6 +184,19 @@ def test_the_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -
         assert f"](docs/{picture.name})" in README
         assert (ROOT / "docs" / picture.name).read_bytes().startswith(b"\x89PNG")
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_the_moving_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -> None:
+    from PIL import Image
+
+    runpy.run_path(str(ROOT / "examples" / "moving_pictures.py"))["main"](tmp_path, 2)
+    assert {path.name for path in tmp_path.iterdir()} == {"fall.gif", "plan.gif"}
+    for made in tmp_path.iterdir():
+        assert f"](docs/{made.name})" in README
+        with Image.open(made) as drawn, Image.open(ROOT / "docs" / made.name) as shown:
+            assert drawn.n_frames == 2
+            assert shown.n_frames >= 8
+            assert shown.size == drawn.size
 
 
 def test_every_example_is_run_by_a_test() -> None:

@@ -23,7 +23,7 @@ MODULES = sorted(
 )
 
 
-ROOMS = ["design", "limits", "models", "sequence", "settlement", "shells", "view"]
+ROOMS = ["design", "fall", "limits", "models", "sequence", "settlement", "shells", "view"]
 
 
 def source(module: str) -> str:

@@ -20,7 +20,7 @@ Axis = tuple[float, float, float]
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)
 
 
-Judge = Callable[[Model], Verdict]
+StandsCheck = Callable[[Model], Verdict]
 
 
 def uniform(model: Model) -> Verdict:
@@ -42,11 +42,11 @@ def searched(model: Model) -> Verdict:
 
 
 def sides(
-    judge: Judge, model: Assembly, friction: float, axis: Axis, below: float, above: float
+    check: StandsCheck, model: Assembly, friction: float, axis: Axis, below: float, above: float
 ) -> list[Verdict]:
     contacts = find_contacts(model, friction=friction).contacts
     return [
-        judge(Model(model, contacts, LoadCase.tilt(model, axis, tilt))) for tilt in (below, above)
+        check(Model(model, contacts, LoadCase.tilt(model, axis, tilt))) for tilt in (below, above)
     ]
 
 

@@ -60,10 +60,10 @@ def test_no_block_is_propped_that_stands_without_at_all_of_its_stages():
     contacts = find_contacts(assembly, friction=VAULT_FRICTION).contacts
     found = plan(Model(assembly, contacts))
     assert found.props
-    judge = Evaluator(found.model)
+    evaluator = Evaluator(found.model)
     for prop in found.props:
         without = [
             Stage(step.placed, sum(1 << block for block in step.props if block != prop.block))
             for step in found.steps[prop.first : prop.last + 1]
         ]
-        assert not all(judge.answer(stage).stands for stage in without)
+        assert not all(evaluator.answer(stage).stands for stage in without)

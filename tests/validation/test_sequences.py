@@ -1,4 +1,4 @@
-"""Designs that are built without scaffolding, against their closed forms."""
+"""Designs that are built without props, against their closed forms."""
 
 import numpy as np
 import pytest

@@ -160,7 +160,7 @@ def test_the_larger_the_wedge_the_farther_a_block_leans(wedge, angle):
 
 
 def test_no_point_lies_in_two_blocks(kind):
-    """Points drawn in every block and just inside its corners, judged by their solid angles.
+    """Points drawn in every block and just inside its corners, tested by their solid angles.
 
     Independent of how the depth of one block in another is found.
     """

@@ -1,4 +1,4 @@
-"""What the structure is made of: blocks, and which of them are fixed."""
+"""Blocks, and which of them are fixed."""
 
 from drystone.assembly.assembly import Assembly, Blocks
 from drystone.assembly.block import DEFAULT_DENSITY, Block, replace_block

@@ -22,7 +22,7 @@ Blocks: TypeAlias = int | str | Iterable[int | str] | Bools
 
 @dataclass(frozen=True, eq=False)
 class Assembly(Card):
-    """Blocks, some of them fixed. A block is known by its position, everywhere.
+    """Blocks, some of them fixed. The position of a block identifies it in all results.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class Assembly(Card):
         return iter(self.blocks)
 
     def __contains__(self, block: object) -> bool:
-        """Whether there is a block of this name, or this very block."""
+        """Whether there is a block with this name, or this block."""
         if isinstance(block, str):
             return block in self._position  # type: ignore[attr-defined]
         return any(block is one for one in self.blocks)
@@ -206,7 +206,7 @@ class Assembly(Card):
         return Assembly(tuple(self.blocks[i] for i in chosen), self.fixed[chosen])
 
     def without(self, blocks: Blocks) -> Assembly:
-        """The assembly less some of the blocks."""
+        """The assembly without some of the blocks."""
         gone = np.zeros(len(self), dtype=bool)
         gone[self.indices(blocks)] = True
         return self.subset(np.flatnonzero(~gone).tolist())
@@ -224,7 +224,7 @@ class Assembly(Card):
         )
 
     def with_density(self, density: float | Sequence[float]) -> Assembly:
-        """The same blocks with another density [kg/m3], one for all or one each."""
+        """The same blocks with another density [kg/m3], one value or one per block."""
         given = frozen_floats(density, (len(self),) if np.ndim(density) else (), "density")
         each = np.broadcast_to(given, (len(self),))
         return Assembly(

@@ -25,7 +25,7 @@ FLAT = 1e-12
 rounding of its coordinates decides the sign."""
 
 SMALLEST = 1e-30
-"""[m], chosen: as far below any block as :data:`drystone.base.arrays.FARTHEST` is above."""
+"""[m], chosen: far below the size of any block."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ class Block(OneLine):
         return self.__dict__ | {"metadata": dict(self.metadata)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """A block from another process is as read-only as its original."""
+        """Arrays of a block from another process are read-only too."""
         self.__dict__.update(state | {"metadata": MappingProxyType(state["metadata"])})
         for value in self.__dict__.values():
             if isinstance(value, np.ndarray):

@@ -1,1 +1,1 @@
-"""What every module may use: array types, files written whole, units, errors, tables."""
+"""Base modules: array types, complete writing of files, units, errors, tables."""

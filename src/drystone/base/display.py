@@ -1,4 +1,4 @@
-"""How values show themselves: as one line, and as a card in a notebook."""
+"""Display of values: as one line, and as a card in a notebook."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 LONGEST = 180
-"""Characters of the line, chosen: a wide terminal shows it on two lines at most."""
+"""Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
 
 
 class OneLine:
-    """A value whose ``repr`` is one line: its class, and what :meth:`_summary` says.
+    """A value whose ``repr`` is one line: its class, and the text of :meth:`_summary`.
 
     A dataclass that inherits from it keeps this ``repr``.
     """
@@ -29,7 +29,7 @@ class OneLine:
         return shortened(f"{type(self).__name__}({self._summary()})", end="...)")
 
     def _summary(self) -> str:
-        """What is between the brackets: the fields that differ from their defaults."""
+        """The text between the brackets: the fields that differ from their defaults."""
         told = []
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
             value = getattr(self, field.name)
@@ -47,7 +47,7 @@ class Card(OneLine):
     """A value that a notebook shows as a small card: a sentence, numbers and a picture."""
 
     def _facts(self) -> tuple[str, Mapping[str, object]]:
-        """A sentence, and what stands in the table below it, by name; empty ones are left out."""
+        """A sentence, and the entries of the table below it, by name; empty ones are omitted."""
         raise NotImplementedError
 
     def _repr_html_(self) -> str:
@@ -67,7 +67,7 @@ class Card(OneLine):
 
 
 def picture_of(value: object) -> str:
-    """A small picture of a value as HTML; nothing where nobody has said how one is made."""
+    """A small picture of a value as HTML; empty if no function was set."""
     return "".join(draw(value) for draw in _DRAWN_BY)
 
 
@@ -77,7 +77,7 @@ def draw_with(draw: Callable[[object], str]) -> None:
 
 
 def shortened(text: str, longest: int = LONGEST, end: str = "...") -> str:
-    """The text on one line; where it is too long, ``end`` stands for the rest."""
+    """The text on one line; if it is too long, ``end`` replaces the rest."""
     line = " ".join(text.split())
     return line if len(line) <= longest else line[: longest - len(end)] + end
 
@@ -112,6 +112,6 @@ class _Short(reprlib.Repr):
 
 _SHORT = _Short()
 _DRAWN_BY: list[Callable[[object], str]] = []
-"""Who makes pictures, set from above: values know nothing of drawing."""
+"""The function that makes pictures, set by the package: this layer does not import drawing."""
 
 __all__ = ["Card", "OneLine", "draw_with", "picture_of", "shortened"]

@@ -30,7 +30,7 @@ def counted(number: int, one: str, many: str = "") -> str:
 
 
 class Kind(enum.StrEnum):
-    """Kinds of faults of the shape of a block that can be told from others."""
+    """Kinds of defects of the shape of a block that callers distinguish."""
 
     OPEN = "open mesh"
     CROWDED = "non-manifold"
@@ -70,7 +70,7 @@ class InputError(DrystoneError, ValueError):
         return make, (self.what,)
 
     def located(self, where: str, remedy: str | None = None) -> InputError:
-        """The same fault with its place, and perhaps another remedy."""
+        """The same error with its place, and optionally another remedy."""
         remedy = self.remedy if remedy is None else remedy
         return type(self)(self.what, where=where, remedy=remedy, kind=self.kind)
 
@@ -80,11 +80,11 @@ class InputError(DrystoneError, ValueError):
 
 
 class FormatError(InputError):
-    """A file that cannot be read or written as what it claims to be."""
+    """A file that cannot be read or written in its format."""
 
 
 class MissingDependency(DrystoneError, ImportError):
-    """An optional package is needed for what was asked.
+    """An optional package is needed.
 
     Parameters
     ----------
@@ -107,4 +107,4 @@ class MissingDependency(DrystoneError, ImportError):
 
 
 class SolverError(DrystoneError, RuntimeError):
-    """A numerical back end was given something that it cannot work on."""
+    """A numerical back end cannot process its input."""

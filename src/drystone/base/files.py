@@ -1,4 +1,4 @@
-"""Files on disk: bounded reading, and writing that never leaves half a file."""
+"""Files on disk: bounded reading, and writing without incomplete files."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from drystone.base.display import shortened
 from drystone.base.errors import FormatError
 
 PathLike: TypeAlias = str | os.PathLike[str]
-Job: TypeAlias = tuple[PathLike, Callable[[Path], None]]
+Job: TypeAlias = tuple[PathLike, Callable[[Path], object]]
 """A file to be written, and what writes it to the path it is given."""
 
 LARGEST_FILE = 2**26
-"""[bytes], chosen: 64 MiB holds about a million faces in any of the formats, and whatever is in it
-is answered within some ten seconds."""
+"""[bytes], chosen: 64 MiB holds about a million faces in any of the formats; any content is read or
+refused within some ten seconds."""
 
 
 def read_bytes(path: PathLike, largest: int | None = None) -> bytes:
@@ -106,7 +106,7 @@ def as_path(path: PathLike) -> Path:
 
 
 def plain_target(path: PathLike) -> Path:
-    """Where a file is to be written: the file that a symbolic link leads to, else the path.
+    """The path of a file to write: the target of a symbolic link, else the path.
 
     Raises
     ------
@@ -124,12 +124,12 @@ def plain_target(path: PathLike) -> Path:
 
 
 def same_place(path: PathLike) -> str:
-    """What two names of one file have in common; a loop of links is a place of its own."""
+    """The common path of two names of one file; a loop of links stays a separate path."""
     return os.path.realpath(as_path(path))
 
 
 def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
-    """Let ``fill`` write a temporary file in the same folder, then give it its name.
+    """Let ``fill`` write a temporary file in the same folder, then rename it.
 
     Whatever interrupts ``fill``, an existing file stays as it was and no other file remains.
 
@@ -156,7 +156,7 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
 
 
 def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
-    """Let ``save`` write a file of its own under a temporary name in the same folder.
+    """Let ``save`` write a file under a temporary name in the same folder, then rename it.
 
     For libraries that only write to a name; otherwise as :func:`write_whole`.
 
@@ -179,7 +179,7 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
 
 
 def write_together(jobs: Sequence[Job]) -> list[str]:
-    """Let every job write its file under a temporary name, then give all of them their names.
+    """Let every job write its file under a temporary name, then rename all of them.
 
     What goes wrong while they are written leaves the files of that name as they were, all of them.
 
@@ -233,7 +233,7 @@ def write_bytes(path: PathLike, data: bytes) -> None:
 
 
 def _mode(target: Path) -> int:
-    """Permissions of the file that is replaced, else those that a new file gets."""
+    """Permissions of the replaced file, else those of a new file."""
     if target.exists():
         return target.stat().st_mode & 0o777
     mask = os.umask(0)

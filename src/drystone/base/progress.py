@@ -1,4 +1,4 @@
-"""How long work tells how far it is, and when it ends early."""
+"""Progress and early end of long calculations."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import TypeAlias
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called as ``progress(stage, done, total)`` with 0 <= done <= total; it must not raise.
-Nothing is stopped through it: that is what ``stop`` is for."""
+It cannot stop the work: use ``stop``."""
 
 
 class Clock:
-    """Time since the start, the limit, and the caller's wish to stop: once late, always late."""
+    """Time since the start, the limit, and the caller's request to stop; once late, always late."""
 
     def __init__(self, limit_s: float, stop: Callable[[], bool] | None = None) -> None:
         self.began = time.perf_counter()
@@ -31,7 +31,7 @@ class Clock:
         return max(self.limit_s - self.elapsed_s, 0.0)
 
     def late(self) -> bool:
-        """Whether to stop now with what is known; ``reason`` then says why."""
+        """Whether to stop now with the results so far; ``reason`` then says why."""
         if not self.reason:
             if self.wish is not None and self.wish():
                 self.reason = "it was interrupted"

@@ -17,7 +17,7 @@ from drystone.base.errors import InputError, counted
 
 @dataclass(frozen=True, eq=False)
 class Ragged(OneLine):
-    """Rows that are stored owner after owner. An owner may have no row.
+    """Rows that are stored in the order of their owners. An owner may have no row.
 
     It holds no values: every method takes an array with one value (or vector) per row or per owner.
 
@@ -55,7 +55,7 @@ class Ragged(OneLine):
 
     @classmethod
     def from_counts(cls, counts: Iterable[int] | Ints) -> Ragged:
-        """As many rows for each owner."""
+        """The same number of rows for each owner."""
         number = counts if isinstance(counts, np.ndarray) else list(counts)
         start = np.zeros(len(number) + 1, dtype=np.intp)
         np.cumsum(number, out=start[1:])
@@ -156,7 +156,7 @@ class Ragged(OneLine):
         return self._reduced(np.logical_and, values, True)
 
     def take(self, owners: Any) -> tuple[Ragged, Ints]:
-        """Some owners in the given order, each as often as it is named.
+        """Some owners in the given order; an owner may occur several times.
 
         Parameters
         ----------

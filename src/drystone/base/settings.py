@@ -1,4 +1,4 @@
-"""Options whose fields are checked as they are made, and functions whose calls are checked."""
+"""Options with checked fields, and functions with checked calls."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ R = TypeVar("R")
 
 
 class Options(OneLine):
-    """Base of all options: a frozen dataclass whose fields have the types that they say.
+    """Base of all options: a frozen dataclass that checks the types of its fields.
 
     Whole numbers, numbers, truth values, members of an enumeration (or their values) and other
     options are checked. What else a field may hold, and the range of numbers, is for each class.
@@ -53,7 +53,7 @@ class Options(OneLine):
 
     @classmethod
     def of(cls, given: Self | None) -> Self:
-        """What a caller gave as options; the defaults where they were left out.
+        """The given options; the defaults if None.
 
         Raises
         ------
@@ -97,7 +97,7 @@ def _checked(value: Any, kind: type, name: str) -> Any:
 
 
 def checked_call(function: Callable[P, R]) -> Callable[P, R]:
-    """A public function that refuses in words what Python or a later step would trip over.
+    """A public function that refuses wrong arguments with a message.
 
     These are more arguments by position than it has, a ``progress``, ``stop``, ``check`` or
     ``executor`` that cannot be called, and a time limit below zero.

@@ -1,4 +1,4 @@
-"""Tables: named columns with units, for people, spreadsheets and data frames."""
+"""Tables: named columns with units."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas
 
 SHOWN = 30
-"""Rows that a notebook shows, chosen: a screen."""
+"""Largest number of rows in a notebook. Chosen: one screen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class Table(OneLine):
         return Table(self.title, columns, self.units)
 
     def to_dict(self) -> dict[str, Any]:
-        """Title, units and rows as plain values for JSON; what is not finite is None."""
+        """Title, units and rows as plain values for JSON; NaN and infinity become None."""
         rows = [
             {
                 name: None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,4 +1,4 @@
-"""Units: of length in files, of what people type, and of what they read. Inside, all is SI."""
+"""Units of lengths in files, of user input and of output. Inside, all values are SI."""
 
 from __future__ import annotations
 

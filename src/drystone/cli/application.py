@@ -17,14 +17,17 @@ import click
 
 from drystone.base.errors import DrystoneError
 from drystone.cli.analysis.check_command import check
+from drystone.cli.analysis.fall_command import fall
 from drystone.cli.analysis.limit_commands import friction, load, shrink, tilt
 from drystone.cli.analysis.limit_models import imperfections, thickness
+from drystone.cli.analysis.push_command import push
 from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, Command, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
+from drystone.cli.design.shape_command import shape
 from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
 from drystone.cli.files.convert_command import convert
@@ -32,6 +35,7 @@ from drystone.cli.files.demo_command import demo
 from drystone.cli.files.inspect_command import inspect
 from drystone.cli.files.models_command import models
 from drystone.cli.files.reproduce_command import reproduce
+from drystone.cli.servers.live_command import live
 from drystone.cli.servers.mcp_command import mcp
 
 SHELLS = ("bash", "zsh", "fish")
@@ -96,14 +100,18 @@ COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
     demo,
+    fall,
     inspect,
     limit,
+    live,
     mcp,
     mend,
     models,
     plan,
+    push,
     reproduce,
     settle,
+    shape,
     sharpen,
     shell,
 )

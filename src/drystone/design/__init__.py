@@ -1,4 +1,4 @@
-"""Stability-aware design: why a structure falls, and what to change until it stands."""
+"""Stability-aware design: why a structure falls, and which changes make it stand."""
 
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose
@@ -9,6 +9,8 @@ from drystone.design.mends.bench import Tried
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mending import Mending, mend
 from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends
+from drystone.design.shaping.free_moves import Moves, block_moves, free_vertices, thickening
+from drystone.design.shaping.shaping import ShapeAim, Shaped, ShapeOptions, shape
 from drystone.design.wedges.sharpening import Sharpened, SharpenOptions, sharpen
 
 __all__ = [
@@ -22,15 +24,23 @@ __all__ = [
     "MendOptions",
     "Mending",
     "Mends",
+    "Moves",
     "Needs",
     "PropForce",
     "Pull",
     "Region",
+    "ShapeAim",
+    "ShapeOptions",
+    "Shaped",
     "SharpenOptions",
     "Sharpened",
     "Tried",
+    "block_moves",
     "diagnose",
     "find_mends",
+    "free_vertices",
     "mend",
+    "shape",
     "sharpen",
+    "thickening",
 ]

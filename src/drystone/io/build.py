@@ -313,10 +313,10 @@ def _repair_notes(blocks: list[Block]) -> list[str]:
         for repair in block.repairs:
             names[repair].append(f"'{block.name}'")
     notes = []
-    for repair, befell in names.items():
-        shown = ", ".join(befell[:MANY])
-        more = f" and {len(befell) - MANY} more" if len(befell) > MANY else ""
-        notes.append(f"{'block' if len(befell) == 1 else 'blocks'} {shown}{more}: {repair}")
+    for repair, repaired in names.items():
+        shown = ", ".join(repaired[:MANY])
+        more = f" and {len(repaired) - MANY} more" if len(repaired) > MANY else ""
+        notes.append(f"{'block' if len(repaired) == 1 else 'blocks'} {shown}{more}: {repair}")
     return notes
 
 

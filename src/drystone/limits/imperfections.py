@@ -2,28 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from scipy import stats
+from scipy.spatial.transform import Rotation
 
-from drystone.base.arrays import Floats, frozen_floats, number, of_type, whole
+from drystone.base.arrays import Floats, frozen, frozen_floats, number, of_type, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
+from drystone.base.table import Table
 from drystone.contacts import Contacts
-from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.polygon import following
 from drystone.io.opening import Given, How, as_model
 from drystone.limits.search import STANDS, Check, verdict
 from drystone.model import Model
 from drystone.results import Verdict
+from drystone.settlement import Loading, Outcome, SettlementOptions, settle
 from drystone.stability.problem import Clock
+
+if TYPE_CHECKING:
+    import pandas
+
+FOLLOWED: Mapping[Outcome, Verdict] = {
+    Outcome.RESTS: Verdict.STABLE,
+    Outcome.DISPLACED: Verdict.UNSTABLE,
+    Outcome.FALLS: Verdict.UNSTABLE,
+}
+"""What following the blocks by steps says; everything else is undecided."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +54,11 @@ class Imperfections(Options):
         Standard deviation of the shift of a joint in its plane, relative to the root of its area.
     tilt_deg : [degrees]
         Standard deviation of the rotation of a joint about each of two axes in its plane.
+    tolerance : [m]
+        Standard deviation of the place of the rim of a joint, from how exactly blocks are made:
+        every joint is shifted by it in each direction of its plane, and turned about each of two
+        axes in its plane by it over half the root of its area. Added to ``offset`` and ``tilt_deg``
+        as independent of them.
     """
 
     friction: tuple[float, float] | None = None
@@ -49,6 +66,7 @@ class Imperfections(Options):
     loss_reach: float = 0.25
     offset: float = 0.0
     tilt_deg: float = 0.0
+    tolerance: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -61,7 +79,7 @@ class Imperfections(Options):
         for name, top in (("corner_loss", 1.0), ("loss_reach", 0.5)):
             if not 0.0 <= getattr(self, name) <= top:
                 raise InputError(f"{name} is {getattr(self, name)}", remedy=f"give 0 to {top:g}")
-        for name in ("offset", "tilt_deg"):
+        for name in ("offset", "tilt_deg", "tolerance"):
             if not 0.0 <= getattr(self, name) < float("inf"):
                 raise InputError(f"{name} is {getattr(self, name)}", remedy="give zero or more")
 
@@ -73,33 +91,90 @@ class StandingShare(OneLine):
     Attributes
     ----------
     verdicts
-        Verdict on every draw, in order.
+        Verdict on every draw, in order; with several orders of loading one for each, draw by draw.
     share
-        Share of draws that stand.
+        Share of verdicts that stand.
     interval
         Interval of the true share, at the confidence level.
     confidence
+    loading
+        Orders of loading that every draw was followed with; empty where it was checked.
+    friction : (d,)
+        Mean friction coefficient of every draw.
     """
 
     verdicts: tuple[Verdict, ...]
     share: float
     interval: tuple[float, float]
     confidence: float
+    loading: tuple[Loading, ...] = ()
+    friction: Floats = field(default_factory=lambda: np.zeros(0))
 
     def _summary(self) -> str:
         share, low, high = (f"{100.0 * x:.3g}" for x in (self.share, *self.interval))
-        return f"{counted(len(self.verdicts), 'draw')}, {share} % stand, {low} to {high} %"
+        orders = f" in {counted(len(self.loading), 'order')}" if len(self.loading) > 1 else ""
+        return f"{counted(self.draws, 'draw')}{orders}, {share} % stand, {low} to {high} %"
+
+    @property
+    def draws(self) -> int:
+        """Number of draws, one that was not finished in every order among them."""
+        return -(-len(self.verdicts) // max(len(self.loading), 1))
+
+    def _names(self) -> list[str]:
+        return [one.value for one in self.loading] or ["check"]
+
+    def table(self) -> Table:
+        """Every draw: its number, mean friction, order of loading and verdict."""
+        names = self._names()
+        number = np.arange(len(self.verdicts)) // len(names)
+        columns = {
+            "draw": number,
+            "friction": self.friction[number],
+            "loading": [names[i % len(names)] for i in range(len(self.verdicts))],
+            "verdict": [one.value for one in self.verdicts],
+            "stands": [STANDS[one] is True for one in self.verdicts],
+        }
+        return Table("imperfect structures", columns)
+
+    def by_loading(self) -> Table:
+        """Per order of loading the share that stands and its interval."""
+        names = self._names()
+        rows = []
+        for i, name in enumerate(names):
+            mine = self.verdicts[i :: len(names)]
+            standing = sum(STANDS[one] is True for one in mine)
+            undecided = sum(one is Verdict.UNDECIDED for one in mine)
+            low, high = share_interval(standing, len(mine), self.confidence)
+            share = standing / len(mine) if mine else float("nan")
+            rows.append((name, len(mine), standing, undecided, share, low, high))
+        titles = ("loading", "draws", "standing", "undecided", "share", "low", "high")
+        columns = dict(zip(titles, zip(*rows, strict=True), strict=True))
+        return Table("share that stands", {key: list(each) for key, each in columns.items()})
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Every draw, as a data frame."""
+        return self.table().to_pandas()
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
         return {
-            "draws": len(self.verdicts),
+            "draws": self.draws,
             "standing": sum(STANDS[v] is True for v in self.verdicts),
             "undecided": sum(v is Verdict.UNDECIDED for v in self.verdicts),
             "share": self.share,
             "interval": list(self.interval),
             "confidence": self.confidence,
+            "by_loading": self.by_loading().to_dict()["rows"],
+            "verdicts": self.table().to_dict()["rows"],
         }
+
+
+def share_interval(standing: int, made: int, confidence: float) -> tuple[float, float]:
+    """Of a share, after Clopper and Pearson 1934: exact for any number of draws."""
+    if made == 0:
+        return 0.0, 1.0
+    found = stats.binomtest(standing, made).proportion_ci(confidence, method="exact")
+    return float(found.low), float(found.high)
 
 
 @checked_call
@@ -111,6 +186,7 @@ def imperfections(
     seed: int = 0,
     confidence: float = 0.95,
     check: Check = verdict,
+    loading: Sequence[Loading | str] = (),
     executor: Executor | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
@@ -130,7 +206,12 @@ def imperfections(
     confidence
         Confidence level of the interval (Clopper and Pearson 1934, exact for any number of draws).
     check
-        A function that gives the verdict on a model. An undecided draw does not count as standing.
+        Any function that answers whether an assembly stands. An undecided draw does not count as
+        standing.
+    loading
+        Orders in which the load is put on: ``at once``, ``ramp``, ``turned`` from upright. Each
+        draw is then followed by steps in each of these orders, instead of ``check``. It stands
+        where it comes to rest near its first position (:func:`drystone.settle`).
     executor
         Computes the draws in parallel.
     progress
@@ -145,33 +226,63 @@ def imperfections(
     whole(seed, "the seed", least=0)
     if not 0.0 < number(confidence, "confidence") < 1.0:
         raise InputError(f"confidence is {confidence}", remedy="give a share between 0 and 1")
-    task = partial(_draw, as_model(given, **how), kinds, check)
+    orders = _orders(loading)
+    model = as_model(given, **how)
+    task = partial(_draw, model, kinds, check)
     seeds = np.random.SeedSequence(seed).spawn(draws)
-    answers: Iterable[Verdict] = map(task, seeds) if executor is None else executor.map(task, seeds)
+    work = [(one, order) for one in seeds for order in orders or (None,)]
+    answers: Iterable[tuple[Verdict, float]]
+    answers = map(task, work) if executor is None else executor.map(task, work)
     clock = Clock(time_limit_s, stop)
     verdicts: list[Verdict] = []
-    for answer in answers:
+    friction: list[float] = []
+    for answer, mean in answers:
         verdicts.append(answer)
+        friction.append(mean)
         if progress is not None:
-            progress("draws", len(verdicts), draws)
+            progress("draws", len(verdicts), len(work))
         if clock.late():
             break
     made = len(verdicts)
     standing = sum(STANDS[verdict] is True for verdict in verdicts)
-    interval = stats.binomtest(standing, made).proportion_ci(confidence, method="exact")
     return StandingShare(
-        tuple(verdicts), standing / made, (float(interval.low), float(interval.high)), confidence
+        tuple(verdicts),
+        standing / made,
+        share_interval(standing, made, confidence),
+        confidence,
+        orders,
+        frozen(np.array(friction[:: max(len(orders), 1)])),
     )
+
+
+def _orders(loading: Sequence[Loading | str]) -> tuple[Loading, ...]:
+    """Orders of loading by their names, each once."""
+    given = (loading,) if isinstance(loading, str | Loading) else tuple(loading)
+    try:
+        orders = tuple(Loading(one) for one in given)
+    except ValueError as error:
+        known = ", ".join(f"'{one.value}'" for one in Loading)
+        raise InputError(f"loading: {error}", remedy=f"give some of {known}") from error
+    if len(set(orders)) < len(orders):
+        raise InputError("an order of loading is named twice", remedy="name each once")
+    return orders
 
 
 def _draw(
     model: Model,
     imperfections: Imperfections,
     check: Check,
-    seed: np.random.SeedSequence,
-) -> Verdict:
+    work: tuple[np.random.SeedSequence, Loading | None],
+) -> tuple[Verdict, float]:
+    """The verdict on one draw, and its mean friction."""
+    seed, order = work
     drawn = imperfect(model.contacts, imperfections, seed)
-    return check(model.with_contacts(drawn)).verdict
+    friction = float(drawn.friction.mean()) if len(drawn) else 0.0
+    made = model.with_contacts(drawn)
+    if order is None:
+        return check(made).verdict, friction
+    outcome = settle(made, options=SettlementOptions(loading=order)).outcome
+    return FOLLOWED.get(outcome, Verdict.UNDECIDED), friction
 
 
 def imperfect(
@@ -190,10 +301,14 @@ def imperfect(
     point = point + np.einsum("mi,mij->mj", slide, contacts.frame[:, 1:])[interface]
     frame = contacts.frame
     turn = imperfections.tilt_deg * rng.standard_normal((m, 2))
-    if imperfections.tilt_deg > 0.0:
+    if imperfections.tolerance > 0.0:
+        moved = imperfections.tolerance * rng.standard_normal((2, m, 2))
+        point = point + np.einsum("mi,mij->mj", moved[0], contacts.frame[:, 1:])[interface]
+        half = np.where(size > 0.0, 0.5 * size, np.inf)
+        turn = turn + np.rad2deg(np.arctan(moved[1] / half[:, None]))
+    if imperfections.tilt_deg > 0.0 or imperfections.tolerance > 0.0:
         axis = np.einsum("mi,mij->mj", turn, frame[:, 1:])
-        angle = np.linalg.norm(turn, axis=1)
-        turns = np.array([rotation_about(a, t) for a, t in zip(axis, angle, strict=True)])
+        turns = Rotation.from_rotvec(np.deg2rad(axis)).as_matrix()
         frame = frame @ np.swapaxes(turns, 1, 2)
         arm = point - contacts.centroid[interface]
         point = contacts.centroid[interface] + np.einsum("kij,kj->ki", turns[interface], arm)
@@ -223,4 +338,4 @@ def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats
     return point, np.repeat(contacts.interface, pieces)
 
 
-__all__ = ["Imperfections", "StandingShare", "imperfect", "imperfections"]
+__all__ = ["Imperfections", "StandingShare", "imperfect", "imperfections", "share_interval"]

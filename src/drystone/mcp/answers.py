@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.errors import DrystoneError, InputError
-from drystone.design import DiagnosisOptions, diagnose
+from drystone.design import DiagnosisOptions, MendOptions, diagnose, find_mends
 from drystone.detection import find_contacts
 from drystone.io import inspect as inspect_file
 from drystone.limits import Limit, limit_friction, limit_load, limit_shrink, limit_tilt
@@ -199,11 +199,12 @@ def _bracket(found: Limit, notes: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _plan(given: Given, folder: Folder, _: float) -> dict[str, Any]:
+def _plan(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
     rules = Rules(given.get("hands") or 2, order=Order(given.get("order") or "top"))
     anyway = bool(given.get("anyway"))
-    found = plan(model, options=PlanOptions(rules=rules, anyway=anyway))
+    chosen = PlanOptions(rules=rules, anyway=anyway)
+    found = plan(model, options=chosen, time_limit_s=_left(end))
     told = found.to_dict()
     impossible = {row["block"]: row["why"] for row in told["blocks"] if row["why"]}
     return {
@@ -224,6 +225,28 @@ def _plan(given: Given, folder: Folder, _: float) -> dict[str, Any]:
         ],
         "impossible": dict(list(impossible.items())[:MOST]),
         "fewest_props_proved": found.proved,
+        "stopped": found.stopped,
+        "notes": list(model.notes)[:MOST],
+    }
+
+
+def _mend(given: Given, folder: Folder, end: float) -> dict[str, Any]:
+    model = model_of(given["model"], folder)
+    asked: dict[str, Any] = {key: tuple(given[key]) for key in ("kinds", "keep") if given.get(key)}
+
+    def late() -> bool:
+        return time.monotonic() > end
+
+    told = find_mends(model, options=MendOptions(**asked), stop=late).to_dict()
+    kept = ("kind", "description", "value", "cost", "verdict", "message")
+    return {
+        "mends": [
+            {"blocks": _few(one["blocks"]), **{key: one[key] for key in kept}}
+            for one in told["mends"][:MOST]
+        ],
+        "tried": [{**one, "blocks": _few(one["blocks"])} for one in told["tried"][:MOST]],
+        "message": told["mending"],
+        "stopped": UP if late() else "",
         "notes": list(model.notes)[:MOST],
     }
 
@@ -234,6 +257,7 @@ TOOLS: Mapping[str, Callable[[Given, Folder, float], dict[str, Any]]] = {
     "check": _check,
     "diagnose": _diagnose,
     "limit": _limit,
+    "mend": _mend,
     "plan": _plan,
 }
 

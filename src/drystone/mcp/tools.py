@@ -93,8 +93,8 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
                 ) from None
             except anyio.BrokenWorkerProcess:
                 raise ToolError(
-                    "the calculation ended without an answer, perhaps for lack of memory; give a "
-                    "smaller model"
+                    "the calculation ended without an answer, perhaps because memory ran out; "
+                    "give a smaller model"
                 ) from None
         if "error" in told:
             raise ToolError(told["error"])
@@ -151,6 +151,25 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
         """
         return await ask("limit", model=model.model_dump(), of=of, axis=axis, load=load)
 
+    async def mend(
+        model: Model,
+        kinds: Annotated[
+            list[str] | None,
+            Field(
+                description="Kinds that are tried; left out, all: support, prop, friction, turn, "
+                "wedge, let-in, thicker, ballast, glue."
+            ),
+        ] = None,
+        keep: Annotated[
+            list[str] | None, Field(description="Names of blocks that may not be changed.")
+        ] = None,
+    ) -> Answer:
+        """Which changes make a model stand? Each was checked on the whole model, cheapest first.
+
+        'mends' has them region by region; 'tried' what is not enough.
+        """
+        return await ask("mend", model=model.model_dump(), kinds=kinds, keep=keep)
+
     async def plan(
         model: Model,
         hands: Annotated[int, Field(ge=1, le=10, description="One places, others hold.")] = 2,
@@ -175,7 +194,7 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
         log_level="WARNING",
     )
     reads = ToolAnnotations(read_only_hint=True, open_world_hint=False)
-    for tool in (files, inspect, check, diagnose, limit, plan):
+    for tool in (files, inspect, check, diagnose, limit, mend, plan):
         server.add_tool(tool, annotations=reads)
     return server
 

@@ -1,4 +1,4 @@
-"""Designs to be built without scaffolding: two columns and a corbelled bridge.
+"""Designs to be built without props: two columns and a corbelled bridge.
 
 Each is drawn once in a vertical plane and extruded along y, its joints cut across a centre line, so
 that every block can be put on the ones before it.

@@ -1,4 +1,4 @@
-"""Chapters 6.4 and 7 of the source: structures that are built without scaffolding."""
+"""Chapters 6.4 and 7 of the source: structures that are built without props."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def two_robots() -> Case:
     line = Line(
         "arch of 11 voussoirs, two robots in turn",
         "",
-        f"{'no scaffolding' if found.works else 'falls'}, largest hold {found.largest:.0f} N",
+        f"{'no props' if found.works else 'falls'}, largest hold {found.largest:.0f} N",
         None,
         "an arch in place of the tri-dome, of which we have no dimensions",
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.display import OneLine
+from drystone.base.table import Table
 
 if TYPE_CHECKING:
     from drystone.results import Result
@@ -71,6 +72,18 @@ class Case(OneLine):
     def agrees(self) -> bool:
         """Whether no line disagrees with what is published."""
         return all(line.agrees is not False for line in self.lines)
+
+    def table(self) -> Table:
+        """The lines as a table."""
+        agrees = {True: "yes", False: "no", None: ""}
+        columns = {
+            "claim": [line.what for line in self.lines],
+            "published": [line.published for line in self.lines],
+            "found": [line.found for line in self.lines],
+            "agrees": [agrees[line.agrees] for line in self.lines],
+            "note": [line.note for line in self.lines],
+        }
+        return Table(f"section {self.section}: {self.title}", columns)
 
 
 __all__ = ["Case", "Line"]

@@ -1,4 +1,4 @@
-"""Blocks followed by finite steps to rest or into a fall, and what moving supports cause."""
+"""Blocks followed by finite steps until they rest or fall, and effects of moving supports."""
 
 from drystone.settlement.corners import Carrier
 from drystone.settlement.first_order import (
@@ -7,6 +7,9 @@ from drystone.settlement.first_order import (
     support_forces,
     support_response,
 )
+from drystone.settlement.large_displacement import move_supports, push, reduce_friction
+from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
     Outcome,
     Settlement,
@@ -17,12 +20,20 @@ from drystone.settlement.settling import settle
 
 __all__ = [
     "Carrier",
+    "Drive",
+    "End",
+    "LargeDisplacement",
+    "LargeState",
+    "Loading",
     "Outcome",
     "Settlement",
     "SettlementOptions",
     "SettlementPath",
     "SupportResponse",
     "SupportResponseOptions",
+    "move_supports",
+    "push",
+    "reduce_friction",
     "settle",
     "support_forces",
     "support_response",

@@ -1,9 +1,10 @@
 """The blocks of a model as rigid bodies that move by finite amounts, in scaled numbers.
 
 Lengths are divided by the mean size of a free block (the cube root of its volume), forces by the
-mean load of a free block. The contacts are springs at the corners of the interfaces: a normal one
-in proportion to the tributary area, such that under the mean load the corners of a block overlap by
-``overlap`` block sizes, and a tangential one of ``TANGENTIAL`` times that.
+mean load of a free block. The contacts are springs at the corners of the interfaces. The normal
+stiffness is proportional to the tributary area, such that under the mean load the corners of a
+block overlap by ``overlap`` block sizes. The tangential stiffness is ``TANGENTIAL`` times the
+normal one.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from drystone.model import Model
 from drystone.settlement.corners import Carrier, shares
 
 LEAST_AREA = 0.05
-"""Corners of less tributary area than this share of the mean of their interface are as stiff as
-that: slivers spoil the conditioning. Lines and points get this share of the mean of all."""
+"""Least tributary area of a corner, as a share of the mean of its interface: slivers would make the
+system ill-conditioned. Lines and points get this share of the mean of all corners."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """What does not change while n blocks move on k corners.
+    """The constant data of n moving blocks with k corners.
 
     Attributes
     ----------
@@ -86,7 +87,7 @@ def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: 
     slot[free] = np.arange(len(free))
     size = np.cbrt(assembly.volume)
     length = float(size[free].mean())
-    # measured from a point of the model, so that a place far from the origin loses no digits
+    # relative to a point of the model, so a distant origin costs no digits
     origin = assembly.centroid[free].mean(axis=0)
     centroid = (assembly.centroid - origin) / length
     radius = gyration_radii(assembly) / length
@@ -125,7 +126,7 @@ def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: 
 
 
 def _weights(area: Floats, interface: Ints) -> Floats:
-    """(k,) tributary areas, slivers, lines and points made no smaller than a share of the mean."""
+    """Tributary areas (k,), at least a share of the mean for slivers, lines and points."""
     if not area.any():
         return np.ones(len(area))
     count = np.bincount(interface)
@@ -135,7 +136,7 @@ def _weights(area: Floats, interface: Ints) -> Floats:
 
 
 def gyration_radii(assembly: Assembly) -> Floats:
-    """(n,) [m] root of the mean moment of inertia about an axis through the centroid, by mass.
+    """Radius of gyration (n,) [m]: root of the mean moment of inertia divided by mass.
 
     Independent of the axes of the model.
     """

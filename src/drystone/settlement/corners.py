@@ -1,4 +1,4 @@
-"""Which block carries each corner of an interface.
+"""The block that carries each corner of an interface.
 
 A corner is where two edges of the interface meet, and each edge is an edge of one of the two
 blocks, or of both where their faces end flush. When block b slides by s over block a, an edge of b
@@ -40,7 +40,7 @@ def shares(assembly: Assembly, contacts: Contacts, carrier: Carrier) -> Floats:
     ----------
     assembly, contacts
     carrier
-        Decides at edges that belong to both blocks.
+        The choice at edges that belong to both blocks.
     """
     of_a, of_b = _edge_owners(assembly, contacts)
     away = distance_from_supports(assembly, contacts)
@@ -59,7 +59,7 @@ def shares(assembly: Assembly, contacts: Contacts, carrier: Carrier) -> Floats:
 
 
 def distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
-    """(n,) joints between each block and the nearest support; n where there is no way."""
+    """Number of joints (n,) between each block and the nearest support; n if not connected."""
     count = len(assembly)
     away = np.where(assembly.fixed, 0, count)
     a, b = contacts.block_a, contacts.block_b

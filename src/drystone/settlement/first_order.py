@@ -1,4 +1,4 @@
-"""SupportResponse: which way the load goes when supports move, and which joints open."""
+"""SupportResponse: forces and opening joints when supports move, to first order."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ class SupportResponseOptions(Options):
     Attributes
     ----------
     compliance
-        Overlap of a corner under the mean weight of a block, by the largest motion of a support:
-        small for stiff blocks, whose own deformation hides no settlement.
+        Overlap of a corner under the mean weight of a block, relative to the largest motion of a
+        support. Small for stiff blocks.
     step_limit
-        Of the fixed point of Coulomb's law.
+        Largest number of steps of the fixed-point iteration for Coulomb's law.
     """
 
     compliance: float = 1e-3
@@ -60,8 +60,8 @@ class SupportResponse(OneLine):
     result
         Forces and displacements; those of the supports are the prescribed ones.
     before
-        The same model before its supports move, found in the same way.
-    opening : (k,) [m], at the corners; negative where they press
+        The same model before its supports move, by the same method.
+    opening : (k,) [m], at the corners; negative in compression
     slide : (k,) [m]
     size : [m], largest motion of a support
     """
@@ -79,13 +79,13 @@ class SupportResponse(OneLine):
     def open_joints(self, share: float = 0.05) -> Ints:
         """Interfaces with a corner that opens by more than a share of the support's motion.
 
-        Joints between two supports bear nothing and are left out, here and among those that slide.
+        Joints between two supports carry nothing and are omitted, here and in ``sliding_joints``.
         """
         opened = self._between_blocks() & (self.opening > share * self.size)
         return np.unique(self.result.contacts.interface[opened])
 
     def sliding_joints(self, share: float = 0.05) -> Ints:
-        """Interfaces that press and slide by more than a share of the support's motion."""
+        """Interfaces in compression that slide by more than a share of the support's motion."""
         moving = (self.slide > share * self.size) & (self.opening <= share * self.size)
         return np.unique(self.result.contacts.interface[self._between_blocks() & moving])
 
@@ -96,7 +96,7 @@ class SupportResponse(OneLine):
         return ~both[contacts.interface]
 
     def change(self) -> Floats:
-        """By how much the force of each interface on its block b changes, (m, 3) [N], world axes.
+        """Change of the force of each interface on its block b, (m, 3) [N], world axes.
 
         Raises
         ------
@@ -109,7 +109,7 @@ class SupportResponse(OneLine):
 
 
 def support_forces(result: Result) -> Floats:
-    """The force (n, 3) [N] that each fixed block gives to the free ones, zero for those."""
+    """The force (n, 3) [N] of each fixed block on the free ones; zero for free blocks."""
     assembly, contacts = result.assembly, result.contacts
     force = result.resultants.force
     total = np.zeros((len(assembly), 3))
@@ -126,16 +126,16 @@ def support_response(
     options: SupportResponseOptions | None = None,
     **how: Unpack[How],
 ) -> SupportResponse:
-    """The load path that small motions of supports cause in stiff, compliant blocks.
+    """Forces and joint openings due to small motions of supports, in stiff, compliant blocks.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     motion
         Per fixed block its translation [m] (3,), or translation and rotation [m, rad] (6,) about
-        its centroid; world axes. Supports that are not named rest. It is added to what the load
-        prescribes (:meth:`drystone.LoadCase.settlement`).
+        its centroid; world axes. Other supports do not move. It is added to the motion in the load
+        (:meth:`drystone.LoadCase.settlement`).
     options
 
     Raises
@@ -145,7 +145,7 @@ def support_response(
 
     Examples
     --------
-    A plank on three supports leaves the middle one when that goes down:
+    A plank on three supports loses contact with the middle one when that moves down:
 
     >>> import drystone
     >>> from drystone.settlement import support_response
@@ -188,7 +188,7 @@ def _state(task: _Task, prescribed: Floats) -> Result:
     statics = build_statics(Model(assembly, part, replace(load, motion=None)))
     if not statics.load.any():
         raise InputError("nothing loads the free blocks", remedy="add their weight")
-    loose = Assembly(assembly.blocks)  # supports that move are no supports to the kinematics
+    loose = Assembly(assembly.blocks)  # moving supports are free in the kinematics
     imposed = corner_motion(loose, part, prescribed) / size
     solution = solve_response(
         statics, imposed, compliance=chosen.compliance, step_limit=chosen.step_limit

@@ -1,4 +1,4 @@
-"""The forces of a settlement, checked like any proof, on the moved blocks."""
+"""Check of the forces of a settlement on the moved blocks."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from drystone.results import Residuals
 from drystone.settlement.springs import rotations
 
 PROVEN = 1e-8
-"""Largest residual of a rest, dimensionless: that of every claim of equilibrium."""
+"""Largest residual of a rest state, dimensionless: that of every equilibrium."""
 
 
 def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Model:
-    """The blocks where they end, and each corner as an interface of its own.
+    """The blocks at the end, with each corner as a separate interface.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def moved_model(model: Model, motion: Floats, axes: Floats, point: Floats) -> Mo
 
 
 def rest_residuals(moved: Model, force: Floats, gap: Floats) -> Residuals:
-    """Equilibrium, pull and friction of the forces at the end, from points and cross products.
+    """Equilibrium, tension and friction of the forces at the end, from points and cross products.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@
 
     minimise  1/2 f' C f + d0 . f   subject to   A f = -p,  fn >= 0,  |ft| <= g
 
-C is the compliance of the corners and d0 the displacement that the supports impose there. The
+C is the compliance of the corners and d0 the displacement there due to the supports. The
 multiplier q of equilibrium is the motion of the blocks, and ``d = A'q + d0`` obeys
 ``fn (d_n + C fn) = 0``, ``d_n + C fn >= 0``, friction against the slide and no dilatancy. Coulomb's
 law is the fixed point ``g = mu fn``. Source: Panagiotopoulos 1975 (the fixed point); Haslinger,
@@ -26,10 +26,10 @@ from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics
 
 SOFTEST = 0.05
-"""Corners of less tributary area than this share of the mean are as stiff as that: slivers would
-spoil the conditioning."""
+"""Least tributary area of a corner, as a share of the mean: slivers would make the system
+ill-conditioned."""
 TANGENTIAL = 0.1
-"""Tangential by normal stiffness, chosen as in the search for a rest state."""
+"""Tangential stiffness divided by normal stiffness. Chosen as in the search for a rest state."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class ResponseSolution:
     force : (k, 3)
     motion : (n, 6) of the free blocks
     steps
-        Of the fixed point.
+        Steps of the fixed-point iteration.
     defect
         Largest excess of friction over ``mu fn`` or change of the bound, by the mean load.
     raw
@@ -107,7 +107,7 @@ def solve_response(
 
 
 def _program(statics: Statics, coupling: Floats, costs: Mapping[str, Any]) -> ConicProgram:
-    """Forces in equilibrium whose friction is at most ``coupling`` times the normal force."""
+    """Forces in equilibrium with friction of at most ``coupling`` times the normal force."""
     k = statics.corner_count
     one = sparse.identity(k, format="csr")
     axis = np.zeros((3, 3))
@@ -125,7 +125,7 @@ def _program(statics: Statics, coupling: Floats, costs: Mapping[str, Any]) -> Co
 def _associative(
     statics: Statics, costs: Mapping[str, Any], options: ConicOptions | None
 ) -> Floats:
-    """A first bound (k,) on friction: that of joints which open as they slide."""
+    """A first bound (k,) on friction: that of joints that open when they slide."""
     raw = _program(statics, statics.friction, costs).solve(options)
     if raw.status is not ConicStatus.SOLVED:
         return np.zeros(statics.corner_count)

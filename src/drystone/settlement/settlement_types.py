@@ -1,4 +1,4 @@
-"""What following the blocks by steps answers."""
+"""Results of following blocks by steps."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from drystone.contacts import Contacts
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.corners import Carrier
+from drystone.settlement.loading_order import Loading
 from drystone.settlement.proof import moved_model
 
 
@@ -24,39 +25,43 @@ class Outcome(enum.Enum):
     """How a settlement ends."""
 
     RESTS = "comes to rest"
-    """Near its first position; forces that balance the loads on the moved blocks are attached."""
+    """Near its first position; with forces that balance the loads on the moved blocks."""
     DISPLACED = "comes to rest far away"
-    """At rest, but a block went farther than a structure that stands does."""
+    """At rest, but a block moved by more than in a structure that stands."""
     FALLS = "falls"
-    """A block went by a large share of its size and still moves."""
+    """A block moved by a large share of its size and still moves."""
     ENDS_DECIDE = "the ends of the joints decide"
-    """One answer with the ends of the joints carried by one block, another with the other."""
+    """The result depends on the block that carries the ends of the joints."""
     UNKNOWN = "not followed to an end"
-    """The message says why."""
+    """The message has the reason."""
 
 
 @dataclass(frozen=True)
 class SettlementOptions(Options):
-    """Options of :func:`settle`; lengths by the size of a block, the cube root of its volume.
+    """Options of :func:`settle`.
+
+    Lengths are relative to the size of a block, the cube root of its volume.
 
     Attributes
     ----------
     rest_within
-        Way of a block up to which a structure that comes to rest is said to stand.
+        Largest displacement of a block with which a structure at rest stands.
     fall
-        Way of a block from which on it is said to fall while it still moves.
+        Displacement from which on a moving block falls.
     carrier
-        Which block carries the ends of joints where both end flush. Left out, both ways are
-        followed where there are such ends.
+        The block that carries the ends of joints where both end flush. When left out, both cases
+        are followed if there are such ends.
     overlap
         Of the corners under the mean load of a block: small for rigid blocks. Between 1e-6 and 1e-7
-        no limit of ten models that were measured changes by more than half a degree.
+        no limit of ten measured models changes by more than half a degree.
     tangential
         Tangential by normal stiffness. Discrete-element programs use 0.1 to 1.
+    loading
+        In which order the load is put on: at once, as a ramp, or turned from upright.
     pace
-        Length of the steps by the default.
+        Factor on the default length of the steps.
     step_limit
-        Steps after which it is given up.
+        Largest number of steps.
     """
 
     rest_within: float = 0.02
@@ -64,6 +69,7 @@ class SettlementOptions(Options):
     carrier: Carrier | None = None
     overlap: float = 1e-6
     tangential: float = 0.2
+    loading: Loading = Loading.AT_ONCE
     pace: float = 1.0
     step_limit: int = 5000
 
@@ -88,7 +94,7 @@ class SettlementOptions(Options):
 
 @dataclass(frozen=True, eq=False)
 class SettlementPath(OneLine):
-    """How the blocks moved, with one choice of what carries the ends of the joints.
+    """The motion of the blocks, for one carrier of the ends of the joints.
 
     Attributes
     ----------
@@ -148,18 +154,18 @@ class SettlementPath(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Settlement(OneLine):
-    """Where blocks go that are left to themselves.
+    """The motion of the blocks until they rest or fall.
 
     Attributes
     ----------
     outcome
     message
-        One sentence for a person.
+        One sentence for the user.
     paths
-        One for each choice of what carries the ends of the joints; one only where there are no such
-        ends, or where one was asked for. The first is the one with moving carriers.
+        One for each carrier of the ends of the joints; only one if there are no such ends, or if
+        one was requested. The first has moving carriers.
     stopped
-        Why it ended before it was followed to an end; empty where it was.
+        Why it stopped before the blocks rest or fall; else empty.
     options
     time_s
     """
@@ -179,12 +185,12 @@ class Settlement(OneLine):
 
     @property
     def path(self) -> SettlementPath:
-        """The first one."""
+        """The first path."""
         return self.paths[0]
 
     @property
     def rests(self) -> bool:
-        """Whether it comes to rest near its first position, whatever carries the ends."""
+        """Whether it rests near its first position, for every carrier of the ends."""
         return self.outcome is Outcome.RESTS
 
     @property
@@ -209,7 +215,7 @@ class Settlement(OneLine):
 
     @property
     def way(self) -> float:
-        """Longest way of a block in the first path, by its size."""
+        """Largest displacement of a block in the first path, relative to its size."""
         return float(self.path.way.max(initial=0.0))
 
 

@@ -19,6 +19,7 @@ from drystone.results import Residuals
 from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.corners import Carrier, shares
 from drystone.settlement.follow import Follower, Track
+from drystone.settlement.loading_order import earlier_loads
 from drystone.settlement.proof import PROVEN, rest_residuals
 from drystone.settlement.settlement_types import (
     Outcome,
@@ -44,27 +45,27 @@ def settle(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Settlement:
-    """Where the blocks go when they are left to themselves, step by step, to rest or into a fall.
+    """Follow the blocks step by step until they rest or fall.
 
-    Contacts are stiff springs with Coulomb friction that remembers how the blocks got there.
-    Translations and rotations are finite: corners are carried along and faces turn with their
-    blocks. Wrenches of the load keep their direction and act about the moved centroids. Only the
-    interfaces of the model act; blocks that did not touch at the beginning do not meet.
+    Contacts are stiff springs with path-dependent Coulomb friction. Translations and rotations are
+    finite: corners and faces move with their blocks. Wrenches of the load keep their direction and
+    act about the moved centroids. Only the interfaces of the model act; there is no contact between
+    blocks that did not touch at the beginning.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     motion
-        Supports that move once the load has come to rest: per fixed block its translation [m] (3,),
-        or translation and rotation [m, rad] (6,) about its centroid; world axes. It is added to
-        what the load prescribes (:meth:`drystone.LoadCase.settlement`).
+        Motion of supports after rest under the load: per fixed block its translation [m] (3,),
+        or translation and rotation [m, rad] (6,) about its centroid; world axes. It is added to the
+        motion in the load (:meth:`drystone.LoadCase.settlement`).
     options
     progress
     stop
-        Asked before every step; True ends it with what is known by then.
+        Called before every step; True ends it with the results so far.
     time_limit_s
-        After it the answer is given from what is known by then.
+        Time after which it ends with the results so far.
 
     Raises
     ------
@@ -88,7 +89,7 @@ def settle(
     model = as_model(given, **how)
     model.require_dry("settlement")
     clock = Clock(time_limit_s, stop)
-    moving = _support_motion(model, motion)
+    moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
         return _nothing_free(model, chosen, clock)
@@ -96,7 +97,7 @@ def settle(
         _path(model, carrier, moving, chosen, clock, progress)
         for carrier in _carriers(model, chosen)
     )
-    outcome, message = _judged(paths, clock)
+    outcome, message = _outcome_of(paths, clock)
     return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": clock.elapsed_s})
 
 
@@ -124,7 +125,7 @@ def _nothing_free(model: Model, chosen: SettlementOptions, clock: Clock) -> Sett
 
 
 def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
-    """The ways to follow: two where the ends of joints that bear leave it open."""
+    """The carriers to follow: two if the ends of loaded joints allow both."""
     if chosen.carrier is not None:
         return (chosen.carrier,)
     contacts = model.contacts.select(model.active)
@@ -133,7 +134,7 @@ def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
     return (Carrier.MOVING,) if alike else (Carrier.MOVING, Carrier.RESTING)
 
 
-def _support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
+def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
     """(n, 6) [m, rad] of the supports; None where none moves."""
     assembly, case = model.assembly, model.load
     if motion is not None:
@@ -181,7 +182,10 @@ def _path(
             stop=clock.late,
             tell=tell,
         )
-        track = follower.run(None if motion is None else _scaled(bodies, motion))
+        track = follower.run(
+            None if motion is None else scaled_motion(bodies, motion),
+            earlier_loads(bodies, chosen.loading),
+        )
         if track.ended != "falls" or not track.squeezed or overlap <= STIFFEST:
             break
         overlap *= STIFFER
@@ -196,12 +200,13 @@ def _path(
     residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
-    # blocks that follow their supports go as far as those
+    # blocks move as far as the supports that they follow
     near = motion is not None or way <= chosen.rest_within
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
-def _scaled(bodies: Bodies, motion: Floats) -> Floats:
+def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
+    """Motions (n, 6) [m, rad] as the steps take them."""
     out = motion.copy()
     out[:, :3] /= bodies.length_unit
     out[:, 3:] *= bodies.radius[:, None]
@@ -212,7 +217,7 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     """A track in m, rad and N, for all corners of the model."""
     contacts = model.contacts
     corners = model.active[contacts.interface]
-    positions = _motions(bodies, track.frames)
+    positions = block_motions(bodies, track.frames)
     force = np.zeros((contacts.corner_count, 3))
     force[corners] = track.response.force * bodies.force_unit
     point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
@@ -241,14 +246,14 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     )
 
 
-def _motions(bodies: Bodies, poses: tuple[Pose, ...]) -> Floats:
+def block_motions(bodies: Bodies, poses: tuple[Pose, ...]) -> Floats:
     """(s, n, 6) [m, rad] from the beginning."""
     gone = (np.stack([pose.place for pose in poses]) - bodies.centroid) * bodies.length_unit
     turn = np.concatenate([pose.turn for pose in poses])
     return np.concatenate([gone, rotation_vectors(turn).reshape(gone.shape)], axis=2)
 
 
-def _judged(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
+def _outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
     """The outcome of all paths, and a sentence."""
     first = paths[0]
     for one in paths:
@@ -275,4 +280,4 @@ def _said(path: SettlementPath) -> str:
     return f"it comes to rest after settling by {moved:.2g} m, {way:.2g} of a block's size{far}"
 
 
-__all__ = ["settle"]
+__all__ = ["block_motions", "scaled_motion", "settle", "support_motion"]

@@ -16,12 +16,12 @@ from drystone.settlement.bodies import Bodies
 from drystone.solvers.multifrontal import BlockOrdering
 
 DENSE = 24
-"""Free blocks up to which the tangent is one dense matrix: timed."""
+"""Largest number of free blocks with a dense tangent matrix: from timings."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where all n blocks are, scaled.
+    """The positions of all n blocks, scaled.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ def place_corners(bodies: Bodies, pose: Pose) -> Placed:
 
 
 def _orthonormal(frame: Floats, along: Floats, left: Floats) -> Floats:
-    """Axes (k, 3, 3) whose normal leans away from that of a frame by (k, 2) in its plane."""
+    """Axes (k, 3, 3) with a normal inclined to that of a frame by (k, 2) in its plane."""
     normal = along[:, None] * frame[:, 0] + np.einsum("ki,kij->kj", left, frame[:, 1:])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     u = frame[:, 1] - (frame[:, 1] * normal).sum(axis=1, keepdims=True) * normal
@@ -125,7 +125,7 @@ class Response(NamedTuple):
 
 
 def respond(bodies: Bodies, gap: Floats, friction: Floats, moved: Floats) -> Response:
-    """Coulomb friction that is built up by increments of slide.
+    """Coulomb friction from increments of slide.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def respond(bodies: Bodies, gap: Floats, friction: Floats, moved: Floats) -> Res
 
 
 def tangents(bodies: Bodies, response: Response) -> Floats:
-    """(k, 3, 3) by how much less force each corner gives per motion."""
+    """Tangent stiffness (k, 3, 3) of each corner."""
     out = np.zeros((len(response.pressed), 3, 3))
     pressed, sliding, along = response.pressed, response.sliding, response.direction
     normal = np.where(pressed, bodies.normal, 0.0)
@@ -165,7 +165,7 @@ def tangents(bodies: Bodies, response: Response) -> Floats:
 
 
 class DenseMaps:
-    """Between corners and the motions of few free blocks, as full matrices."""
+    """Maps between corners and the motions of few free blocks, as full matrices."""
 
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
@@ -198,7 +198,7 @@ class DenseMaps:
         return result
 
     def solve(self, tangent: Floats, weight: Floats, right: Floats) -> Floats:
-        """Motion (f, 6) that ``tangent`` (k, 3, 3) and a diagonal (f, 6) answer with a wrench."""
+        """Motion (f, 6) for a wrench, with ``tangent`` (k, 3, 3) and a diagonal (f, 6)."""
         matrix = self.flat.T @ (tangent @ self.rows).reshape(-1, self.width)
         matrix.reshape(-1)[:: self.width + 1] += weight.ravel()
         # the factors are those of the transpose, so that nothing is copied
@@ -210,7 +210,7 @@ class DenseMaps:
 
 
 class SparseMaps:
-    """The same for many blocks, block by block."""
+    """As :class:`DenseMaps`, for many blocks, as sparse matrices."""
 
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
@@ -275,7 +275,7 @@ class SparseMaps:
 
 
 def imposed(bodies: Bodies, pose: Pose, placed: Placed, motion: Floats) -> Floats:
-    """(k, 3) local motion of b over a at each corner that moving supports (n, 6) cause.
+    """Local motion (k, 3) of b over a at each corner due to moving supports (n, 6).
 
     Rotations are multiplied by the radius of gyration, like those of the free blocks.
     """

@@ -1,4 +1,4 @@
-"""Does it stand? The verdict with its proof, and the analyses behind it."""
+"""The verdict with its proof, and the analyses that it uses."""
 
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights

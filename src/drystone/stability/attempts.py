@@ -1,4 +1,4 @@
-"""Rest states for assumed contact stiffnesses, and what they tell about standing and falling."""
+"""Rest states for assumed contact stiffnesses, as proofs of standing or signs of falling."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
 from drystone.stability.screening import PATIENT, Screening
 
 SHARPER = RestOptions(ground=1e-9, tolerance=1e-6)
-"""A first motion close to the limit is slow, and blurred less by weaker ground."""
+"""Weaker ground for first motions: close to the limit they are slow, and weaker ground changes them
+less."""
 
 AT_REST = RestOptions(ground=1e-14, iteration_limit=30, warm_relaxation=1e-8)
-"""The state itself: what the ground still carries is below every tolerance."""
+"""Ground so weak that its forces are below every tolerance."""
 
 FROM_OTHER = replace(AT_REST, warm_relaxation=1e-4, stall=8, give_up=0.02)
 """From the rest state of other stiffnesses: given up early, since it may as well begin afresh."""
 
 FALLS_FROM = 1e-4
-"""Share of a block's load on the ground from which on a state shows it falling."""
+"""Share of a block's load on the ground from which on it falls."""
 
 CLEARLY = 1e-3
 """Share of a block's load on the ground from which on a screening level that is not patient ends,
@@ -37,7 +38,7 @@ beyond their limit 4e-3 or more. Towers of 200 blocks and more reach 4e-3 althou
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Forces and a motion that may prove that it stands.
+    """Forces and a motion that may prove that the model stands.
 
     Attributes
     ----------
@@ -58,7 +59,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Falling:
-    """A state that leans on the ground springs, and the stiffnesses that it has.
+    """A state with forces in the ground springs, and its contact stiffnesses.
 
     Attributes
     ----------
@@ -81,19 +82,20 @@ class Falling:
 
 @dataclass(eq=False)
 class Attempts:
-    """One model's tries, and how they ended.
+    """The tries on one model and their results.
 
     Attributes
     ----------
     problem
     clock
     standing, falling
-        What proves that it stands, and what shows it falling; other tries show nothing.
+        Tries that prove that it stands, and tries that show that it falls; other tries have no
+        result.
     stalled : (n, 6) each
         Scaled motions at which the iteration ended without converging although the ground springs
         carried less than a thousandth of the load. The search starts from them.
     tried
-        Number of stiffness distributions; one that was broken off is not among them.
+        Number of stiffness distributions, without interrupted ones.
     iterations
         Newton steps so far.
     checking_s : [s]
@@ -119,7 +121,7 @@ class Attempts:
     ) -> Candidate:
         """Follow one stiffness distribution to rest; with ``again`` it does not count as tried."""
         numerics = screening.numerics
-        if start is None:  # steps are cut often at the beginning of a path
+        if start is None:  # at the beginning of a path steps are often reduced
             numerics = replace(numerics, give_up=0.0)
         state = self._rest(springs, numerics, start)
         share = self.problem.ground_share(state.ground)
@@ -127,7 +129,7 @@ class Attempts:
         rests = state.converged and most < CLEARLY
         over = most >= 0.5 or not (screening.patient or rests)
         if not over and state.converged and most >= CLEARLY:
-            # high towers lean on this ground as much, and come to rest on weaker ground
+            # high towers load this ground as much, and reach a rest state on weaker ground
             over = first_motion(self.problem, state) is not None
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
@@ -145,7 +147,7 @@ class Attempts:
         return candidate
 
     def nearby(self, springs: Compliance, start: Start) -> Candidate | None:
-        """The rest state that a start leads to at once, if there is one and it stands."""
+        """The rest state near a start, if there is one and it stands."""
         state = find_rest_nearby(self.problem.system, springs, AT_REST, start, self.clock.late)
         if state is None:
             return None
@@ -185,7 +187,7 @@ class Attempts:
         return Candidate(physical, displacement, residuals)
 
     def falling_states(self) -> Iterator[RestState]:
-        """The states on ground springs that do not come to rest, then the same on weaker ones."""
+        """The states on ground springs without rest, then the same on weaker springs."""
         for trial in self.falling:
             yield trial.state
         for trial in self.falling:

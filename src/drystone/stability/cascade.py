@@ -16,6 +16,7 @@ from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
@@ -54,13 +55,17 @@ class Cascade:
         self.settlement: Settlement | None = None
 
     def run(self) -> Result:
-        """The verdict, with what proves it."""
+        """The verdict, with its proof."""
         problem = self.problem
         if problem.statics.free_count == 0:
             return self._nothing_free()
         dropped = self._free_fall()
-        if dropped is not None:
-            return dropped
+        return self._after_free_fall() if dropped is None else dropped
+
+    @one_blas_thread()
+    def _after_free_fall(self) -> Result:
+        """The verdict where something presses on every block."""
+        problem = self.problem
         self._report("rest state", 0)
         attempts = self.attempts
         uniform = attempts.attempt(compliance.uniform(problem.statics))
@@ -70,7 +75,7 @@ class Cascade:
             if impossible is not None:
                 return impossible
             if not attempts.falling:
-                # the iteration did not converge: a smooth law is followed more easily
+                # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
         samples = compliance.samples(problem.statics, self.options.samples, self.options.seed)
@@ -142,8 +147,9 @@ class Cascade:
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
         )
 
+    @one_blas_thread()
     def _follow(self) -> Settlement:
-        """Where the blocks go by finite steps."""
+        """The motion of the blocks by finite steps."""
         if self.settlement is None:
             self._report("settlement", 2 + self.options.samples)
             model, options = self.problem.model, self.options.settlement
@@ -175,9 +181,9 @@ class Cascade:
         return replace(self._unstable(words, motion), settlement=found)
 
     def _rests(self, found: Settlement, why: str) -> Result:
-        """STABLE after settling, with a rest state in place where a stiffness has one.
+        """STABLE after settling, with a rest state in place if some stiffness has one.
 
-        Where none has, the forces are those on the moved blocks, in the axes of the first joints.
+        Otherwise the forces are those on the moved blocks, in the axes of the first joints.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
         for one in self.attempts.standing[:1]:
@@ -201,7 +207,7 @@ class Cascade:
         )
 
     def _open(self, found: Settlement, why: str) -> Result:
-        """UNDECIDED, with what following the blocks told."""
+        """UNDECIDED, with the result of following the blocks."""
         return self._answer(
             Verdict.UNDECIDED, f"{found.message}; {why}: {SENSITIVE}", settlement=found
         )
@@ -224,10 +230,9 @@ class Cascade:
         return self._unstable("no contact forces can balance the loads", mechanism)
 
     def _search(self) -> Candidate | None:
-        """A state by convex steps, on joints whose stiffnesses differ as little as it takes.
+        """A state by convex steps, on joints whose stiffnesses differ as little as necessary.
 
-        Without a bound on how much they may differ, forces that only prestress brings about would
-        hold almost every wedge.
+        Without a bound on their ratio, forces due to prestress only would hold almost every wedge.
         """
         if not self.options.search or self.clock.late() or not self.problem.statics.dry:
             return None
@@ -260,9 +265,9 @@ class Cascade:
         return candidate if candidate.stands else None
 
     def _with_equal_overlap(self, look: Search, state: CompatibleState) -> Candidate | None:
-        """The state of eq. 5.6 nearby, if there is one on joints that differ no more than they may.
+        """The nearest state of eq. 5.6, if its stiffness ratio is within the bound.
 
-        Equal overlaps are no equal stiffnesses: those are as unlike as the forces.
+        Equal overlaps do not mean equal stiffnesses: these differ like the forces.
         """
         equal = look.equal_overlap(state.motion)
         ratio = stiffness_ratio(self.problem.statics, equal)
@@ -346,7 +351,7 @@ class Cascade:
         return self._answer(Verdict.UNDECIDED, words)
 
     def _unstable(self, message: str, mechanism: Floats) -> Result:
-        """With the blocks and props of the state on ground springs where there is one."""
+        """UNSTABLE, with the blocks and props of the state on ground springs if there is one."""
         problem = self.problem
         falling = moving_blocks(problem.model.assembly, mechanism)
         prop = force = None

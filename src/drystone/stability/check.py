@@ -1,4 +1,4 @@
-"""The verdict: forces and a motion that agree, or a proof that it falls."""
+"""The verdict: compatible forces and motion, or a proof that it falls."""
 
 from __future__ import annotations
 
@@ -10,14 +10,12 @@ from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result
-from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 
 
 @checked_call
-@one_blas_thread()
 def check(
     given: Given,
     *,
@@ -32,20 +30,20 @@ def check(
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     options
     progress
     stop
-        Asked often; True ends the analysis with what is known by then.
+        Called often; True ends the analysis with the results so far.
     time_limit_s
-        After it the answer is given from what is known by then.
+        Time after which the analysis ends with the results so far.
 
     Returns
     -------
     Result
         STABLE with forces and a compatible motion that pass every check; UNSTABLE with a mechanism;
-        UNDECIDED with what was tried. ``samples`` tells how many of the assumed contact
-        stiffnesses let it come to rest.
+        UNDECIDED with a list of what was tried. ``samples`` has the number of assumed contact
+        stiffnesses with a rest state.
 
     Raises
     ------
@@ -65,7 +63,6 @@ def check(
 
 
 @checked_call
-@one_blas_thread()
 def could_hold(
     given: Given,
     *,
@@ -75,11 +72,11 @@ def could_hold(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
-    """Could it be wedged to hold: does it stand with some contact stiffness, without prestress?
+    """Could it stand with shims: does it stand with some contact stiffness, without prestress?
 
-    Where no stiffness that is tried holds it, joints of unlike stiffness are searched for. Shims
-    can make them so. Blocks that are only set in place do not, and :func:`check` says where those
-    go. Parameters and result are those of :func:`check`.
+    If it stands with no tried stiffness, joints of different stiffness are searched. Shims can make
+    such joints. For blocks that are only set in place use :func:`check`. Parameters and result are
+    those of :func:`check`.
 
     Examples
     --------

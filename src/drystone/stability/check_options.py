@@ -1,4 +1,4 @@
-"""How thoroughly a check looks."""
+"""Options of a check."""
 
 from __future__ import annotations
 
@@ -18,27 +18,26 @@ class CheckOptions(Options):
     Attributes
     ----------
     samples
-        Stiffness distributions tried beyond the uniform one, to tell robust from sensitive and to
-        find a rest state where uniform stiffness has none.
+        Number of stiffness distributions besides the uniform one. They distinguish robust from
+        sensitive, and may have a rest state where uniform stiffness has none.
     settle
-        Where the stiffness decides whether it stands, follow the blocks by finite steps
-        (:func:`drystone.settle`) and answer with where they go.
+        Where the stiffness decides, follow the blocks by finite steps (:func:`drystone.settle`);
+        their motion gives the verdict.
     settlement
         How they are followed; by default until a block has moved by a twentieth of its size. What
         stands moves no farther than a fiftieth.
     search
-        Ask whether it could be wedged to hold (:func:`could_hold`): where the stiffness decides and
-        blocks are not followed, look for a rest state by convex steps.
+        Check whether it could stand with shims (:func:`could_hold`): where the stiffness decides
+        and blocks are not followed, search a rest state by convex steps.
     search_tries
         Random motions from which the search starts on small models; fewer on larger ones.
     stiffness_ratio
-        Largest ratio of two contact stiffnesses in a state that the search answers with. The
-        default follows the wedge of type b of Kao 2023, which needs a ratio of 92 to stand at 58.0
-        degrees and of 265 at 59.5 degrees; discrete elements (3DEC) let it stand up to 58.7.
+        Largest ratio of two contact stiffnesses in a state of the search. The default follows the
+        wedge of type b of Kao 2023, which needs a ratio of 92 to stand at 58.0 degrees and of 265
+        at 59.5 degrees; with discrete elements (3DEC) it stands up to 58.7.
     reduce_ratio
-        Whether the search reduces the stiffness ratio of a state that it found, down to equal
-        overlaps where steps lead there. The verdict does not depend on it; it can take most of the
-        time.
+        Whether the search reduces the stiffness ratio of a state, if possible to equal overlaps.
+        The verdict does not depend on it; it can take most of the time.
     seed
         Of the random stiffness distributions.
     """

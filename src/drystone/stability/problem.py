@@ -1,4 +1,4 @@
-"""The model that an analysis works on, and the way back to physical numbers."""
+"""The model of an analysis, and the conversion to physical numbers."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Problem:
         return cls(model, active[model.contacts.interface], build_statics(part))
 
     def without(self, falling: Bools) -> Problem | None:
-        """The model less some blocks (n,); None when no free block is left."""
+        """The model without some blocks (n,); None if no free block is left."""
         if self.model.assembly.fixed[~falling].all():
             return None
         return Problem.build(self.model.without(np.flatnonzero(falling).tolist()))

@@ -1,4 +1,4 @@
-"""Proofs that a structure falls, and when they hold."""
+"""Proofs that a structure falls, and their conditions."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats
     largest = float(np.abs(solution.multiplier).max(initial=0.0))
     if not 0.0 < largest < np.inf:
         return None
-    # the size of a certificate is arbitrary, and may be beyond what can be squared
+    # the size of a certificate is arbitrary, and its square may overflow
     motion = problem.mechanism(solution.multiplier / largest)
     violation, power = mechanism_defects(problem.model, motion)
     return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None

@@ -1,17 +1,21 @@
 """Results to pictures: one self-contained page, static figures."""
 
 from drystone.view.cad.save_cad import save_cad
+from drystone.view.paper.curve_figure import save_curve
 from drystone.view.paper.figure import save_figure
+from drystone.view.paper.gravity_figure import save_gravity
 from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
+from drystone.view.paper.share_figure import save_share
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.palette import State
 from drystone.view.scenes.presets import PRESETS, Preset
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 from drystone.view.scenes.staging import stage_of
 from drystone.view.scenes.subjects import scene_of
-from drystone.view.web.notebook import Frame
+from drystone.view.web.notebook import Frame, show
 from drystone.view.web.page import page_text, save_page
+from drystone.view.web.widget import interact
 
 __all__ = [
     "PRESETS",
@@ -24,13 +28,18 @@ __all__ = [
     "Stage",
     "State",
     "inspection_scene",
+    "interact",
     "page_text",
     "save_cad",
+    "save_curve",
     "save_figure",
+    "save_gravity",
     "save_inspection",
     "save_page",
     "save_polar",
     "save_report",
+    "save_share",
     "scene_of",
+    "show",
     "stage_of",
 ]

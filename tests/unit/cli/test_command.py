@@ -3,6 +3,7 @@
 import re
 import shlex
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -94,11 +95,14 @@ def test_the_help_of_every_command_has_two_examples_and_few_options(
     assert max(map(len, out.splitlines())) <= 100
 
 
-@pytest.mark.parametrize("name", sorted(commands().keys() - {"reproduce", "mcp"}))
+LEFT_OUT = {"reproduce", "mcp", "live"} | (set() if find_spec("mujoco") else {"fall"})
+
+
+@pytest.mark.parametrize("name", sorted(commands().keys() - LEFT_OUT))
 def test_the_examples_of_a_command_run(
     name: str, tmp_path: Path, capsys: Capsys, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Beside the file that they name. 'reproduce' takes long, and 'mcp' waits for a client."""
+    """Beside the file that they name. 'reproduce' takes long, 'mcp' and 'live' wait for someone."""
     monkeypatch.chdir(tmp_path)
     io.write(arch(), "arch.json")
     for example in commands()[name].examples:

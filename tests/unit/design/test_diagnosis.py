@@ -51,8 +51,8 @@ def test_a_block_on_a_steep_ramp_slides_down_and_needs_the_tangent_of_its_angle(
     assert region.needs.friction == pytest.approx(np.tan(angle), rel=0.011)
     assert region.needs.friction >= np.tan(angle)
     weight = model.assembly.mass[1] * G
-    lacking = weight * (np.sin(angle) - 0.6 * np.cos(angle))
-    assert np.linalg.norm(region.needs.force) == pytest.approx(lacking, rel=1e-4)
+    missing = weight * (np.sin(angle) - 0.6 * np.cos(angle))
+    assert np.linalg.norm(region.needs.force) == pytest.approx(missing, rel=1e-4)
     assert "slides down along 'ramp'" in region.sentence
     assert "friction of 0.84 there" in region.sentence
 

@@ -103,10 +103,10 @@ def test_what_a_curved_joint_lacks_is_told_and_found_with_what_is_suggested() ->
     model = joint(bump, 5, 17)
     least = min(curved_area(block) for block in model.blocks)
     found = find_contacts(model, options=UNMERGED)
-    lacking = 1.0 - found.contacts.area.sum() / least
-    assert lacking > 0.1
+    missing = 1.0 - found.contacts.area.sum() / least
+    assert missing > 0.1
     (short,) = found.report.shortfalls
-    assert short.share == pytest.approx(lacking, abs=0.05)
+    assert short.share == pytest.approx(missing, abs=0.05)
     assert any("curved joint" in line for line in found.report.summary())
     assert any("raise gap" in line and "angle" in line for line in found.report.suggestions())
     wider = DetectionOptions(merge=0.0, gap=1.05 * short.gap, angle=1.05 * short.angle)

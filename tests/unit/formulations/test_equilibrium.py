@@ -79,9 +79,9 @@ def friction_used(problem: Statics, weights: Weights, cone: FrictionCone = EXACT
 
 def test_a_price_on_friction_gives_the_state_with_the_least_of_it() -> None:
     problem = statics(arch(0.25, 9), 0.8)
-    dear = friction_used(problem, Weights(compression=0.0, friction=1.0))
-    assert dear < friction_used(problem, Weights()) - 1e-3
-    assert dear < friction_used(problem, Weights(compression=1.0, friction=0.1)) + 1e-7
+    with_cost = friction_used(problem, Weights(compression=0.0, friction=1.0))
+    assert with_cost < friction_used(problem, Weights()) - 1e-3
+    assert with_cost < friction_used(problem, Weights(compression=1.0, friction=0.1)) + 1e-7
 
 
 def test_the_price_of_friction_does_not_depend_on_the_frame() -> None:

@@ -34,7 +34,7 @@ def test_faces_of_arrays_lists_and_tuples_are_one():
 
 
 @pytest.mark.parametrize("extra", [0, 2])
-def test_the_same_faces_are_judged_by_the_vertices_they_number(extra):
+def test_the_same_faces_are_checked_with_their_own_vertices(extra):
     vertices = np.concatenate([CUBE, np.full((extra, 3), 9.0)])
     assert Block(vertices, BOX_FACES).repairs == (
         (f"{extra} unused vertices dropped",) * (extra > 0)

@@ -42,11 +42,11 @@ def test_terms_of_one_variable_add_up() -> None:
 def test_costs_and_units_belong_to_their_variable() -> None:
     program = ProgramBuilder()
     program.variable("free", 2)
-    program.variable("dear", 1, linear=3.0, quadratic=4.0, unit=10.0)
+    program.variable("costly", 1, linear=3.0, quadratic=4.0, unit=10.0)
     made = program.build()
     assert made.linear.tolist() == [0.0, 0.0, 3.0]
     assert made.quadratic.tolist() == [0.0, 0.0, 4.0]
-    assert made.value(np.array([1.0, 2.0, 3.0]), "dear").tolist() == [30.0]
+    assert made.value(np.array([1.0, 2.0, 3.0]), "costly").tolist() == [30.0]
     assert made.value(np.array([1.0, 2.0, 3.0]), "free").tolist() == [1.0, 2.0]
 
 

@@ -114,9 +114,7 @@ def test_what_falls_on_paper_falls_in_numbers(model, friction):
 
 
 @pytest.mark.parametrize(("angle", "expected"), [(29.0, Verdict.STABLE), (32.0, Verdict.UNSTABLE)])
-def test_a_pebble_a_million_times_smaller_than_its_boulder_is_judged_by_its_own_measure(
-    angle, expected
-):
+def test_a_pebble_a_million_times_smaller_than_its_boulder_has_its_own_tolerance(angle, expected):
     model = pebble_on_boulder()
     assert verdict(model, 0.6, LoadCase.tilt(model, X, angle)) is expected
 

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli.analysis import limit_answer
 from drystone.cli.base import kinds
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import Argument, Option, command
+from drystone.cli.base.command import OUTPUT, Argument, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.base.written import Pictures
+from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import families, limit_options, loading, options
 from drystone.cli.inputs.limit_options import Search, working
 from drystone.cli.inputs.model_input import Subject
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
+    from drystone.base.files import Job
+    from drystone.cli.base.answer import Files
     from drystone.limits import StandingShare
 
 SEARCHED = {
@@ -41,6 +45,21 @@ def _pair(text: str) -> tuple[float, float]:
 
 
 ZERO_OR_MORE = kinds.number(least=0.0)
+ORDERS = ("at-once", "ramp", "turned")
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The files of a study of imperfections."""
+
+    table: Annotated[
+        Path | None,
+        Option("Write every draw with its verdict, .csv.", OUTPUT, kind=kinds.target(".csv")),
+    ] = None
+    png: options.Png = None
+
+    def __post_init__(self) -> None:
+        apart([self.table, self.png])
 
 
 @command(
@@ -93,7 +112,7 @@ def thickness(
 
 @command(
     "drystone limit imperfections arch.json --offset 0.01 --draws 10",
-    "drystone limit imperfections arch.json --friction-range 0.5,0.7 --turn 0.5 --draws 10",
+    "drystone limit imperfections arch.json --tolerance 0.002 --order ramp --png share.png",
 )
 def imperfections(
     *,
@@ -112,13 +131,32 @@ def imperfections(
     ] = 0.0,
     offset: Annotated[
         float,
-        Option("Shift of joints in their plane by the root of their area.", kind=ZERO_OR_MORE),
+        Option(
+            "Shift of joints in their plane by the root of their area.",
+            kind=ZERO_OR_MORE,
+            expert=True,
+        ),
     ] = 0.0,
     turn: Annotated[
-        float, Option("Turn of joints out of their plane, degrees.", kind=ZERO_OR_MORE)
+        float,
+        Option("Turn of joints out of their plane, degrees.", kind=ZERO_OR_MORE, expert=True),
     ] = 0.0,
+    tolerance: Annotated[
+        float,
+        Option("How exactly joints are made, m: they are shifted and turned.", kind=ZERO_OR_MORE),
+    ] = 0.0,
+    order: Annotated[
+        tuple[str, ...],
+        Option(
+            "Follow every draw by steps, the load put on at-once, as a ramp, or turned from "
+            "upright, instead of the check. Can be given several times.",
+            kind=kinds.one_of(ORDERS),
+        ),
+    ] = (),
     seismic: loading.Seismic = None,
     workers: limit_options.Workers = 1,
+    time_limit: options.TimeLimit = None,
+    files: Drawn,
     waiting: Waiting,
 ) -> Answer:
     """The share of imperfect structures that stand, drawn at random.
@@ -128,24 +166,51 @@ def imperfections(
     from drystone import limits
 
     imperfect = limits.Imperfections(
-        friction=friction_range, corner_loss=corner_loss, offset=offset, tilt_deg=turn
+        friction=friction_range,
+        corner_loss=corner_loss,
+        offset=offset,
+        tilt_deg=turn,
+        tolerance=tolerance,
     )
     if imperfect == limits.Imperfections():
         raise InputError(
             "nothing is imperfect",
-            remedy="give --friction-range, --corner-loss, --offset or --turn",
+            remedy="give --tolerance, --friction-range, --corner-loss, --offset or --turn",
         )
     model = subject.prepared(waiting, seismic=seismic)
     waiting.stage("solve", "drawing")
     with working(workers, waiting) as common:
-        found = limits.imperfections(model, imperfect, draws=draws, seed=seed, **common)
+        if time_limit is not None:
+            common["time_limit_s"] = time_limit
+        found = limits.imperfections(
+            model,
+            imperfect,
+            draws=draws,
+            seed=seed,
+            loading=[name.replace("-", " ") for name in order],
+            **common,
+        )
     data = {"model": subject.model, **found.to_dict()}
     notes = list(model.notes)
-    if len(found.verdicts) < draws:
-        notes.append(f"interrupted after {len(found.verdicts)} of {draws} draws")
+    if len(found.verdicts) < draws * max(len(order), 1):
+        notes.append(f"interrupted after {found.draws} of {draws} draws")
     if data["undecided"]:
         notes.append(f"{data['undecided']} draws are undecided")
-    return Answer(data, partial(_show, found, data), 0 if found.share == 1.0 else 1, notes)
+    code = 0 if found.share == 1.0 else 1
+    written = partial(_files, found, files, subject.model)
+    return Answer(data, partial(_show, found, data), code, notes, written)
+
+
+def _files(found: StandingShare, wanted: Drawn, source: str) -> Files:
+    """The table of draws and the plot of shares."""
+    jobs: list[Job] = []
+    if wanted.table is not None:
+        jobs.append((wanted.table, found.table().to_csv))
+    if wanted.png is not None:
+        from drystone.view import save_share  # work is imported when there is some
+
+        jobs.append((wanted.png, partial(save_share, found, title=Path(source).stem)))
+    return jobs, []
 
 
 def _show(found: StandingShare, data: dict[str, Any], screen: Screen) -> None:
@@ -156,6 +221,18 @@ def _show(found: StandingShare, data: dict[str, Any], screen: Screen) -> None:
         f"share {found.share:.1%}, between {low:.1%} and {high:.1%} at {found.confidence:.0%} "
         "confidence"
     )
+    if len(found.loading) > 1:
+        screen.table(
+            ("order of loading", "stand", "share", "between", "and"),
+            [
+                (
+                    row["loading"],
+                    f"{row['standing']} of {row['draws']}",
+                    *(f"{row[key]:.1%}" for key in ("share", "low", "high")),
+                )
+                for row in data["by_loading"]
+            ],
+        )
 
 
 def _built(

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError
+from drystone.cli.analysis import large_answer
+from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
@@ -20,12 +22,13 @@ from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
+    from drystone.model import Model
     from drystone.settlement import SupportResponse
 
 
 @command(
     "drystone settle arch.json --move springer-right:0.01,0,0",
-    "drystone settle arch.json --move springer-right:0,0,-0.02 --html settled.html",
+    "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
 )
 def settle(
     *,
@@ -33,6 +36,14 @@ def settle(
     subject: Subject,
     seismic: loading.Seismic = None,
     finding: Finding,
+    to: Annotated[
+        float | None,
+        Option(
+            "Follow the blocks by finite steps until the largest translation of --move is this "
+            "long, m, or they fall.",
+            kind=kinds.POSITIVE,
+        ),
+    ] = None,
     compliance: Annotated[
         float,
         Option(
@@ -45,15 +56,17 @@ def settle(
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:
-    """Which joints open, and how the forces change, when supports move a little.
+    """Which joints open, and how forces change, when supports move, by a little or by a lot.
 
-    Exit code 0: the blocks come to rest. 1: that was not found. 2: bad input.
+    Exit code 0: the blocks come to rest, or follow as far as --to. 1: they do not. 2: bad input.
     """
     model = subject.prepared(waiting, finding, seismic, move, settling=True)
     if model.load.motion is None:
         raise InputError(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
+    if to is not None:
+        return _far(model, to, subject.model, wanted, waiting)
     # work is imported when there is some
     from drystone.settlement import SupportResponseOptions, support_response
 
@@ -63,6 +76,20 @@ def settle(
     code = verdict.exit_code(found.result, strict=False)
     files = partial(_files, found, wanted, subject.model)
     return Answer(data, partial(_show, data), code, model.notes, files)
+
+
+def _far(model: Model, to: float, source: str, wanted: Written, waiting: Waiting) -> Answer:
+    """Supports that move by finite amounts."""
+    from drystone.settlement import End, move_supports  # as above
+
+    if wanted.joints:
+        raise InputError("--to has no table of joints", remedy="ask for --html, --png or --json")
+    waiting.stage("solve", "moving")
+    with waiting.stoppable() as stop:
+        found = move_supports(model, to=to, progress=waiting, stop=stop)
+    curves = Curves(html=wanted.html, png=wanted.png)
+    code = 0 if found.end is End.REACHED else 1
+    return large_answer.answer(found, source, model.notes, curves, code)
 
 
 def _files(found: SupportResponse, wanted: Written, source: str) -> Files:

@@ -34,7 +34,7 @@ class Pictures:
     def __post_init__(self) -> None:
         apart([self.html, self.png])
 
-    def jobs(self, page: Callable[[Path], None], figure: Callable[[Path], None]) -> list[Job]:
+    def jobs(self, page: Callable[[Path], object], figure: Callable[[Path], object]) -> list[Job]:
         """What is to be written, from what writes each."""
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]

@@ -49,10 +49,10 @@ def models(
     build, known = families.family(family)
     given = dict(families.setting(text, known) for text in set)
     missing = [one.name for one in known.values() if one.default is one.empty]
-    lacking = [name for name in missing if name not in given]
-    if lacking:
-        raise InputError(f"{family} needs {', '.join(lacking)}", where="--set",
-                         remedy=f"write --set {lacking[0]}=VALUE")  # fmt: skip
+    still_missing = [name for name in missing if name not in given]
+    if still_missing:
+        raise InputError(f"{family} needs {', '.join(still_missing)}", where="--set",
+                         remedy=f"write --set {still_missing[0]}=VALUE")  # fmt: skip
     waiting.stage("build", f"building {family}")
     assembly = build(**given)
     size = assembly.bounds[:, 1].max(axis=0) - assembly.bounds[:, 0].min(axis=0)

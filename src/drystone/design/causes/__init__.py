@@ -1,1 +1,1 @@
-"""Why a structure falls: regions, first motions, what is missing."""
+"""Why a structure falls: regions, first motions, missing forces."""

@@ -1,4 +1,4 @@
-"""What is known of a structure that falls: its regions, in words and as plain values."""
+"""The diagnosis of a structure that falls: its regions, as text and as plain values."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class Region(OneLine):
     neighbours
         Positions of the blocks that touch them, which are fixed in the local model.
     local
-        The model of the region alone: its blocks, free, then its neighbours.
+        The model of the region alone: first its blocks (free), then its neighbours (fixed).
     verdict
         Of the local model.
     joints
-        How each block begins to move at each of its interfaces.
+        First motion of each block at each of its interfaces.
     needs
         What would hold it.
     sentence
@@ -55,23 +55,23 @@ class Region(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis(OneLine):
-    """Where a model falls, why, and what is missing.
+    """Where a model falls, why, and which forces are missing.
 
     Attributes
     ----------
     result
-        Of the check, or of the penalty form where the check was undecided.
+        Result of the check, or of the penalty form if the check is undecided.
     regions
         The heaviest first; empty where it stands.
     motion : (n, 6) [m, rad]
-        How the blocks begin to move; the fastest one moves by about its size.
+        First motion of the blocks; the fastest one moves by about its size.
     friction
-        One coefficient for all joints at which the whole model was found to stand; ``None`` where
-        it stands already or none was found.
+        Coefficient of all joints with which the whole model stands; ``None`` if it stands already
+        or none was found.
     others
-        Blocks of regions that were not looked at.
+        Blocks of regions that were not examined.
     stopped
-        Why regions were told without what would hold them; empty where nothing was left out.
+        Why the needs of some regions are missing; else empty.
     """
 
     result: Result
@@ -87,12 +87,12 @@ class Diagnosis(OneLine):
 
     @property
     def model(self) -> Model:
-        """What was asked about."""
+        """The diagnosed model."""
         return self.result.model
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """One for each region; one that says so where it stands."""
+        """A sentence for each region, or one if the model stands."""
         if not self.regions:
             return (diagnosis_words.nothing(self.result),)
         said = [region.sentence for region in self.regions]
@@ -107,7 +107,7 @@ class Diagnosis(OneLine):
     def props(self) -> tuple[Floats, Floats]:
         """Points (p, 3) [m] and forces (p, 3) [N] of one prop for each region.
 
-        The support from below where one holds, else the force that is missing.
+        The force of a support from below if one is sufficient, else the missing force.
         """
         points, forces = [], []
         for region in self.regions:

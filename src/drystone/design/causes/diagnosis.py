@@ -1,4 +1,4 @@
-"""What falls, how it begins to move, and what is missing: for a person and as numbers."""
+"""Diagnosis: falling blocks, their first motion, and missing forces."""
 
 from __future__ import annotations
 
@@ -39,10 +39,11 @@ class DiagnosisOptions(Options):
     Attributes
     ----------
     needs
-        Look for the prop, the friction, the ballast and the glue that would hold each region;
-        without it only what falls, how, and the force that is missing are told.
+        Whether to search the prop, the friction, the ballast and the glue with which each region
+        stands. Without it the diagnosis has the falling blocks, their motion and the missing force
+        only.
     regions
-        How many are looked at, the heaviest first.
+        Number of regions that are examined, the heaviest first.
     """
 
     needs: bool = True
@@ -64,24 +65,24 @@ def diagnose(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Diagnosis:
-    """Why a model falls, block by block, and what would hold it.
+    """Why a model falls, and what would hold it.
 
-    Blocks that fall are grouped into regions that touch each other. Each region is looked at alone,
-    its neighbours fixed: how it begins to move, which joints carry nothing, slide or are hinges,
-    and the least prop, friction, ballast and glue with which it stands.
+    Falling blocks that touch each other form a region. Each region is examined alone, with its
+    neighbours fixed: its first motion, the joints that carry nothing, slide or are hinges, and the
+    least prop, friction, ballast and glue with which it stands.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     options
     result
-        A check of this model, where there is one already.
+        A result of a check of this model, if available.
     progress
     stop
-        Asked often; True ends the search for what would hold the regions.
+        Called often; True ends the search for the needs of the regions.
     time_limit_s
-        After it regions are told without what would hold them.
+        Time after which the needs of the regions are no longer searched.
 
     Returns
     -------
@@ -140,7 +141,7 @@ def _region(
     options: DiagnosisOptions,
     late: Callable[[], bool],
 ) -> Region:
-    """A region, looked at with its neighbours fixed."""
+    """A region, examined with its neighbours fixed."""
     local, position = local_model(model, blocks)
     inside = np.zeros(len(model), dtype=bool)
     inside[list(blocks)] = True
@@ -193,9 +194,9 @@ def _region(
 
 
 def _friction_of_all(model: Model, regions: list[Region]) -> float | None:
-    """One coefficient of all joints that was found to hold the whole model.
+    """The least coefficient of all joints with which the whole model stands.
 
-    What each region needs alone is needed by all; whether it is enough is checked.
+    The largest need of a region alone is a lower bound; a check of the whole model confirms it.
     """
     each = [region.needs.friction for region in regions]
     if any(value is None for value in each):

@@ -1,4 +1,4 @@
-"""A diagnosis in words."""
+"""A diagnosis as text."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 
 NAMED = 4
-"""Blocks of a region that are named, chosen; the others are counted."""
+"""Number of blocks of a region that are named. Chosen. The others are counted."""
 
 STEEP = 0.5
-"""A motion goes down, or up, where the vertical part of its direction is beyond this."""
+"""A motion is downwards or upwards if the vertical component of its direction is larger than
+this."""
 
 
 def newtons(size: float) -> str:
-    """A force for a person, three digits."""
+    """A force as text, with three digits."""
     for unit, factor in (("MN", 1e6), ("kN", 1e3)):
         if abs(size) >= factor:
             return f"{size / factor:.3g} {unit}"
@@ -29,7 +30,7 @@ def newtons(size: float) -> str:
 
 
 def place(point: Floats) -> str:
-    """A point [m] for a person, to a millimetre."""
+    """A point [m] as text, to a millimetre."""
     return "(" + ", ".join(f"{round(float(x), 3) + 0.0:g}" for x in point) + ") m"
 
 
@@ -42,21 +43,21 @@ def names_of(model: Model, blocks: Sequence[int]) -> str:
 
 
 def nothing(result: Result) -> str:
-    """What is said where no region was found."""
+    """The sentence if no region was found."""
     if result.verdict is Verdict.STABLE:
         return "it stands: nothing is missing"
     return f"no block shows that it needs help ({result.message})"
 
 
 def friction_of_all(value: float) -> str:
-    """The friction that holds the whole model."""
+    """The friction with which the whole model stands, as text."""
     return f"friction of {value:.2f} in all joints would hold the whole model"
 
 
 def sentence(
     model: Model, blocks: tuple[int, ...], joints: Sequence[JointState], needs: Needs
 ) -> str:
-    """What happens to a region, why, and what would hold it."""
+    """The motion of a region, its cause, and what would hold it, as text."""
     subject = ("block " if len(blocks) == 1 else "blocks ") + names_of(model, blocks)
     parts = [f"{subject} {_motion(model, blocks, joints)}", _cause(model, blocks, joints)]
     return "; ".join(part for part in (*parts, _remedy(model, blocks, needs)) if part)
@@ -98,7 +99,7 @@ def _plural(kind: JointMotion) -> str:
 
 
 def _cause(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) -> str:
-    """The joints that carry nothing, else those whose friction is spent or that are hinges."""
+    """The joints that carry nothing, else those that slide or are hinges."""
     them = "it" if len(blocks) == 1 else "them"
     idle = [j for j in joints if j.idle]
     if len(idle) == len(joints):
@@ -115,7 +116,7 @@ def _cause(model: Model, blocks: tuple[int, ...], joints: Sequence[JointState]) 
 def _joints_with(
     model: Model, blocks: tuple[int, ...], some: Sequence[JointState], what: str
 ) -> str:
-    """The joints of which something is true, named where they are few."""
+    """The given joints as text, with names if they are few."""
     if not some:
         return ""
     outer = list(dict.fromkeys(j.neighbour for j in some if j.neighbour not in blocks))

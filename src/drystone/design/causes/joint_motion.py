@@ -1,4 +1,4 @@
-"""How blocks begin to move at their joints, and what the joints carry at that moment."""
+"""The first motion of blocks at their joints, and the forces in the joints at that moment."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from drystone.model import Model
 from drystone.virtual import joint_sections
 
 STILL = 1e-2
-"""A corner is at rest, or a gap stays closed, where the motion there is below this share of the
-larger motion of the two blocks; chosen: half a degree of direction."""
+"""A corner is at rest, or a gap stays closed, if the motion there is below this share of the larger
+motion of the two blocks. Chosen: half a degree of direction."""
 
 FULL = 1e-3
-"""Friction is spent, and a joint is a hinge, within this share of the limit; chosen above what weak
-ground springs blur."""
+"""Friction is at its limit, and a joint is a hinge, within this share of the limit. Chosen: above
+the error due to weak ground springs."""
 
 
 class JointMotion(enum.Enum):
-    """How a block begins to move against a neighbour."""
+    """The first motion of a block relative to a neighbour."""
 
     STAYS = "stays on"
     SLIDES = "slides along"
@@ -37,7 +37,7 @@ class JointMotion(enum.Enum):
 
 @dataclass(frozen=True, eq=False)
 class JointState(OneLine):
-    """What happens at one interface of a block that needs help.
+    """Motion and forces at one interface of a block that needs help.
 
     Attributes
     ----------
@@ -47,13 +47,14 @@ class JointState(OneLine):
         Positions of the block that needs help, and of the other one.
     motion
     direction : (3,) unit
-        Of the block against its neighbour, at the middle of the interface; zero where it stays.
+        Direction of the motion of the block relative to its neighbour, at the middle of the
+        interface; zero if it stays.
     edge : (2, 3) [m]
         Ends of the edge about which it hinges; ``None`` for other motions.
     normal : [N]
-        Normal force while the block begins to move.
+        Normal force during the first motion.
     friction_use
-        Tangential force by its limit.
+        Tangential force divided by its limit.
     idle
         It carries nothing.
     spent
@@ -78,7 +79,7 @@ class JointState(OneLine):
 def joint_states(
     model: Model, needy: Bools, interfaces: Bools, motion: Floats, force: Floats | None
 ) -> tuple[JointState, ...]:
-    """The state of each chosen interface; at those of two needy blocks as the first one sees it.
+    """The state of each chosen interface; between two falling blocks, seen from the first one.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def joint_states(
     needy : (n,)
     interfaces : (m,)
     motion : (n, 6)
-    force : (k, 3) [N], local n, u, v; nothing presses where it is left out
+    force : (k, 3) [N], local n, u, v; zero when left out
     """
     assembly, contacts = model.assembly, model.contacts
     moved = corner_motion(assembly, contacts, motion)
@@ -126,7 +127,7 @@ def joint_states(
 
 
 def _eccentricity(contacts: Contacts, resultants: Resultants) -> Floats:
-    """Way (m,) of the centre of pressure from the middle of a joint to its rim: 1 is a hinge."""
+    """Eccentricity (m,) of the resultant relative to the edge of the joint: 1 is a hinge."""
     origin, corners, made = joint_sections(contacts)
     at = np.einsum("mij,mj->mi", contacts.frame[:, 1:], resultants.position - origin)
     return edge_ratio(made, corners, contacts.start, at)

@@ -1,4 +1,4 @@
-"""What is missing where blocks fall, as numbers."""
+"""The needs of falling blocks, as numbers."""
 
 from __future__ import annotations
 
@@ -18,16 +18,18 @@ from drystone.results import Result
 from drystone.stability import check
 
 ROUGHEST = 4.0
-"""Largest friction coefficient that is tried, chosen: beyond 76 degrees a joint is a key."""
+"""Largest tried friction coefficient. Chosen: it corresponds to 76 degrees, where a joint acts like
+a key."""
 
 HEAVIEST = 10.0
-"""Largest ballast that is tried, by the weight of the region, chosen."""
+"""Largest tried ballast, relative to the weight of the region. Chosen."""
 
 CLOSE = 0.01
 """Relative width at which a search for a least value ends."""
 
 SEARCHED = 12
-"""Blocks of a region, the neediest first, for which props and ballast are tried."""
+"""Number of blocks of a region for which props and ballast are tried, those with the largest need
+first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,21 +69,21 @@ class Ballast(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Needs(OneLine):
-    """What would hold a region; ``None`` where it was not found.
+    """Help with which a region would stand; ``None`` if not found.
 
     Attributes
     ----------
     wrench : (r, 6) [N, N m]
-        What a hand would supply to each block of the region, about its centroid.
+        The wrench that would hold each block of the region, about its centroid.
     force, point : (3,) [N], (3,) [m]
-        The same as one force, and the point at which it would enter.
+        The same as one force, and its point of action.
     support
-        The prop from below that takes least.
+        The prop from below with the least force.
     pulls
-        The joints that would pull if they were glued, the strongest first; interfaces of the whole
+        The joints in tension if they were glued, the largest tension first; interfaces of the whole
         model.
     glue_holds
-        Whether glue alone would do.
+        Whether glue alone is sufficient.
     friction
         Least coefficient of the joints of the region.
     ballast
@@ -99,9 +101,9 @@ class Needs(OneLine):
 
 
 def least(stands: Callable[[float], bool], low: float, high: float) -> float | None:
-    """The least value at which something stands, between one at which it falls and the largest.
+    """The least value at which ``stands`` is true, between ``low`` and ``high``.
 
-    A value is returned at which it stood; ``None`` where it falls at the largest one.
+    It is false at ``low``. The returned value was tried; ``None`` if it is false at ``high``.
     """
     if not stands(high):
         return None
@@ -117,7 +119,7 @@ def least(stands: Callable[[float], bool], low: float, high: float) -> float | N
 def friction_needed(model: Model) -> float | None:
     """Least coefficient of the active joints at which a model that falls stands.
 
-    Joints that are rougher already stay as they are.
+    Joints with a larger coefficient keep it.
     """
     own = model.contacts.friction
 
@@ -156,7 +158,7 @@ def ballast_needed(model: Model, blocks: tuple[int, ...]) -> Ballast | None:
 
 
 def ballasted(model: Model, block: int, weight: float) -> Model:
-    """The model with a weight [N] more at the centroid of a block."""
+    """The model with an additional weight [N] at the centroid of a block."""
     down = acceleration_of(model)
     wrench = np.array(model.load.wrench)
     wrench[block, :3] += weight * down / np.linalg.norm(down)
@@ -165,14 +167,14 @@ def ballasted(model: Model, block: int, weight: float) -> Model:
 
 
 def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:
-    """The joints of a glued structure that pull, the strongest first.
+    """The joints of a glued structure in tension, the largest tension first.
 
     Parameters
     ----------
     glued
         A penalty result.
     interfaces : (m,)
-        The names that its interfaces have in the whole model.
+        Positions of its interfaces in the whole model.
     """
     contacts, tension = glued.contacts, glued.tension
     if tension is None or not contacts.count:
@@ -191,10 +193,10 @@ def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:
 
 
 def one_force(model: Model, blocks: tuple[int, ...], wrench: Floats) -> tuple[Floats, Floats]:
-    """The sum of wrenches on some blocks as one force (3,) [N], and where it enters them (3,) [m].
+    """The sum of wrenches on some blocks as one force (3,) [N], and its point of action (3,) [m].
 
-    The point is on the line of action, on the side that the force comes from; on the line nearest
-    to the centroid where the line passes the blocks.
+    The point is where the line of action enters the blocks, or the point of the line nearest to the
+    centroid if the line misses the blocks.
     """
     centroid = model.assembly.centroid[list(blocks)]
     middle = centroid.mean(axis=0)
@@ -216,7 +218,7 @@ def one_force(model: Model, blocks: tuple[int, ...], wrench: Floats) -> tuple[Fl
 def _entry(
     vertices: Floats, faces: tuple[tuple[int, ...], ...], at: Floats, along: Floats
 ) -> float:
-    """How far along a line a body begins; infinite where the line passes it."""
+    """Position along a line at which it enters a body; infinite if it misses the body."""
     reach = 2.0 * float(np.linalg.norm(vertices - at, axis=1).max())
     loop = np.concatenate([np.asarray(face, dtype=np.intp) for face in faces])
     ends = np.cumsum([0, *(len(face) for face in faces)]).astype(np.intp)

@@ -1,4 +1,4 @@
-"""Props: a fixed head that a block rests on, and the force that it takes."""
+"""Props: a fixed block against a face, and the force on it."""
 
 from __future__ import annotations
 
@@ -19,29 +19,30 @@ from drystone.model import Model
 from drystone.stability import CheckOptions, check
 
 HEAD = 0.1
-"""Side of the head of a prop by the size of the block on it, chosen: a small jack."""
+"""Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""
 
 AGAINST = 0.2
-"""A prop can stand where a face moves towards it with at least this share of its speed, chosen: 12
-degrees from sliding past it."""
+"""A prop is possible where a face moves towards it with at least this share of its speed. Chosen:
+12 degrees between motion and face."""
 
 NEAR = 0.01
-"""A joint is on a face when it is nearer than this share of the size of the block, and as parallel;
-chosen above the tolerance of the contact search."""
+"""A joint lies on a face when its distance and its angle are below this share (of the size of the
+block). Chosen: above the tolerance of the contact search."""
 
 SHARES = (0.0, 0.4, 0.7, -0.4, -0.7)
 """Places on a face, from its middle to its ends."""
 
 SMALL_REGION = 4
-"""Blocks up to which all places are tried; with more blocks the middle of each face."""
+"""Largest number of blocks with which all places are tried; with more blocks only the middle of
+each face."""
 
 QUICK = CheckOptions(samples=0, settle=False)
-"""One stiffness: what stands in it stands, and the full check has the last word."""
+"""One stiffness: if a model stands with it, it stands; the full check follows."""
 
 
 @dataclass(frozen=True, eq=False)
 class PropSeat(OneLine):
-    """Where a prop can stand against a block.
+    """A place for a prop against a block.
 
     Attributes
     ----------
@@ -59,7 +60,7 @@ class PropSeat(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class PropForce(OneLine):
-    """A prop that holds a region, and what it takes.
+    """A prop that holds a region, and its force.
 
     Attributes
     ----------
@@ -92,7 +93,7 @@ def seats(
     model
     block
     motion : (6,)
-        How the block begins to move.
+        First motion of the block.
     shares
         Of the way from the middle of a face to its end.
     """
@@ -164,14 +165,14 @@ def least_prop(
 ) -> tuple[PropSeat, PropForce] | None:
     """The prop at one of the blocks that holds the model with the smallest force.
 
-    ``None`` where no single prop does, or no block has a free face that moves forward.
+    ``None`` if no single prop is sufficient, or no block has a free face that moves forward.
 
     Parameters
     ----------
     model
     blocks
     motion : (n, 6)
-        How the blocks begin to move.
+        First motion of the blocks.
     """
     best: tuple[PropSeat, PropForce] | None = None
     shares = SHARES if len(blocks) <= SMALL_REGION else SHARES[:1]

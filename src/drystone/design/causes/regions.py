@@ -66,10 +66,10 @@ def interfaces_of(model: Model, region: Sequence[int]) -> Bools:
 
 
 def first_motion_of(model: Model, prop: Floats) -> Floats:
-    """The motion (n, 6) with which blocks begin to move when props are taken away.
+    """The first motion (n, 6) of blocks when props are removed.
 
-    The wrench that a prop would supply is the mass of the block times the acceleration that it has
-    without it. The fastest corner moves by the mean size of a block.
+    The wrench of a prop is the mass of the block times its acceleration without the prop. The
+    fastest corner moves by the mean size of a block.
 
     Parameters
     ----------

@@ -29,25 +29,25 @@ from drystone.design.surgery.struts import struts
 from drystone.model import Model
 
 TURNS = (5.0, 15.0, 35.0)
-"""[degrees] Turns that are tried before the least one is searched for."""
+"""[degrees] Rotations that are tried before the least one is searched."""
 
 SHARPNESSES = (5.0, 10.0, 25.0, 45.0)
-"""[degrees] The same for wedges. The slightest wedge can lock rigid blocks, but no real ones: none
-below the first is looked at."""
+"""[degrees] The same for wedges. A very small wedge locks rigid blocks, but not real ones, so none
+below the first value is tried."""
 
 DEPTHS = (0.1, 0.25, 0.5, 1.0)
-"""The same for blocks that are let into each other, by the width of the joint; none below the
-first, for the same reason."""
+"""The same for blocks that are let into each other, relative to the width of the joint; none below
+the first value, for the same reason."""
 
 THICKER = (0.1, 0.3, 1.0)
-"""The same for thickness, by that of the block."""
+"""The same for the increase of thickness, relative to that of the block."""
 
 MANY = 4
-"""Blocks of a region up to which every joint and every block is tried, chosen; of a larger region
-all joints, or all blocks, are changed together."""
+"""Largest number of blocks of a region with which every joint and every block is tried alone.
+Chosen. In a larger region all joints, or all blocks, are changed together."""
 
 STRUTS = 6
-"""Struts of one block that are tried, the shortest first."""
+"""Number of struts of one block that are tried, the shortest first."""
 
 KINDS = (
     "support", "prop", "friction", "turn", "wedge", "let-in", "thicker", "ballast", "glue",
@@ -64,7 +64,7 @@ class Candidate(OneLine):
     kind
         One of :data:`KINDS`.
     words
-        The change in words, from its value.
+        The change as text, from its value.
     value
         The least value that was found.
     make
@@ -74,8 +74,8 @@ class Candidate(OneLine):
     added
         Number of things that are added.
     most, close
-        Largest value that may be tried, and how closely the least one is found; zero where there is
-        nothing to vary.
+        Largest value that may be tried, and the accuracy of the least one; zero if there is nothing
+        to vary.
     """
 
     kind: str
@@ -111,13 +111,13 @@ class Tried(OneLine):
 
 
 class Bench:
-    """A region on its own: what is tried, and what holds.
+    """Search for the mends of one region.
 
     Parameters
     ----------
     model
     motion : (n, 6)
-        How its blocks begin to move.
+        First motion of its blocks.
     region
     margin
     keep
@@ -143,7 +143,7 @@ class Bench:
         self.own = list(range(len(region.blocks)))
 
     def stands(self, make: Change) -> bool:
-        """Whether the local model stands once it is changed; not, where it cannot be."""
+        """Whether the local model stands after a change; False if the change is impossible."""
         here = np.arange(len(self.blocks)), np.arange(len(self.interfaces))
         try:
             changed = make(self.local, *here)
@@ -158,7 +158,7 @@ class Bench:
         width: float,
         low: float = 0.0,
     ) -> float | None:
-        """The least value of a change with which the local model stands, to within a width.
+        """The least value of a change with which the local model stands, to an accuracy.
 
         No value below ``low`` is tried.
         """
@@ -181,7 +181,7 @@ class Bench:
         return not any(int(self.blocks[end]) in self.keep for end in ends)
 
     def joint_name(self, interface: int) -> str:
-        """A joint in words: the lower, upper or inner one, and the other block."""
+        """A joint as text: lower, upper or inner, and the other block."""
         contacts, count = self.local.contacts, len(self.own)
         a, b = int(contacts.block_a[interface]), int(contacts.block_b[interface])
         if a < count and b < count:
@@ -303,7 +303,7 @@ class Bench:
             )
 
     def _joints(self, kind: str) -> Iterator[Candidate]:
-        """Joints turned, made wedges or let in: each one of a small region, else all at once."""
+        """Joints rotated, made wedges or let in: each one in a small region, else all together."""
         count = len(self.interfaces)
         groups = [[k] for k in range(count)] if len(self.own) <= MANY else [list(range(count))]
         for group in groups:
@@ -420,7 +420,7 @@ def _friction_words(where: str, value: float) -> str:
 
 
 def volume_changed(before: Model, after: Model) -> float:
-    """Volume [m3] by which blocks of one name differ, and of blocks that only one model has."""
+    """Volume [m3] of the differences between equally named blocks, and of other blocks."""
     old = dict(zip(before.assembly.names, before.assembly.volume.tolist(), strict=True))
     new = dict(zip(after.assembly.names, after.assembly.volume.tolist(), strict=True))
     names = set(old) | set(new)

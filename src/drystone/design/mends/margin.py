@@ -1,4 +1,4 @@
-"""The margin at which a mended structure has to stand."""
+"""The safety margin with which a mended structure must stand."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 
 @dataclass(frozen=True)
 class DesignMargin(Options):
-    """How far from falling a structure has to stand.
+    """The safety margin of a structure.
 
     Attributes
     ----------
     tilt : [degrees]
-        It stands tilted by so much to each of four sides.
+        It must stand tilted by this angle to each of four sides.
     load
-        It stands under so many times its load.
+        It must stand under this multiple of its load.
     friction
-        It stands with so much of the friction of each joint.
+        It must stand with this share of the friction of each joint.
     robust
-        It stands for all contact stiffnesses that the check tries; else for one.
+        It must stand for all contact stiffnesses of the check; else for one.
     """
 
     tilt: float = 0.0
@@ -50,7 +50,7 @@ class DesignMargin(Options):
                 raise InputError(f"the margin of {name} is {getattr(self, name)}", remedy=remedy)
 
     def cases(self, model: Model) -> list[Model]:
-        """The model in each of the cases in which it has to stand, too."""
+        """The model in each additional case in which it must stand."""
         cases: list[Model] = []
         if self.friction < 1.0:
             cases.append(model.with_friction(self.friction * model.contacts.friction))
@@ -61,13 +61,13 @@ class DesignMargin(Options):
         return cases
 
     def holds(self, model: Model, *, quick: bool = False) -> Result:
-        """The check of the model, or of the first case in which it does not stand as it has to.
+        """The check of the model, or of the first case in which it does not stand.
 
         Parameters
         ----------
         model
         quick
-            Try one stiffness only, for searches: what stands in it stands.
+            Try one stiffness only, for searches: if a model stands with it, it stands.
         """
         options = QUICK if quick else CheckOptions()
         first = check(model, options=options)

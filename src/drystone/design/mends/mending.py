@@ -16,7 +16,7 @@ from drystone.model import Model
 from drystone.results import Result
 
 ROUNDS = 20
-"""Mends after which :func:`mend` gives up, chosen."""
+"""Largest number of mends of :func:`mend`. Chosen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Mending(OneLine):
     Attributes
     ----------
     steps
-        The mends, in the order in which they were made.
+        The mends in order.
     model
         With all of them.
     result
@@ -34,7 +34,7 @@ class Mending(OneLine):
     stands
         Whether it stands at the margin.
     log
-        What was done, a sentence each.
+        The steps, one sentence each.
     """
 
     steps: tuple[Mend, ...]
@@ -67,19 +67,19 @@ def mend(
     stop: Callable[[], bool] | None = None,
     **how: Unpack[How],
 ) -> Mending:
-    """The structure with the cheapest mend of each region, until all of it stands.
+    """The structure with the lowest-cost mend of each region, until it stands.
 
-    The heaviest region comes first. After each mend the whole structure is checked again, so that
-    what the mend itself makes fall is mended too.
+    The heaviest region comes first. After each mend the whole structure is checked again, so blocks
+    that fall because of the mend are mended too.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     options
     progress
     stop
-        Asked between two changes; True ends with what was mended by then.
+        Called between two changes; True ends with the mends made so far.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def mend(
 
 
 def _hopeless(found: Mends) -> str:
-    """Why no mend was found: what was tried, and how far."""
+    """Why no mend was found: the tried kinds, and their largest values."""
     if not found.tried:
         return found.message or "no mend was tried"
     names = ", ".join(found.tried[0][0])

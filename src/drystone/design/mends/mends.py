@@ -21,9 +21,9 @@ from drystone.model import Model
 from drystone.results import Result
 
 JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
-"""Cost of a joint that is touched, of a thing that is added, of all the volume of a region changed,
-and of one more in the coefficient of a joint. Chosen: work on a joint that is there is cheaper than
-another part, and a tenth of the volume is worth a joint."""
+"""Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
+an increase of a friction coefficient by 1. Chosen: to change a joint costs less than an additional
+part, and a tenth of the volume costs as much as a joint."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class MendOptions(Options):
     Attributes
     ----------
     margin
-        How far from falling the mended structure has to stand.
+        The safety margin of the mended structure.
     kinds
-        Which kinds of mends are tried; all when left out. See :data:`KINDS`.
+        Kinds of mends to try; all when left out. See :data:`KINDS`.
     keep
         Names or positions of blocks that may not be changed.
     """
@@ -84,13 +84,14 @@ class Mend(OneLine):
         Names of the blocks of the region.
     description
     value
-        The least value: degrees, coefficient, share or newton, as the description says.
+        The least value, in degrees, as a coefficient, as a share or in newtons; see the
+        description.
     joints
         Number of joints that are touched.
     added
         Number of blocks, props or weights that are added.
     volume : [m3]
-        Sum of what the blocks gain and lose.
+        Sum of the changes of volume of all blocks.
     cost
         ``joints + 2 added + 10 volume / volume of the region + 5 friction that is added``.
     before, model
@@ -98,7 +99,7 @@ class Mend(OneLine):
     result
         The full check of it.
     held
-        Names of blocks of other regions, that were held meanwhile.
+        Names of blocks of other regions that were held during the search.
     """
 
     kind: str
@@ -143,7 +144,7 @@ class Mends(OneLine):
     diagnosis
         Of the structure, or of the first case of the margin in which it falls.
     mends
-        Region after region, the cheapest first.
+        Per region, in order of cost.
     tried
         Kinds that do not hold a region, by the names of its blocks.
     message
@@ -184,22 +185,22 @@ def find_mends(
     stop: Callable[[], bool] | None = None,
     **how: Unpack[How],
 ) -> Mends:
-    """Changes that make a structure stand, found without a person.
+    """Search for changes that make a structure stand.
 
-    For every region each kind of change is tried on its local model, and the least value searched
-    for with which that stands. What holds there is made on the whole structure, which is then
-    checked in full; other regions that fall are held meanwhile.
+    For every region each kind of change is tried on its local model, with a search for the least
+    value with which it stands. The change is then made on the whole structure, which is checked.
+    Other falling regions are held during the search.
 
     Parameters
     ----------
     given
-        A model; or an assembly or a file, of which ``how`` makes one.
+        A model; or an assembly or a file that ``how`` turns into one.
     options
     regions
-        How many regions are mended, the heaviest first; all when left out.
+        Number of regions to mend, the heaviest first; all when left out.
     progress
     stop
-        Asked between two changes; True ends the search with what is found.
+        Called between two changes; True ends the search with the results so far.
 
     Raises
     ------
@@ -248,15 +249,16 @@ def stands_already(margin: DesignMargin) -> str:
 def _verified(
     model: Model, bench: Bench, candidate: Candidate, held: list[int], margin: DesignMargin
 ) -> Mend | None:
-    """The change made on the whole structure, checked in full; ``None`` where that falls.
+    """The change on the whole structure, checked; ``None`` if it falls.
 
-    Where the least value of the local model is not enough for the whole, a larger one is searched.
+    If the least value of the local model is not sufficient for the whole structure, a larger one is
+    searched.
     """
     names = model.assembly.names
 
     why = ""
 
-    def judged(value: float, *, quick: bool = False) -> tuple[Model, Result] | None:
+    def changed_and_checked(value: float, *, quick: bool = False) -> tuple[Model, Result] | None:
         nonlocal why
         try:
             made = candidate.make(value)(model, bench.blocks, bench.interfaces)
@@ -271,18 +273,18 @@ def _verified(
         return (made, result) if margin.meets(result) else None
 
     value = candidate.value
-    answer = judged(value)
+    answer = changed_and_checked(value)
     low = value
     while answer is None and low + candidate.close < candidate.most:
         high = min(2.0 * low + candidate.close, candidate.most)
-        if judged(high, quick=True) is not None:
+        if changed_and_checked(high, quick=True) is not None:
             while high - low > candidate.close:
                 middle = 0.5 * (low + high)
-                if judged(middle, quick=True) is not None:
+                if changed_and_checked(middle, quick=True) is not None:
                     high = middle
                 else:
                     low = middle
-            value, answer = high, judged(high)
+            value, answer = high, changed_and_checked(high)
         low = high
     if answer is None:
         what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"

@@ -1,4 +1,4 @@
-"""Changes of blocks: cut, merged, inserted, one face moved, made thicker."""
+"""Changes of blocks: cut, merge, insert, move a face, thicken."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def cut_block(model: Model, block: int | str, point: Floats, normal: Floats) -> 
 
 
 def merge_blocks(model: Model, one: int | str, other: int | str) -> Model:
-    """The model with two blocks that touch made one, as if glued; it has the first name.
+    """The model with two touching blocks merged into one, as if glued, with the first name.
 
     Raises
     ------
@@ -203,7 +203,7 @@ def faces_toward(block: Block, direction: Floats) -> list[int]:
 
 
 def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
-    """The model with a block more; its contacts are found.
+    """The model with an additional block and its contacts.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A model with other blocks: its contacts, friction and loads follow."""
+"""A model with changed blocks, and its updated contacts, friction and loads."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def changed(
 ) -> Model:
     """The model with other blocks in some places, more blocks at the end, or fewer.
 
-    Interfaces between blocks that stay as they are stay as they are. All others are found anew;
-    they have the friction that the same two blocks had, else the usual one of the model.
+    Interfaces between unchanged blocks are kept. All others are searched again. They have the
+    friction of the same two blocks before, else the median of the model.
 
     Parameters
     ----------
@@ -74,8 +74,8 @@ def changed(
     removed
         Positions of blocks that are left out.
     contacts
-        Interfaces of the changed and added blocks, numbered as in the new model, where they are
-        known. Left out, they are found.
+        Interfaces of the changed and added blocks, numbered as in the new model, if known; searched
+        when left out.
     """
     blocks = dict(blocks or {})
     before = len(model)
@@ -123,7 +123,7 @@ def _found(model: Model, assembly: Assembly, touched: Bools, new: Ints) -> Conta
 
 
 def _friction(model: Model, part: Contacts, new: Ints) -> Floats:
-    """Friction of interfaces: that of the same two blocks before, else the usual one."""
+    """Friction of interfaces: that of the same two blocks before, else the median."""
     usual = usual_friction(model)
     before: dict[tuple[int, int], float] = {}
     for i in range(model.contacts.count):
@@ -146,22 +146,22 @@ def usual_friction(model: Model) -> float:
 
 
 def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
-    """The load of a model on its changed blocks: what is no weight stays where it acts.
+    """The load of a model on its changed blocks; loads other than weight keep their position.
 
-    New volume has the acceleration that most blocks bear.
+    New volume has the acceleration of most blocks.
 
     Parameters
     ----------
     model
     assembly
-        The changed blocks: first those that stayed, in their order, then new ones.
+        The changed blocks: first the kept ones, in their order, then new ones.
     kept : (s,)
-        Where the blocks that stayed were in the model.
+        Positions of the kept blocks in the model.
     """
     if model.load.motion is not None:
         raise InputError(
             f"the load case '{model.load.name}' moves supports",
-            remedy="leave the motion out: 'settle' answers to it",
+            remedy="leave the motion out: only 'settle' uses it",
         )
     acceleration = acceleration_of(model)
     before = model.assembly
@@ -175,10 +175,10 @@ def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
 
 
 def acceleration_of(model: Model) -> Floats:
-    """The acceleration (3,) [m/s2] that most blocks of a model bear.
+    """The acceleration (3,) [m/s2] of most blocks of a model.
 
-    Blocks whose load has a moment about the centroid bear more than their weight, and do not count
-    unless all of them do.
+    Blocks whose load has a moment about the centroid carry more than their weight. They are ignored
+    unless all blocks have one.
     """
     wrench, mass = model.load.wrench, model.assembly.mass
     arm = np.linalg.norm(wrench[:, 3:], axis=1) / model.assembly.size
@@ -189,7 +189,7 @@ def acceleration_of(model: Model) -> Floats:
 
 
 def fresh_name(model: Model, stem: str, others: Sequence[str] = ()) -> str:
-    """A name that no block of the model has, nor any of the others: the stem and a number."""
+    """An unused name: the stem and a number."""
     number = 1
     while f"{stem}-{number}" in model.assembly or f"{stem}-{number}" in others:
         number += 1

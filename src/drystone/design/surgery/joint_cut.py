@@ -1,4 +1,4 @@
-"""A joint cut anew: both blocks change together, and share the new faces exactly."""
+"""New cuts of a joint: both blocks change together and share the new faces exactly."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ KEPT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class JointPlane(OneLine):
-    """One plane joint between two blocks: what is needed to cut it anew.
+    """One plane joint between two blocks, with the data for new cuts.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class JointPlane(OneLine):
         return normal
 
     def reach(self, direction: Floats) -> tuple[float, float]:
-        """How far the outline reaches backward and forward along a direction (3,) [m]."""
+        """Extent of the outline backward and forward along a direction (3,) [m]."""
         along = self.outline @ (self.frame[1:] @ direction)
         return float(along.min()), float(along.max())
 
@@ -84,7 +84,7 @@ class Cell(OneLine):
         return cls(frozen(unit), frozen(np.einsum("pi,pi->p", unit, points)))
 
     def within(self, other: Cell) -> Cell:
-        """What both have in common."""
+        """The intersection of both."""
         return Cell(
             frozen(np.concatenate([self.normal, other.normal])),
             frozen(np.concatenate([self.offset, other.offset])),
@@ -132,8 +132,8 @@ def recut(
 ) -> Model:
     """The model with parts of block b given to block a, and of block a to block b.
 
-    Parts are taken where they touch the joint. A block that reaches past the joint keeps what is
-    beside it: the part is bounded by the sides of the block that ends there, prolonged.
+    Only parts that touch the joint are exchanged. If a block extends beyond the joint, the part is
+    bounded by the extended sides of the other block.
 
     Parameters
     ----------
@@ -147,7 +147,8 @@ def recut(
     Raises
     ------
     InputError
-        The change would swallow a face, cut a block in two, or change a fixed block's joint only.
+        The change would remove a face, cut a block in two, or change only the joint of a fixed
+        block.
     """
     a, b = joint.block_a, joint.block_b
     names = model.assembly.names
@@ -222,8 +223,8 @@ def _area(corner: Floats) -> float:
 def _walls(joint: JointPlane, ending: Piece | None) -> Cell:
     """The space beyond a joint within the sides of the block that ends there.
 
-    Where a side leans so that it would not hold, and where no block ends, the side stands square on
-    the joint.
+    If a side has an unsuitable inclination, or no block ends there, the side is normal to the
+    joint.
 
     Parameters
     ----------
@@ -302,7 +303,7 @@ def _joint_faces_over(piece: Piece, joint: JointPlane) -> bool:
 def _refuse_swallowed(
     body: Piece, parts: Sequence[Piece], cells: Sequence[Cell], joint: JointPlane, where: str
 ) -> None:
-    """Refuse a change that takes a whole face of a block away."""
+    """Refuse a change that removes a whole face of a block."""
     if not parts:
         return
     vertices, faces = body

@@ -1,4 +1,4 @@
-"""Changes of joints: turned, moved, cut into a wedge, a key or a hook."""
+"""Changes of joints: rotation, translation, and cuts as a wedge, a key or a hook."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
 
 STEEPEST = 80.0
-"""[degrees] Largest turn of a joint and sharpness of a wedge, chosen: a slender tip is left."""
+"""[degrees] Largest rotation of a joint and angle of a wedge. Chosen: a slender tip remains."""
 
 
 def turn_joint(
@@ -28,7 +28,7 @@ def turn_joint(
     pivot: float = 0.0,
     first: int | None = None,
 ) -> Model:
-    """The model with a joint turned in its place: what one block loses the other gains.
+    """The model with a rotated joint; the sum of the two volumes does not change.
 
     Parameters
     ----------
@@ -37,16 +37,16 @@ def turn_joint(
     angle : [degrees]
         Counter-clockwise about the axis.
     axis : (3,), optional
-        Taken into the plane of the joint. Left out, the horizontal line in it.
+        Projected into the plane of the joint. When left out, the horizontal line in it.
     pivot
-        Which line of the joint stays: 0 through its middle, -1 and 1 the edges to either side.
+        Line of the joint that does not move: 0 through its middle, -1 and 1 the edges.
     first
         Which of the two blocks is block a; left out, that of the contacts.
 
     Raises
     ------
     InputError
-        The joint cannot be turned so far: a face would be swallowed.
+        The rotation is too large: a face would be removed.
 
     Examples
     --------
@@ -70,8 +70,8 @@ def turn_joint(
 def still_edge(model: Model, interface: int, side: float, first: int | None = None) -> float:
     """The pivot of :func:`turn_joint` with which a joint stays one plane.
 
-    The block that ends at the joint only loses; turned about the other edge it would be let into
-    the other block, with a step beside it.
+    The block that ends at the joint only loses volume. With a rotation about the other edge it
+    would be let into the other block, with a step.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def still_edge(model: Model, interface: int, side: float, first: int | None = No
 def move_joint(model: Model, interface: int, distance: float, first: int | None = None) -> Model:
     """The model with a joint moved along its normal, into block b where ``distance`` [m] > 0.
 
-    Where block b reaches past the joint, block a is let into it.
+    If block b extends beyond the joint, block a is let into it.
     """
     joint = joint_plane(model, interface, first)
     at = joint.centre + number(distance, "the distance") * joint.normal
@@ -104,7 +104,7 @@ def wedge_joint(
     axis: Floats | None = None,
     first: int | None = None,
 ) -> Model:
-    """The model with a plane joint made a wedge of two planes, which meet in a ridge.
+    """The model with a plane joint replaced by two planes that meet in a ridge.
 
     Parameters
     ----------
@@ -113,14 +113,15 @@ def wedge_joint(
     sharpness : [degrees]
         Angle of each plane with the joint. Above zero, block a is the wedge and block b the groove.
     axis : (3,), optional
-        Of the ridge, taken into the plane of the joint. Left out, the horizontal line in it.
+        Direction of the ridge, projected into the plane of the joint. When left out, the horizontal
+        line in it.
     first
         Which of the two blocks is block a; left out, that of the contacts.
 
     Notes
     -----
-    The ridge and the rims of the joint are as far from the old plane, so that about as much goes to
-    one block as to the other.
+    The ridge and the edges of the joint have the same distance from the old plane, so both blocks
+    exchange about equal volumes.
     """
     joint = joint_plane(model, interface, first)
     along = _axis(joint, axis)
@@ -141,7 +142,7 @@ def wedge_joint(
 def key_joint(
     model: Model, interface: int, depth: float, share: float = 0.5, axis: Floats | None = None
 ) -> Model:
-    """The model with a key: a strip of the joint at which block a reaches into block b.
+    """The model with a key: in a strip of the joint block a extends into block b.
 
     Parameters
     ----------
@@ -172,7 +173,7 @@ def hook_joint(
     axis: Floats | None = None,
     side: int = 1,
 ) -> Model:
-    """The model with a hook: over half of the joint block a reaches into block b.
+    """The model with a hook: in half of the joint block a extends into block b.
 
     Parameters
     ----------
@@ -180,7 +181,7 @@ def hook_joint(
     interface
     depth : [m]
     undercut : [degrees]
-        By which the face in the middle leans over block b: the hook then holds a pull.
+        Inclination of the face in the middle over block b: the hook then carries tension.
     axis : (3,), optional
         Along which the hook runs. Left out, the horizontal line in the joint.
     side
@@ -202,7 +203,7 @@ def _strip(
     depth: float,
     what: str,
 ) -> Model:
-    """Block a given what of block b is within planes about the centre, down to a depth."""
+    """The part of block b within planes about the centre, to a depth, given to block a."""
     if not number(depth, "the depth") > 0.0:
         raise InputError(f"the depth is {depth}", remedy="give metres above zero")
     planes = [*sides, (joint.normal, depth)]

@@ -1,4 +1,4 @@
-"""Blocks that fit between a block that falls and what is near it."""
+"""Struts: blocks that fit between a falling block and a near block."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from drystone.geometry.plane.triangulate import triangulate
 from drystone.model import Model
 
 LEANS = (0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0)
-"""[degrees] by which a strut leans from square on the block, chosen."""
+"""[degrees] Tried inclinations of a strut from the normal of the face. Chosen."""
 
 WITHIN = 0.9
-"""A strut leans by less than this share of the friction angle at both ends, chosen: it then does
-not slide whatever it carries."""
+"""Largest inclination of a strut at both ends, as a share of the friction angle. Chosen: it does
+not slide under any force."""
 
 LONGEST = 2.0
-"""Longest strut by the size of the block, chosen."""
+"""Longest strut relative to the size of the block. Chosen."""
 
 PLACES = (0.0, 0.4, -0.4, 0.7, -0.7)
 
@@ -56,8 +56,8 @@ class Strut(OneLine):
 def struts(model: Model, block: int, motion: Floats) -> list[Strut]:
     """Struts that fit against a block, the shortest first.
 
-    A strut goes from a free face that moves forward to the next block, so that it leans by less
-    than the friction angle at both ends, and passes through no block.
+    A strut goes from a free face that moves forward to the next block, with an inclination below
+    the friction angle at both ends, and through no other block.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def _triangles(model: Model) -> tuple[Floats, Ints]:
 def _first_hit(
     triangles: Floats, owner: Ints, block: int, point: Floats, along: Floats, reach: float
 ) -> tuple[int, float, Floats] | None:
-    """The block that a ray meets first, how far away, and the normal of its face there."""
+    """The first block that a ray hits, its distance, and the normal of its face there."""
     others = owner != block
     shape = (int(others.sum()), 3)
     start, end = np.broadcast_to(point, shape), np.broadcast_to(point + reach * along, shape)
@@ -126,7 +126,7 @@ def _fitted(
     seat: Floats,
     landing: Floats,
 ) -> Strut | None:
-    """A bar between two faces, cut to them; ``None`` where another block is in its way.
+    """A bar between two faces, cut to them; ``None`` if another block is between them.
 
     Parameters
     ----------

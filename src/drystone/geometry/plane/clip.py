@@ -176,7 +176,7 @@ def cleaned(corner: Floats, start: Ints, tolerance: Floats) -> Flat:
 
 
 def _alternate(spare: Bools, before: Ints, loops: Ragged) -> Bools:
-    """The first corner of each polygon of which every corner could be removed."""
+    """The first corner of each polygon whose corners could all be removed."""
     first = np.zeros(len(spare), dtype=bool)
     first[loops.first[loops.all(spare) & (loops.counts > 0)]] = True
     return first & spare[before]

@@ -23,6 +23,16 @@ def write(model: Contents, path: Path) -> None:
     Coordinates have single precision. Polygons are cut into triangles. Polygons warped by more than
     this precision become a fan about the mean of their corners, as in the volume calculation.
     """
+    content, binary = glb_content(model)
+    try:
+        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+    except (TypeError, ValueError) as error:
+        raise FormatError("metadata of a block is no JSON value", where=str(path)) from error
+    write_bytes(path, container(text, binary))
+
+
+def glb_content(model: Contents) -> tuple[dict[str, Any], bytes]:
+    """The JSON part of a file as plain values, and its binary part."""
     assembly = model.assembly
     faces = fan_warped(assembly.faces, SINGLE)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
@@ -79,11 +89,7 @@ def write(model: Contents, path: Path) -> None:
         "bufferViews": views,
         "buffers": [{"byteLength": points.nbytes + index.nbytes}],
     }
-    try:
-        text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
-    except (TypeError, ValueError) as error:
-        raise FormatError("metadata of a block is no JSON value", where=str(path)) from error
-    write_bytes(path, container(text, points.tobytes() + index.tobytes()))
+    return content, points.tobytes() + index.tobytes()
 
 
 def _told(model: Contents, i: int) -> dict[str, Any]:

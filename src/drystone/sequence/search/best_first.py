@@ -248,7 +248,7 @@ class Search:
         return out
 
     def falling(self, node: Node, answer: Answer) -> list[int]:
-        """Blocks of which one must be changed, in the order of removal; near the gap if unknown."""
+        """One of these blocks must be changed; in the order of removal; near the gap if unknown."""
         mask = mask_of(answer.falling) & node.placed & ~node.props
         if not mask:
             near = 0

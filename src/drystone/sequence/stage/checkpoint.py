@@ -33,11 +33,11 @@ def fingerprint(model: Structure) -> str:
     return digest.hexdigest()
 
 
-def _named(judge: Any) -> str:
+def _named(check: Any) -> str:
     """A name of a check function that is the same in the next run."""
-    if isinstance(judge, functools.partial):
-        return f"{_named(judge.func)}{judge.args}{sorted(judge.keywords.items())}"
-    return str(getattr(judge, "__qualname__", type(judge).__qualname__))
+    if isinstance(check, functools.partial):
+        return f"{_named(check.func)}{check.args}{sorted(check.keywords.items())}"
+    return str(getattr(check, "__qualname__", type(check).__qualname__))
 
 
 def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -> None:

@@ -36,11 +36,11 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
     known = np.isfinite(rise)
     wanted = _surface_area(shape)
 
-    def lacking(share: float) -> float:
+    def missing_area(share: float) -> float:
         moved = polygon.area_vectors((mesh.point + share * move)[loop], start)
         return wanted - float(np.linalg.norm(moved, axis=1)[known].sum())
 
-    at_zero, at_limit = lacking(0.0), lacking(LARGEST_SHARE)
+    at_zero, at_limit = missing_area(0.0), missing_area(LARGEST_SHARE)
     if at_zero <= 0.0 or at_limit >= at_zero:
         return mesh, 0.0
     share = min(LARGEST_SHARE, LARGEST_SHARE * at_zero / (at_zero - at_limit))

@@ -1,4 +1,4 @@
-"""The penalty form: where does an unstable design want help?"""
+"""The penalty form: where an unstable design needs help."""
 
 from __future__ import annotations
 
@@ -27,8 +27,9 @@ from drystone.stability.screening import TO_REST
 from drystone.statics import Statics
 
 GLUE = (0.1, 0.03, 0.01, 0.003, 0.001)
-"""Tensile stiffness of a corner by its stiffness in compression, weakened step by step as far as
-the iteration follows: the weaker, the more only what contact cannot carry comes to pull."""
+"""Tensile stiffness of a corner divided by its stiffness in compression. It is reduced step by step
+while the iteration converges. With a smaller value there is tension only where contact cannot carry
+the load."""
 
 HELD = 0.01
 """Glue holds a block when the ground carries less than this share of its load."""
@@ -63,12 +64,11 @@ def solve_cra_penalty(
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
-    """Where does it want help: props in place of what is missing, and the glue that would do.
+    """Where help is needed: props, or glue in the joints.
 
-    ``prop`` is what each falling block would need to be held, its joints dry; ``tension`` what the
-    joints would have to pull if they were glued instead: corners get a weak tensile spring,
-    friction still being bounded by what presses (in the spirit of eq. 5.8 of Kao et al. 2022).
-    Always answers.
+    ``prop`` is the wrench that would hold each falling block with dry joints. ``tension`` is the
+    tension of the joints if they were glued: corners get a weak tensile spring, and friction is
+    bounded by compression (similar to eq. 5.8 of Kao et al. 2022). There is always a result.
 
     Parameters
     ----------

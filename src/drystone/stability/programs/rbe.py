@@ -40,7 +40,7 @@ class RBEOptions(Options):
     Attributes
     ----------
     cone
-        Exact unless a pyramid is asked for by name.
+        Friction cone; exact by default.
     objective
     weights
     tension
@@ -60,10 +60,10 @@ class RBEOptions(Options):
 
     @classmethod
     def feasibility(cls, cone: FrictionCone | None = None) -> RBEOptions:
-        """The bare question whether any forces balance the loads; any that do are the answer.
+        """Options for the question whether any forces balance the loads.
 
-        No form with tension follows, and the forces are as balanced as ever but not the least ones:
-        about a third of the steps are saved.
+        There is no form with tension, and the forces are not the least ones: this saves about a
+        third of the steps.
         """
         exact = cone if cone is not None else FrictionCone.exact()
         return cls(cone=exact, tension=False, conic=ConicOptions(gap=ANY_FORCES))
@@ -162,7 +162,7 @@ def solve_rbe(
 ) -> Result:
     """Do any contact forces balance the loads?
 
-    Necessary for standing, not sufficient: it believes in prestress that nothing provides.
+    Necessary for standing, not sufficient: the forces may include prestress that nothing causes.
 
     Parameters
     ----------

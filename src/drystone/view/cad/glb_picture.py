@@ -167,10 +167,15 @@ class _Glb:
 
     def _fall(self, motion: Floats) -> None:
         time, share = fall_moments()
+        path = self.stage.path
+        if path is None:
+            path = share[:, None, None] * motion
+        else:
+            time = np.linspace(0.0, float(time[-1]), len(path))
         moments = self.numbers(time, bounds=True)
         channels = []
         for i in np.flatnonzero(motion.any(axis=1) & (self.node_of >= 0)).tolist():
-            way = share[:, None] * motion[i]
+            way = path[:, i]
             place = (self.scene.assembly.centroid[i] + way[:, :3]) @ Z_UP
             channels.append((i, "translation", moments, place, "LINEAR"))
             channels.append((i, "rotation", moments, quaternions(way[:, 3:] @ Z_UP), "LINEAR"))

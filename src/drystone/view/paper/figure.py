@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import textwrap
-import warnings
 from collections.abc import Collection
 from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.base.arrays import Floats, frozen_floats
-from drystone.base.errors import FormatError, InputError
-from drystone.base.files import write_whole
+from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.results import Verdict
 from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_shadow
+from drystone.view.paper.plot_file import save_plot
 from drystone.view.scenes.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
 from drystone.view.scenes.presets import PRESETS, first_preset, is_shown
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
@@ -26,7 +24,6 @@ from drystone.view.scenes.subjects import Subject, scene_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SUFFIXES = ("png", "svg", "pdf")
 VERDICT_COLOUR = {
     "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00"},
     "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c"},
@@ -37,7 +34,7 @@ AXES = (0.02, 0.11, 0.96, 0.75)
 
 def save_figure(
     subject: Subject,
-    path: str | PathLike[str],
+    path: str | PathLike[str] | None = None,
     contacts: Contacts | None = None,
     *,
     toward: Any = None,
@@ -50,7 +47,7 @@ def save_figure(
     stage: int | None = None,
     dark: bool = False,
     source: str = "",
-) -> None:
+) -> Figure:
     """Draw the model, with what is known of it, in parallel projection.
 
     Parameters
@@ -59,7 +56,8 @@ def save_figure(
         A result, a model, an assembly, a limit, a plan, a settlement, or a scene put together by
         hand.
     path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
+        out, nothing is written.
     contacts
         Of an assembly; a result has its own. They also tell which block hides which.
     toward : (3,)
@@ -86,6 +84,11 @@ def save_figure(
     source
         The file that the model came from, for the head of the figure.
 
+    Returns
+    -------
+    matplotlib.figure.Figure
+        It belongs to no window; ``figure.axes[0]`` takes what is to be added.
+
     Raises
     ------
     InputError
@@ -97,40 +100,29 @@ def save_figure(
     >>> import pathlib, tempfile
     >>> from drystone.models import tower
     >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> save_figure(tower(3), folder / "tower.png", size=(3, 2), dpi=50)
+    >>> figure = save_figure(tower(3), folder / "tower.png", size=(3, 2), dpi=50)
     >>> (folder / "tower.png").exists()
     True
     """
-    kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in SUFFIXES:
-        raise FormatError(
-            f"a figure cannot be written as '.{kind}'",
-            where=str(path),
-            remedy="end the name in .png, .svg or .pdf",
-        )
     width, height = frozen_floats(size, (2,), "size")
     if not (width > 0.0 and height > 0.0 and dpi > 0.0):
         raise InputError("size and dpi must be above zero")
     scene = scene_of(subject, contacts, source)
-    drawing = draw(
-        scene,
-        (float(width), float(height)),
-        toward=None if toward is None else unit(toward, "view direction"),
-        preset=preset,
-        layers=layers,
-        opacity=opacity,
-        arrow_scale=float(arrow_scale),
-        stage=stage,
-        theme="dark" if dark else "light",
-    )
 
-    def fill(file: BinaryIO) -> None:
-        with warnings.catch_warnings():
-            # A name in a script that the font lacks is drawn with boxes; the figure is still good.
-            warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-            drawing.savefig(file, format=kind, dpi=dpi)
+    def drawing() -> Figure:
+        return draw(
+            scene,
+            (float(width), float(height)),
+            toward=None if toward is None else unit(toward, "view direction"),
+            preset=preset,
+            layers=layers,
+            opacity=opacity,
+            arrow_scale=float(arrow_scale),
+            stage=stage,
+            theme="dark" if dark else "light",
+        )
 
-    write_whole(path, fill)
+    return save_plot(path, drawing, dpi, "figure")
 
 
 def draw(

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.base.errors import FormatError
-from drystone.base.files import write_whole
+from drystone.view.paper.plot_file import save_plot
 from drystone.view.scenes.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
@@ -18,39 +16,33 @@ if TYPE_CHECKING:
 
     from drystone.sequence import GravityRegion
 
-SUFFIXES = ("png", "svg", "pdf")
 INCH = 4.2
 """Width of a disc, chosen; dots are sized so that those of all directions just touch."""
 
 
-def save_gravity(region: GravityRegion, path: str | PathLike[str], *, title: str = "") -> None:
+def save_gravity(
+    region: GravityRegion, path: str | PathLike[str] | None = None, *, title: str = ""
+) -> Figure:
     """Draw in which directions of gravity an assembly holds, without and with friction.
 
     Parameters
     ----------
     region
     path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
+        out, nothing is written.
     title
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
     FormatError
         Another suffix, or the file cannot be written.
     """
-    kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in SUFFIXES:
-        raise FormatError(
-            f"a plot cannot be written as '.{kind}'",
-            where=str(path),
-            remedy="end the name in .png, .svg or .pdf",
-        )
-    drawing = draw(region, title)
-
-    def fill(file: BinaryIO) -> None:
-        drawing.savefig(file, format=kind, dpi=150.0)
-
-    write_whole(path, fill)
+    return save_plot(path, lambda: draw(region, title))
 
 
 def draw(region: GravityRegion, title: str) -> Figure:

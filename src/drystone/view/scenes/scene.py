@@ -168,6 +168,11 @@ class Stage(OneLine):
         None where nothing was computed.
     state : (n,) values of :class:`State`
     motion : (n, 6) [m, rad], translation of the centroid and rotation vector about it
+    path : (s, n, 6) [m, rad]
+        Positions along the motion, which are played one after the other; the last one is
+        ``motion``. Left out, the motion is played in proportion.
+    seconds
+        In which the motion is played, at least one.
     motion_name
         What the motion is, for its slider.
     plays
@@ -191,6 +196,8 @@ class Stage(OneLine):
     state: Ints
     verdict: Verdict | None = None
     motion: Floats | None = None
+    path: Floats | None = None
+    seconds: float = 2.4
     motion_name: str = "First motion"
     plays: bool = False
     arrives: bool = False
@@ -260,6 +267,8 @@ class Scene(OneLine):
                 value = getattr(stage, name)
                 if value is not None and len(value) != length:
                     raise InputError(f"stage '{stage.label}': {name} has not {length} rows")
+            if stage.path is not None and (stage.motion is None or stage.path.shape[1:] != (n, 6)):
+                raise InputError(f"stage '{stage.label}': its path has no motion, or another shape")
 
     def _summary(self) -> str:
         return f"'{self.title}', {counted(len(self.stages), 'stage')}, {self.assembly!r}"

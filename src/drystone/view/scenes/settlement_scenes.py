@@ -1,4 +1,4 @@
-"""A settlement: a scene that plays it, and one of the blocks where it takes them."""
+"""Settlements: what moving supports cause, and blocks that are followed to rest or into a fall."""
 
 from __future__ import annotations
 
@@ -12,11 +12,15 @@ from drystone.base.arrays import Floats
 from drystone.checks import block_speed
 from drystone.contacts import Contacts
 from drystone.geometry.frames import rotation_about
-from drystone.settlement import SupportResponse
-from drystone.view.scenes.header import facts_of
+from drystone.results import Verdict
+from drystone.settlement import Outcome, Settlement, SettlementPath, SupportResponse
+from drystone.view.scenes.header import directions, facts_of
 from drystone.view.scenes.palette import State
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
-from drystone.view.scenes.staging import PLAYED, stage_of
+from drystone.view.scenes.staging import PLAYED, interface_layers, stage_of
+
+MOST_STATES, MOST_POSITIONS = 60, 100_000
+"""Of a path that is played, chosen: smooth to the eye, and 3 MB of a page."""
 
 
 def settlement_scene(settlement: SupportResponse, source: str = "") -> Scene:
@@ -74,6 +78,60 @@ def moved_scene(settlement: SupportResponse, source: str = "") -> Scene:
     return Scene(moved, Contacts.empty(), (stage,), f"drystone: {headline.lower()}", facts)
 
 
+def followed_scene(settlement: Settlement, source: str = "") -> Scene:
+    """A scene that plays where the blocks go; a stage for each way to carry the ends of joints.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import arch
+    >>> settled = drystone.settle(drystone.Model.of(arch(0.2, 6), friction=0.7))
+    >>> {stage.headline for stage in followed_scene(settled).stages}
+    {'Comes to rest'}
+    """
+    model = settlement.model
+    several = len(settlement.paths) > 1
+    stages = tuple(_followed(settlement.message, one, several) for one in settlement.paths)
+    facts = facts_of(model.assembly, model.contacts, model.load, source)
+    title = f"drystone: {settlement.outcome.value}"
+    return Scene(model.assembly, model.contacts, stages, title, facts)
+
+
+def _followed(message: str, path: SettlementPath, several: bool) -> Stage:
+    model, last = path.model, path.displacement
+    assembly = model.assembly
+    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    falls = path.outcome in (Outcome.FALLS, Outcome.DISPLACED)
+    if falls:
+        state[list(path.moving)] = State.FALLING
+    way = float(block_speed(assembly, last).max(initial=0.0))
+    seen = PLAYED * float(np.median(assembly.size))
+    factor = max(seen / way, 1.0) if way > 0.0 else 1.0
+    many = len(path.positions)
+    kept = max(2, min(many, MOST_STATES, MOST_POSITIONS // max(len(assembly), 1)))
+    states = path.positions[np.unique(np.linspace(0, many - 1, kept).round().astype(int))]
+    told = f"the longest way of a corner is {way:.3g} m"
+    if factor > 1.0:
+        told += f", drawn {factor:.3g} times as long"
+    up, gravity = directions(assembly, model.load)
+    verdict = {Outcome.RESTS: Verdict.STABLE, Outcome.FALLS: Verdict.UNSTABLE}
+    name = path.outcome.value
+    return Stage(
+        f"ends of joints on the {path.carrier.value} block" if several else "settlement",
+        name[0].upper() + name[1:],
+        f"{message}; {told}",
+        state,
+        verdict.get(path.outcome, Verdict.UNDECIDED),
+        motion=factor * last if way > 0.0 else None,
+        path=factor * states if way > 0.0 and len(states) > 1 else None,
+        motion_name="Settlement" if factor == 1.0 else "Settlement, enlarged",
+        plays=falls,
+        up=up,
+        gravity=gravity,
+        layers=interface_layers(model.contacts),
+    )
+
+
 def _facts(settlement: SupportResponse, source: str) -> Mapping[str, str]:
     model = settlement.result.model
     facts = facts_of(model.assembly, model.contacts, model.load, source)
@@ -109,4 +167,4 @@ def _openings(settlement: SupportResponse) -> tuple[Layer, ...]:
     )  # fmt: skip
 
 
-__all__ = ["moved_scene", "settlement_scene"]
+__all__ = ["followed_scene", "moved_scene", "settlement_scene"]

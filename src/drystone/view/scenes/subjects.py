@@ -8,18 +8,33 @@ from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
+from drystone.fall import Film
 from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
 from drystone.results import Result
 from drystone.sequence import Plan
-from drystone.settlement import SupportResponse
+from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
+from drystone.view.scenes.film_scenes import film_scene
+from drystone.view.scenes.large_scenes import large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scene import Scene
-from drystone.view.scenes.settlement_scenes import settlement_scene
+from drystone.view.scenes.settlement_scenes import followed_scene, settlement_scene
 from drystone.view.scenes.staging import bare_scene, result_scene
 
-Subject: TypeAlias = Result | Model | Assembly | Limit | TiltSweep | Plan | SupportResponse | Scene
+Subject: TypeAlias = (
+    Result
+    | Model
+    | Assembly
+    | Limit
+    | TiltSweep
+    | Plan
+    | SupportResponse
+    | Settlement
+    | LargeDisplacement
+    | Film
+    | Scene
+)
 
 
 def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "") -> Scene:
@@ -61,6 +76,12 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
             return plan_scene(subject, source)
         case SupportResponse():
             return settlement_scene(subject, source)
+        case LargeDisplacement():
+            return large_scene(subject, source)
+        case Film():
+            return film_scene(subject, source)
+        case Settlement():
+            return followed_scene(subject, source)
         case _:
             raise InputError(
                 f"there is no picture of {shortened(repr(subject), 60)}",

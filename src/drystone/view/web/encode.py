@@ -13,10 +13,10 @@ The format (``format`` "drystone-page", ``version`` 2):
 ``facts``, ``made``
     What was asked, as pairs of a name and a text; the date and the version of drystone.
 ``blocks``
-    names, ``number`` (0 for none), mass, volume, centroid, and the flat surface: ``point`` with
-    ``points`` per block; ``faces`` per block, ``corners`` per face, ``loop`` (counted within its
-    block), ``triangle`` (counted within its face), ``edge`` (counted within its block) with
-    ``edges`` per block.
+    names, ``number`` (0 for none), mass, volume, centroid, ``away`` [m] where the block goes when
+    the model is taken apart, and the flat surface: ``point`` with ``points`` per block; ``faces``
+    per block, ``corners`` per face, ``loop`` (counted within its block), ``triangle`` (counted
+    within its face), ``edge`` (counted within its block) with ``edges`` per block.
 ``contacts``
     Blocks a and b, area, friction, ``centroid`` and ``frame`` (nine numbers) of each interface, its
     ``corners`` and their ``point``; ``kern`` with ``kerns`` corners per interface.
@@ -35,6 +35,7 @@ from __future__ import annotations
 
 import base64
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.scenes.drawn_mesh import face_normals, sharp_edges
+from drystone.view.scenes.exploded import exploded
 from drystone.view.scenes.palette import (
     FORCE_RAMP,
     ROLE_COLOUR,
@@ -90,8 +92,37 @@ class Blobs:
         return {"blob": self._known[raw], "type": kind, "shape": list(array.shape)}
 
 
+MANY_BLOCKS = 20_000
+"""Of more blocks a page leaves out what is looked at joint by joint, chosen: with all of it a page
+of 100,000 blocks is 170 MB."""
+
+LEFT_OUT = frozenset({"joint-pressure", "joint-use", "pressure", "resultants"})
+"""Layers that such a page does not have."""
+
+
+def lightened(scene: Scene) -> Scene:
+    """The scene of a page; of very many blocks without details, which its details tell."""
+    count = len(scene.assembly)
+    if count <= MANY_BLOCKS:
+        return scene
+    stages = tuple(
+        replace(
+            one,
+            force=None,
+            layers=tuple(layer for layer in one.layers if layer.key not in LEFT_OUT),
+        )
+        for one in scene.stages
+    )
+    told = (
+        f"with more than {MANY_BLOCKS:,} blocks: corner forces, resultants, pressure, friction at"
+        " corners, kerns"
+    )
+    return replace(scene, stages=stages, facts={**scene.facts, "Left out": told})
+
+
 def encode(scene: Scene) -> dict[str, Any]:
     """The data of a page that shows ``scene``."""
+    scene = lightened(scene)
     blobs = Blobs()
     origin = scene.centre
     contacts = scene.contacts
@@ -132,6 +163,15 @@ def encode(scene: Scene) -> dict[str, Any]:
         "stages": [_stage(stage, scene, blobs) for stage in scene.stages],
     }
     return data | {"blobs": blobs.texts}
+
+
+def encode_stage(scene: Scene) -> dict[str, Any]:
+    """The data of the first stage of a scene alone, for a page that shows its model already.
+
+    It has ``stage`` and ``blobs`` as in the data of a page.
+    """
+    blobs = Blobs()
+    return {"stage": _stage(scene.stages[0], scene, blobs), "blobs": blobs.texts}
 
 
 def to_text(data: dict[str, Any]) -> str:
@@ -179,6 +219,7 @@ def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
         "mass": blobs.floats(assembly.mass),
         "volume": blobs.floats(assembly.volume),
         "centroid": blobs.floats(assembly.centroid - origin),
+        "away": blobs.floats(_away(scene)),
         "point": blobs.floats(faces.point - origin),
         "points": blobs.counts(points),
         "faces": blobs.counts(np.bincount(faces.owner, minlength=n)),
@@ -188,6 +229,13 @@ def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
         "edge": blobs.counts(edge - first_point[edge_owner][:, None]),
         "edges": blobs.counts(np.bincount(edge_owner, minlength=n)),
     }
+
+
+def _away(scene: Scene) -> Floats:
+    """Translations (n, 3) [m] when the model is taken apart; see :func:`exploded`."""
+    foot = scene.centre.copy()
+    foot[2] = scene.bounds[0, 2]
+    return exploded(scene.assembly, scene.contacts, foot)
 
 
 def _local_triangles(faces: Faces) -> Ints:
@@ -206,13 +254,14 @@ def _stage(stage: Stage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
         "facts": list(stage.facts.items()),
         "motionName": stage.motion_name,
         "plays": stage.plays,
+        "seconds": max(stage.seconds, 1.0),
         "arrives": stage.arrives,
         "up": stage.up.tolist(),
         "gravity": stage.gravity.tolist(),
         "state": blobs.counts(stage.state),
         "layers": [_layer(layer, scene, blobs) for layer in stage.layers],
     }
-    for name in ("motion", "prop", "force", "normal", "tangential", "utilisation"):
+    for name in ("motion", "path", "prop", "force", "normal", "tangential", "utilisation"):
         value = getattr(stage, name)
         data[name] = blobs.floats(value) if value is not None else None
     centre = stage.pressure_centre

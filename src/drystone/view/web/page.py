@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from dataclasses import dataclass
 from importlib import resources
 from os import PathLike
 
@@ -13,8 +14,10 @@ from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.web.encode import encode, to_text
 
 SCRIPTS = (
-    "linear.js", "data.js", "shaders.js", "shadow.js", "renderer.js", "camera.js", "pointers.js",
-    "legend.js", "panel.js", "overlay.js", "export.js", "main.js",
+    "linear.js", "data.js", "shaders.js", "shadow.js", "graphics.js",
+    "renderer.js", "picking.js", "camera.js", "pointers.js",
+    "legend.js", "panel.js", "overlay.js", "export.js", "state.js", "drawing.js", "playing.js",
+    "choosing.js", "pointing.js", "views.js", "framed.js", "taking-out.js", "main.js",
 )  # fmt: skip
 """In the order in which they are put into the page; one scope, so that later ones use earlier."""
 
@@ -57,20 +60,59 @@ def save_page(
     write_bytes(path, page_text(scene_of(subject, contacts, source)).encode("utf-8"))
 
 
+@dataclass(frozen=True)
+class Addition:
+    """What a page has beside what every page has.
+
+    Attributes
+    ----------
+    controls
+        HTML above the other controls.
+    style, script
+        After those of every page, in the same scope.
+    connects
+        Whether the page may ask the server that it came from, and nobody else.
+    """
+
+    controls: str = ""
+    style: str = ""
+    script: str = ""
+    connects: bool = False
+
+
 def page_text(scene: Scene) -> str:
     """The page as text: HTML with its style, its script and its data inside."""
+    return page_of_data(to_text(encode(scene)), scene.title, "\n".join(scene.panels))
+
+
+def page_of_data(data: str, title: str, aside: str = "", added: Addition | None = None) -> str:
+    """The page of encoded data.
+
+    Parameters
+    ----------
+    data
+        Of :func:`drystone.view.web.encode.to_text`.
+    title
+    aside
+        HTML for the panel beside the model.
+    added
+        What only this kind of page has.
+    """
     static = resources.files("drystone.view.web").joinpath("static")
+    more = Addition() if added is None else added
 
     def read(name: str) -> str:
         return static.joinpath(name).read_text(encoding="utf-8")
 
     page = read("page.html")
     for mark, text in (
-        ("/*STYLE*/", read("page.css")),
-        ("/*SCRIPT*/", "\n".join(read(name) for name in SCRIPTS)),
-        ("TITLE", html.escape(scene.title)),
-        ("ASIDE", "\n".join(scene.panels)),
-        ("DATA", to_text(encode(scene))),  # last: what it holds is never searched for marks
+        ("CONNECT", "; connect-src 'self'" if more.connects else ""),
+        ("/*STYLE*/", read("page.css") + more.style),
+        ("/*SCRIPT*/", "\n".join([*(read(name) for name in SCRIPTS), more.script])),
+        ("TITLE", html.escape(title)),
+        ("CONTROLS", more.controls),
+        ("ASIDE", aside),
+        ("DATA", data),  # last: what it holds is never searched for marks
     ):
         before, after = page.split("{{" + mark + "}}")
         page = before + text + after

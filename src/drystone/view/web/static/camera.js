@@ -3,13 +3,13 @@
 
 const FIELD_OF_VIEW = (28 * Math.PI) / 180;
 const SLOPE = Math.tan(FIELD_OF_VIEW / 2);
-const MOST_POINTS = 20000; // looked at to fit the model into the view
+const MOST_POINTS = 100000; // looked at to fit the model into the view
 const FLIGHT = 350; // [ms] from one view to another
 const VERTICAL = Math.PI / 2 - 1e-4;
 
 class Camera {
-  constructor(points, half, toward, changed) {
-    this.points = thinned(points);
+  constructor(placesAt, half, toward, changed) {
+    this.placesAt = placesAt; // what is to be seen, by how far the model is taken apart
     this.half = half; // of the sides of the box around the model
     this.radius = Math.max(vec.length(half), 1e-9);
     this.changed = changed;
@@ -26,13 +26,13 @@ class Camera {
   // The view that the model fills. Insets are shares of the picture: left, right, top, bottom.
   fitted(azimuth, elevation, aspect, insets) {
     const { right, up, back } = this.axes(azimuth, elevation);
-    const grow = 1 + this.spread;
+    const points = this.placesAt(this.spread);
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
     const bounds = (sx, sy) => {
       const most = { right: -Infinity, left: -Infinity, top: -Infinity, bottom: -Infinity };
-      for (let i = 0; i < this.points.length; i += 3) {
-        const p = [this.points[i] * grow, this.points[i + 1] * grow, this.points[i + 2] * grow];
+      for (let i = 0; i < points.length; i += 3) {
+        const p = [points[i], points[i + 1], points[i + 2]];
         const [x, y, z] = [vec.dot(p, right), vec.dot(p, up), vec.dot(p, back)];
         most.right = Math.max(most.right, x + sx[1] * z);
         most.left = Math.max(most.left, -x - sx[0] * z);
@@ -151,13 +151,4 @@ class Camera {
 
 function nearestTurn(angle) {
   return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-}
-
-// Every so-many-th point where there are many.
-function thinned(points) {
-  const step = Math.max(1, Math.ceil(points.length / 3 / MOST_POINTS));
-  if (step === 1) return points;
-  const kept = [];
-  for (let i = 0; i + 2 < points.length; i += 3 * step) kept.push(points[i], points[i + 1], points[i + 2]);
-  return new Float32Array(kept);
 }

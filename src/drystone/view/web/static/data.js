@@ -2,21 +2,31 @@
 
 const ARRAY_TYPES = { f4: Float32Array, u1: Uint8Array, u2: Uint16Array, u4: Uint32Array };
 
-function readData() {
-  const data = JSON.parse(document.getElementById("drystone-data").textContent);
+function readData(text = document.getElementById("drystone-data").textContent) {
+  const data = JSON.parse(text);
   if (data.format !== "drystone-page" || data.version !== 2) {
     throw new Error("this page does not understand its own data");
   }
-  const bytes = data.blobs.map(decodeBase64);
-  const array = (spec) => spec && new ARRAY_TYPES[spec.type](bytes[spec.blob].buffer);
-  for (const part of [data.blocks, data.contacts, ...data.stages]) decodeArrays(part, array);
-  for (const stage of data.stages) stage.layers.forEach((layer) => decodeArrays(layer, array));
+  const array = arraysOf(data.blobs);
+  for (const part of [data.blocks, data.contacts]) decodeArrays(part, array);
+  for (const stage of data.stages) decodeStage(stage, array);
   data.blobs = null;
   data.count = data.blocks.names.length;
   data.interfacesOf = interfacesOf(data);
   data.contacts.first = starts(data.contacts.corners);
   data.contacts.firstKern = data.contacts.kerns ? starts(data.contacts.kerns) : null;
   return data;
+}
+
+// Gives the array of a description, from base64 texts.
+function arraysOf(blobs) {
+  const bytes = blobs.map(decodeBase64);
+  return (spec) => spec && new ARRAY_TYPES[spec.type](bytes[spec.blob].buffer);
+}
+
+function decodeStage(stage, array) {
+  decodeArrays(stage, array);
+  stage.layers.forEach((layer) => decodeArrays(layer, array));
 }
 
 function decodeBase64(text) {
@@ -165,6 +175,12 @@ function polygonIndex(layer) {
     for (; used < end; used++) index[used] = first[face] + layer.triangle[used];
   }
   return index;
+}
+
+// How far a block, or a joint between two, is moved where the model is taken apart.
+function awayOf(data, view, a, b = a) {
+  const { away } = data.blocks;
+  return [0, 1, 2].map((k) => 0.5 * view.spread * (away[3 * a + k] + away[3 * b + k]));
 }
 
 function colourOf(hex) {

@@ -71,8 +71,7 @@ function pictureSvg(data, stage, view, size, theme, options) {
   const parts = [];
   const { blocks, contacts } = data;
   const place = (p) => projected(view.projection, p, width, height);
-  const apartOf = (block) => vec.scale(
-    vec.sub(blocks.centroid.subarray(3 * block, 3 * block + 3), view.anchor), view.spread);
+  const apartOf = (block) => awayOf(data, view, block);
   const text = (points) => points.map((p) => `${p.x.toFixed(1)},${p.y.toFixed(1)}`).join(" ");
   const things = [];
   if (view.showBlocks) {

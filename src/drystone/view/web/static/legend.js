@@ -97,7 +97,7 @@ function showHeader(data, stage) {
   const of = (name) => facts.find(([known]) => known === name)?.[1];
   const short = [
     of("File"), of("Blocks") && `${of("Blocks")} blocks`, of("Friction") && `friction ${of("Friction")}`,
-    of("Load"),
+    of("Load"), of("Left out") && "shown without details, see below",
   ];
   document.getElementById("asked").textContent = short.filter(Boolean).join(" \u00b7 ");
   document.getElementById("message").textContent = stage.message;

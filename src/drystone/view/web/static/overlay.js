@@ -25,7 +25,7 @@ function blockLabels(data, stage, view, size, { names, numbers, hidden }) {
     const text = told.filter(Boolean).join(" ");
     if (!text) continue;
     const c = centroid.subarray(3 * i, 3 * i + 3);
-    const away = view.spread ? vec.scale(vec.sub(c, view.anchor), view.spread) : [0, 0, 0];
+    const away = awayOf(data, view, i);
     const place = projected(view.projection, vec.add(c, away), size.width, size.height);
     if (!place || place.x < 0 || place.y < 0 || place.x > size.width || place.y > size.height) continue;
     out.push({ ...place, text: text.length > 40 ? `${text.slice(0, 39)}\u2026` : text });
@@ -133,9 +133,7 @@ function drawMeasure(pen, points, view, size, colours) {
 function drawJoint(pen, data, stage, joint, view, size, colours) {
   const { contacts } = data;
   const { a, b } = contacts;
-  const { centroid } = data.blocks;
-  const middle = [0, 1, 2].map((i) => 0.5 * (centroid[3 * a[joint] + i] + centroid[3 * b[joint] + i]));
-  const away = vec.scale(vec.sub(middle, view.anchor), view.spread);
+  const away = awayOf(data, view, a[joint], b[joint]);
   const on = (p) => projected(view.projection, vec.add(p, away), size.width, size.height);
   const outline = (points, first, last) => {
     pen.beginPath();

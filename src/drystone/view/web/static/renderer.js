@@ -8,12 +8,10 @@ const HIDDEN = 0.45; // opacity of what lies behind opaque blocks
 const BEHIND = 0.16; // opacity of edges behind glassy blocks
 const DASH = 6; // [CSS pixels]
 
-class Renderer {
+class Renderer extends Graphics {
   constructor(canvas, data) {
     const options = { antialias: true, alpha: false, powerPreference: "high-performance" };
-    this.gl = canvas.getContext("webgl2", options);
-    if (!this.gl) throw new Error("no WebGL2");
-    this.canvas = canvas;
+    super(canvas, options);
     this.data = data;
     this.build();
   }
@@ -47,67 +45,6 @@ class Renderer {
     if (this.stage) this.setStage(this.stage, this.hidden);
   }
 
-  program(vertex, fragment) {
-    const gl = this.gl;
-    const program = gl.createProgram();
-    for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(kind);
-      gl.shaderSource(shader, source);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
-        throw new Error(gl.getShaderInfoLog(shader));
-      }
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-      throw new Error(gl.getProgramInfoLog(program));
-    }
-    const at = {};
-    const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) ?? 0;
-    for (let i = 0; i < count; i++) {
-      const { name } = gl.getActiveUniform(program, i);
-      at[name.replace("[0]", "")] = gl.getUniformLocation(program, name);
-    }
-    return { program, at };
-  }
-
-  vertexArray(attributes) {
-    const gl = this.gl;
-    const array = gl.createVertexArray();
-    gl.bindVertexArray(array);
-    attributes.forEach(([values, size, type], location) => {
-      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-      gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
-      gl.enableVertexAttribArray(location);
-      if (type === gl.UNSIGNED_INT) gl.vertexAttribIPointer(location, size, type, 0, 0);
-      else gl.vertexAttribPointer(location, size, type, type === gl.BYTE, 0, 0);
-    });
-    gl.bindVertexArray(null);
-    return array;
-  }
-
-  indexBuffer(values) {
-    const gl = this.gl;
-    const buffer = gl.createBuffer();
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, values, gl.DYNAMIC_DRAW);
-    return buffer;
-  }
-
-  texture(filter = this.gl.NEAREST) {
-    const gl = this.gl;
-    const texture = gl.createTexture();
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
-      gl.texParameteri(gl.TEXTURE_2D, name, filter);
-    }
-    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) {
-      gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
-    }
-    return texture;
-  }
-
   shadowTexture() {
     const gl = this.gl;
     const { side, pixels } = shadowOf(this.data);
@@ -116,22 +53,6 @@ class Renderer {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, SHADOW_SIZE, SHADOW_SIZE, 0, gl.RED, gl.UNSIGNED_BYTE,
       pixels);
     return { side, texture };
-  }
-
-  // Fills a texture of four numbers a texel; values are padded to whole rows.
-  fillTexture(texture, values) {
-    const gl = this.gl;
-    const rows = Math.max(1, Math.ceil(values.length / (4 * TEXTURE_WIDTH)));
-    const padded = new Float32Array(4 * TEXTURE_WIDTH * rows);
-    padded.set(values);
-    gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, TEXTURE_WIDTH, rows, 0, gl.RGBA, gl.FLOAT, padded);
-  }
-
-  segments(values, each) {
-    const texture = this.texture();
-    this.fillTexture(texture, values);
-    return { texture, count: values.length / each };
   }
 
   // Hidden blocks are drawn as those that are not placed: not at all.
@@ -147,16 +68,25 @@ class Renderer {
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, TEXTURE_WIDTH, stateRows, 0, gl.RED_INTEGER,
       gl.UNSIGNED_BYTE, state);
-    const motion = new Float32Array(12 * count);
+    this.motion = new Float32Array(16 * count);
     for (let i = 0; i < count; i++) {
-      motion.set(blocks.centroid.subarray(3 * i, 3 * i + 3), 12 * i);
-      if (stage.motion) {
-        motion.set(stage.motion.subarray(6 * i, 6 * i + 3), 12 * i + 4);
-        motion.set(stage.motion.subarray(6 * i + 3, 6 * i + 6), 12 * i + 8);
+      this.motion.set(blocks.centroid.subarray(3 * i, 3 * i + 3), 16 * i);
+      this.motion.set(blocks.away.subarray(3 * i, 3 * i + 3), 16 * i + 12);
+    }
+    this.setMotion(stage.motion);
+    this.sortedFor = "";
+  }
+
+  // How far blocks move: six numbers a block, or nothing.
+  setMotion(motion) {
+    if (!this.motion) return; // before the first stage
+    for (let i = 0; i < this.data.count; i++) {
+      for (let k = 0; k < 3; k++) {
+        this.motion[16 * i + 4 + k] = motion ? motion[6 * i + k] : 0;
+        this.motion[16 * i + 8 + k] = motion ? motion[6 * i + 3 + k] : 0;
       }
     }
-    this.fillTexture(this.motionTexture, motion);
-    this.sortedFor = "";
+    this.fillTexture(this.motionTexture, this.motion);
   }
 
   layerBuffer(layer) {
@@ -186,7 +116,6 @@ class Renderer {
     gl.uniformMatrix4fv(at.uProjection, false, view.projection);
     gl.uniform1f(at.uTime ?? null, view.time);
     gl.uniform1f(at.uSpread ?? null, view.spread);
-    gl.uniform3fv(at.uAnchor ?? null, view.anchor);
     gl.uniform4fv(at.uSection ?? null, view.section);
     gl.uniform1f(at.uRatio ?? null, view.ratio);
     gl.activeTexture(gl.TEXTURE0);
@@ -204,7 +133,7 @@ class Renderer {
     return at;
   }
 
-  // view: see currentView() in main.js.
+  // view: see currentView() in drawing.js.
   draw(view) {
     const gl = this.gl;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
@@ -273,7 +202,7 @@ class Renderer {
     const { program, at } = this.programs.ground;
     gl.useProgram(program);
     gl.uniformMatrix4fv(at.uProjection, false, view.projection);
-    gl.uniform4f(at.uSquare, 0, 0, view.anchor[2], this.shadow.side);
+    gl.uniform4f(at.uSquare, 0, 0, -this.data.half[2], this.shadow.side);
     const strength = view.shadow;
     gl.uniform4f(at.uColour, 0, 0, 0, strength);
     gl.activeTexture(gl.TEXTURE0);
@@ -424,66 +353,6 @@ class Renderer {
     gl.uniform1i(at.uSingle, layer.single ? 1 : 0);
     gl.uniform1i(at.uByValue, layer.value ? 1 : 0);
     this.drawSegments(at, made, arrows && !layer.single ? 18 : 9);
-  }
-
-  // Number of what lies at a device pixel (from the lower left): block + 1, or the number of blocks
-  // + 1 + interface; 0 where there is nothing.
-  pick(x, y, view, polygons) {
-    const gl = this.gl;
-    const { width, height } = this.canvas;
-    if (!this.target || this.target.width !== width || this.target.height !== height) {
-      this.makeTarget(width, height);
-    }
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target.frame);
-    gl.viewport(0, 0, width, height);
-    gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(x, y, 1, 1);
-    gl.depthMask(true);
-    gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
-    gl.clearBufferfv(gl.DEPTH, 0, [1]);
-    gl.enable(gl.DEPTH_TEST);
-    gl.disable(gl.BLEND);
-    for (const layer of polygons) {
-      this.use(this.programs.jointId, view);
-      const made = this.layerBuffer(layer);
-      gl.bindVertexArray(made.array);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.index);
-      gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
-    }
-    const found = new Uint32Array(4);
-    const read = () => gl.readPixels(x, y, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, found);
-    if (polygons.length) read();
-    if (found[0] === 0 && view.showBlocks) {
-      gl.enable(gl.CULL_FACE);
-      this.use(this.programs.id, view);
-      this.drawMesh();
-      gl.disable(gl.CULL_FACE);
-      read();
-    }
-    gl.disable(gl.SCISSOR_TEST);
-    gl.bindVertexArray(null);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    return found[0];
-  }
-
-  makeTarget(width, height) {
-    const gl = this.gl;
-    if (this.target) {
-      gl.deleteFramebuffer(this.target.frame);
-      this.target.parts.forEach((part) => gl.deleteRenderbuffer(part));
-    }
-    const frame = gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    const parts = [
-      [gl.R32UI, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT],
-    ].map(([format, slot]) => {
-      const part = gl.createRenderbuffer();
-      gl.bindRenderbuffer(gl.RENDERBUFFER, part);
-      gl.renderbufferStorage(gl.RENDERBUFFER, format, width, height);
-      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, slot, gl.RENDERBUFFER, part);
-      return part;
-    });
-    this.target = { frame, parts, width, height };
   }
 }
 

@@ -9,14 +9,13 @@ const BLOCK_FUNCTIONS = `#version 300 es
 precision highp float;
 precision highp int;
 uniform mat4 uProjection;
-uniform highp sampler2D uMotion;   // three texels a block: centroid, translation, rotation vector
+uniform highp sampler2D uMotion;   // four texels a block: centroid, translation, rotation vector, away
 uniform highp usampler2D uState;
 uniform float uTime;               // share of the motion, 0 to 1
-uniform float uSpread;             // how far centroids move away from uAnchor
-uniform vec3 uAnchor;
+uniform float uSpread;             // how far the model is taken apart
 
 ivec2 at(int i) { return ivec2(i % ${TEXTURE_WIDTH}, i / ${TEXTURE_WIDTH}); }
-vec3 motionOf(uint block, int part) { return texelFetch(uMotion, at(3 * int(block) + part), 0).xyz; }
+vec3 motionOf(uint block, int part) { return texelFetch(uMotion, at(4 * int(block) + part), 0).xyz; }
 uint stateOf(uint block) { return texelFetch(uState, at(int(block)), 0).r; }
 vec3 turned(vec3 v, vec3 w) {
   float angle = length(w);
@@ -27,15 +26,14 @@ vec3 turned(vec3 v, vec3 w) {
 vec3 moved(vec3 p, uint block) {
   if (uTime == 0.0 && uSpread == 0.0) return p;
   vec3 c = motionOf(block, 0);
-  vec3 away = uSpread * (c - uAnchor);
+  vec3 away = uSpread * motionOf(block, 3);
   if (uTime == 0.0) return p + away;
   return c + away + uTime * motionOf(block, 1) + turned(p - c, uTime * motionOf(block, 2));
 }
 // A point of an interface stays between its blocks a and b, which may be none (-1).
 vec3 carried(vec3 p, vec2 owner) {
   if (owner.x < 0.0 || uSpread == 0.0) return p;
-  vec3 middle = 0.5 * (motionOf(uint(owner.x), 0) + motionOf(uint(owner.y), 0));
-  return p + uSpread * (middle - uAnchor);
+  return p + 0.5 * uSpread * (motionOf(uint(owner.x), 3) + motionOf(uint(owner.y), 3));
 }
 bool hidden(vec2 owner) {
   return owner.x >= 0.0 && (stateOf(uint(owner.x)) == 0u || stateOf(uint(owner.y)) == 0u);

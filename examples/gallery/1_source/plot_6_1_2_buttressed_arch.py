@@ -1,0 +1,17 @@
+"""
+Buttressed arch (section 6.1.2)
+===============================
+
+An arch on two buttresses: the least friction with which it stands, and its limit of tilt.
+"""
+
+from drystone.reproduce import reproduce
+from drystone.view import Frame
+
+case = reproduce("6.1.2")
+case.table()
+
+# %%
+# The forces in the joints at friction 0.6. White joints carry nothing.
+
+Frame(case.pictures["buttressed-arch"])

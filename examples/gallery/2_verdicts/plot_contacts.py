@@ -1,0 +1,15 @@
+"""
+What touches what
+=================
+
+The search for contacts tells what it found, what it left out and why. Read it before the
+verdict.
+"""
+
+import drystone
+from drystone.models import bridge
+
+found = drystone.find_contacts(bridge(), friction=0.66)
+print(found.report)
+print(found.contacts)
+found.contacts[0]

@@ -1,0 +1,22 @@
+"""
+A puzzle that holds itself
+==========================
+
+A burr puzzle holds together under every load once its key is held to another piece. Without
+that, the key slides out first.
+"""
+
+import drystone
+from drystone.models import burr
+from drystone.sequence import gravity_region, interlocking
+from drystone.view import save_gravity
+
+model = drystone.Model.of(burr(), friction=0.3)
+print("key and x-low held:", interlocking(model, ("key", "x-low")).holds)
+print("x-low held, first to move:", interlocking(model, "x-low").names)
+
+# %%
+# Directions of gravity in which it stays together with x-low held: the left disc has those that
+# point down, the right one those that point up.
+
+figure = save_gravity(gravity_region(model, "x-low", directions=60))

@@ -1,0 +1,99 @@
+"""``drystone fall``: a film of what falls, until it lies."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.cli.base import kinds
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import LISTED, Screen, listed
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import apart
+from drystone.cli.inputs import loading, options
+from drystone.cli.inputs.model_input import Subject
+
+if TYPE_CHECKING:
+    from drystone.base.files import Job
+    from drystone.cli.base.answer import Files
+    from drystone.fall import Film
+
+
+@command(
+    "drystone fall arch.json --seismic 0.4 --html fall.html",
+    "drystone fall arch.json --seismic 0.4 --glb fall.glb",
+)
+def fall(
+    *,
+    subject: Subject,
+    seismic: loading.Seismic = None,
+    duration: Annotated[
+        float,
+        Option(
+            "Of the film at most, by the time in which a block falls by half its size (20).",
+            kind=kinds.POSITIVE,
+        ),
+    ] = 20.0,
+    no_ground: Annotated[bool, Option("Blocks fall past the lowest point of the model.")] = False,
+    no_check: Annotated[
+        bool, Option("Leave out the check, whose first motion begins the film.", expert=True)
+    ] = False,
+    time_limit: options.TimeLimit = None,
+    html: options.Html = None,
+    glb: Annotated[
+        Path | None,
+        Option("Write the film as an animated GLB.", OUTPUT, kind=kinds.target(".glb")),
+    ] = None,
+    waiting: Waiting,
+) -> Answer:
+    """A film of what falls, simulated with inertia and impacts until it lies; never a verdict.
+
+    Exit code 0: everything lies at the end. 1: something still moves. 3: MuJoCo is missing.
+    """
+    apart([html, glb])
+    from drystone.fall import FallOptions
+    from drystone.fall import fall as followed
+    from drystone.fall.simulation import require_mujoco
+
+    require_mujoco()
+    model = subject.prepared(waiting, seismic=seismic)
+    notes = list(model.notes)
+    limit = float("inf") if time_limit is None else time_limit
+    motion = None
+    with waiting.stoppable() as stop:
+        if not no_check:
+            from drystone.stability import check
+
+            waiting.stage("check", "checking")
+            result = check(model, progress=waiting, stop=stop, time_limit_s=limit)
+            notes.append(f"check: {result.verdict}, {result.message}")
+            motion = result.mechanism
+        waiting.stage("solve", "simulating")
+        film = followed(
+            model, motion, options=FallOptions(duration=duration, ground=not no_ground),
+            progress=waiting, stop=stop, time_limit_s=limit,
+        )  # fmt: skip
+    data = {"model": subject.model, **film.to_dict()}
+    files = partial(_files, film, html, glb, subject.model)
+    return Answer(data, partial(_show, data), 0 if film.lies else 1, notes, files)
+
+
+def _files(film: Film, html: Path | None, glb: Path | None, source: str) -> Files:
+    jobs: list[Job] = []
+    if html is not None:
+        from drystone.view import save_page  # work is imported when there is some
+
+        jobs.append((html, partial(save_page, film, source=source)))
+    if glb is not None:
+        jobs.append((glb, film.save_glb))
+    return jobs, []
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    screen.line(str(data["model"]), "FILM", "bold")
+    screen.line(data["message"])
+    if data["fell"]:
+        screen.line(f"fell: {listed(data['fell'], LISTED)}")
+    screen.line(f"simulated by {data['engine']}; no verdict")

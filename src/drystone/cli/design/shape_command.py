@@ -1,0 +1,126 @@
+"""``drystone shape``: vertices moved by gradient until a model stands, or is as light as can be."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+from drystone.cli.base import kinds, verdict
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.base.written import Pictures
+from drystone.cli.design.mend_command import files_after, margins
+from drystone.cli.inputs import options
+from drystone.cli.inputs.model_input import Finding, Subject
+
+
+@command(
+    "drystone shape arch.json --friction 0.8 --most 0.05 --out stands.json",
+    "drystone shape arch.json --aim volume --margin tilt=2deg --html light.html",
+)
+def shape(
+    *,
+    subject: Subject,
+    finding: Finding,
+    aim: Annotated[
+        str,
+        Option("To stand, or the least volume (stand).", kind=kinds.one_of(("stand", "volume"))),
+    ] = "stand",
+    most: Annotated[
+        float | None,
+        Option("Largest move of a vertex in m (a tenth of a block).", kind=kinds.POSITIVE),
+    ] = None,
+    least_edge: Annotated[
+        float | None,
+        Option("No edge that moves gets shorter, in m.", kind=kinds.POSITIVE, expert=True),
+    ] = None,
+    directions: Annotated[
+        str, Option("Axes along which vertices move (xz).", metavar="AXES", expert=True)
+    ] = "xz",
+    along: Annotated[
+        str,
+        Option(
+            "Axis along which blocks are prisms, and stay so; none for triangles (y).",
+            kind=kinds.one_of(("x", "y", "z", "none")),
+            expert=True,
+        ),
+    ] = "y",
+    mirror: Annotated[
+        str | None,
+        Option(
+            "Axis along which it stays its own mirror image.", kind=kinds.one_of(("x", "y", "z"))
+        ),
+    ] = None,
+    keep: Annotated[
+        tuple[str, ...],
+        Option("Block whose vertices stay. Can be given several times.", metavar="BLOCK"),
+    ] = (),
+    margin: Annotated[
+        tuple[str, ...],
+        Option(
+            "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
+            "friction=0.9x, or sensitive, where STABLE after settling is enough.",
+            metavar="WHAT",
+            expert=True,
+        ),
+    ] = (),
+    out: Annotated[
+        Path | None, Option("Write the model of the new shape.", OUTPUT, kind=kinds.target(".json"))
+    ] = None,
+    time_limit: options.TimeLimit = None,
+    wanted: Pictures,
+    waiting: Waiting,
+) -> Answer:
+    """Move the vertices of free blocks until a model stands, or to the least volume that stands.
+
+    Vertices at one place move together, so that joints stay shared. The check decides. --html and
+    --png show it, with edges of what it was.
+
+    Exit code 0: it stands. 1: it does not. 2: bad input. 130: Ctrl-C ended the search; the best
+    shape so far is the answer.
+    """
+    stands_at = margins(margin)
+    model = subject.prepared(waiting, finding)
+    from drystone import design  # work is imported when there is some
+    from drystone.base.progress import Clock
+
+    size = float(model.assembly.size[model.assembly.free].mean())
+    moves = design.free_vertices(
+        model,
+        0.1 * size if most is None else most,
+        directions,
+        None if along == "none" else along,
+        mirror,
+        keep,
+    )
+    chosen = design.ShapeOptions(
+        aim=design.ShapeAim(aim), margin=stands_at, least_edge=least_edge or 0.0
+    )
+    clock = Clock(float("inf") if time_limit is None else time_limit)
+    waiting.stage("shape", "shaping")
+    with waiting.stoppable() as stop:
+        found = design.shape(
+            model, moves, options=chosen, progress=waiting, stop=lambda: stop() or clock.late()
+        )
+    data: dict[str, Any] = {"model": subject.model, "aim": aim, **found.to_dict()}
+    files = partial(files_after, model, found.result, found.model, wanted, out)
+    return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    style = verdict.STYLE.get(data["verdict"], "bold")
+    screen.line(str(data["model"]), data["verdict"].upper(), style)
+    screen.line(f"{data['message']}; {data['check']}")
+    if data["aim"] == "volume":
+        screen.line(f"volume {data['value']:.4g} m3, {data['first']:.4g} m3 before")
+    else:
+        told = f"{data['value']:.2g} of the load needs help, {data['first']:.2g} before"
+        screen.line(told)
+    moved = max((abs(one) for one in data["variables"]), default=0.0)
+    screen.line(f"{len(data['variables'])} variables, the largest move {1e3 * moved:.1f} mm")
+
+
+__all__ = ["shape"]

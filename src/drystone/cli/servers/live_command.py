@@ -1,0 +1,109 @@
+"""``drystone live``: a page on which a model can be tilted, pushed and mended."""
+
+from __future__ import annotations
+
+import os
+import sys
+import webbrowser
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import click
+
+from drystone.base.errors import InputError
+from drystone.base.files import write_bytes
+from drystone.cli.base import kinds, output
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import ANALYSIS, OUTPUT, Argument, Option, command
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.inputs import options
+
+if TYPE_CHECKING:
+    from drystone.live.serving import Live
+
+
+@command("drystone live arch.json", "drystone live vault.obj --supports lowest --no-browser")
+def live(
+    *,
+    model: Annotated[
+        str | None, Argument("MODEL", "Model file; its suffix tells the format.", kinds.FILE)
+    ] = None,
+    units: options.Units = None,
+    up: options.Up = "z",
+    supports: options.Supports = None,
+    friction: options.Friction = None,
+    density: options.Density = None,
+    port: Annotated[int, Option("First port that is tried; 0 for any.", OUTPUT)] = 8377,
+    no_browser: Annotated[bool, Option("Print the link and open no browser.", OUTPUT)] = False,
+    client: Annotated[
+        Path | None,
+        Option(
+            "Write the client of the JSON interface, one file of Python, and end.",
+            OUTPUT,
+            kind=kinds.target(".py"),
+        ),
+    ] = None,
+    time_limit: Annotated[
+        float, Option("Seconds for one answer.", ANALYSIS, kind=kinds.POSITIVE, expert=True)
+    ] = 60.0,
+    size_limit: Annotated[
+        float, Option("MiB of one model.", ANALYSIS, kind=kinds.POSITIVE, expert=True)
+    ] = 16.0,
+    waiting: Waiting,
+) -> Answer:
+    """Open a page on which a model can be tilted, pushed, supported and mended.
+
+    The verdict follows at once. The model file is watched: saved anew, it is read anew. Programs
+    can ask the same server by JSON (docs/json-interface.md). Only this machine is served. It ends
+    with Ctrl-C, or a minute after the last window was closed.
+    """
+    if client is not None:
+        text = resources.files("drystone.live").joinpath("client.py").read_bytes()
+        write_bytes(client, text)
+        output.say(f"wrote {client}")
+        return click.get_current_context().exit()
+    if model is None:
+        raise output.UsageFault("is missing", where="MODEL", remedy="name a model file")
+    from drystone.live import serve  # the program starts fast: work is imported when there is some
+
+    if not 0 <= port < 2**16:
+        raise InputError(f"is {port}", where="--port", remedy="give 0 to 65535")
+    how = {"units": units, "supports": supports, "friction": friction, "density": density}
+    if up != "z":
+        how["up"] = up
+    ctx = click.get_current_context()
+    waiting.stage("read", f"reading {model}")
+
+    def began(server: Live) -> None:
+        waiting.end_stage()
+        said(server, as_json=bool(ctx.params.get("as_json")))
+        if not no_browser and not opened(server.link):
+            output.say("no browser could be opened: open the link in one")
+            sys.stdout.flush()
+
+    given = {key: value for key, value in how.items() if value is not None}
+    serve(model, began=began, port=port, how=given, time_limit=time_limit, size_limit=size_limit)
+    return ctx.exit()
+
+
+def said(server: Live, as_json: bool) -> None:
+    """Tell where the page is."""
+    if as_json:
+        output.emit({"link": server.link, "port": server.port, "token": server.server.guard.token})
+    else:
+        if server.port != server.asked_port and server.asked_port:
+            output.say(f"port {server.asked_port} is taken: port {server.port} is used")
+        output.say(f"{server.link}\nCtrl-C ends it")
+    sys.stdout.flush()
+
+
+def opened(link: str) -> bool:
+    """Whether a browser with windows could be opened; one in the terminal is no use here."""
+    screens = ("DISPLAY", "WAYLAND_DISPLAY")
+    if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in screens):
+        return False
+    try:
+        return webbrowser.open(link)
+    except (webbrowser.Error, OSError):
+        return False

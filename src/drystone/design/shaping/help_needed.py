@@ -1,0 +1,190 @@
+"""The help that a structure needs as a function of its vertices, with its gradient.
+
+The blocks rest on corner springs with friction, and on weak ground springs (compliant state). What
+the ground carries is the help that is needed: with w the wrenches of the ground, scaled,
+
+    J = w . w / (p . p),    w = g M q,    A f(A' q) + p - g M q = 0.
+
+The gradient follows from one more solve (adjoint state): with S = A D A' + g M the tangent,
+S' lambda = dJ/dq, h = -D' A' lambda,
+
+    dJ = lambda . (dA f) + q . (dA h) + lambda . dp,
+
+where dA and dp are the changes of the equilibrium matrix and of the load with the vertices.
+Whiting, Shin, Wang, Ochsendorf and Durand 2012 use the same derivative for the convex problem, with
+the multipliers of equilibrium instead of lambda.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats, cross
+from drystone.design.shaping.corner_following import Corners
+from drystone.design.shaping.vertex_measures import Bodies
+from drystone.design.surgery.changed_model import acceleration_of
+from drystone.formulations.rest.compliance import Compliance, uniform
+from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.rest_state import RestOptions, RestState, mass_matrix
+from drystone.formulations.rest.tangent import TangentSystem
+from drystone.model import Model
+from drystone.stability.problem import Problem
+from drystone.statics import Statics
+
+GROUND = 1e-6
+"""Stiffness of the ground, chosen: of arches of 12 blocks that stand it carries 1.5e-5 of the load
+at most, of one that is 5 % too thin 0.019."""
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A model whose vertices may move while its blocks keep touching at the same corners.
+
+    Stiffnesses and scales are those of the model as given: they do not follow the vertices until
+    contacts are found anew.
+
+    Attributes
+    ----------
+    model
+    bodies
+    corners
+    statics
+        Of the model as given.
+    springs
+    ground
+        Stiffness of the ground, scaled.
+    density : (n,) [kg/m3]
+    acceleration : (3,) [m/s2]
+        Of all masses.
+    extra : (n, 6) [N, N m]
+        Load that is no weight, about the centroids of the model as given.
+    """
+
+    model: Model
+    bodies: Bodies
+    corners: Corners
+    statics: Statics
+    springs: Compliance
+    ground: float
+    density: Floats
+    acceleration: Floats
+    extra: Floats
+
+    @classmethod
+    def of(cls, model: Model, ground: float = GROUND) -> Form:
+        """The form of a model with plane joints.
+
+        Raises
+        ------
+        InputError
+            A corner is neither a vertex nor a crossing of edges, or the load moves supports.
+        """
+        model = model if model.active.all() else model.with_contacts(
+            model.contacts.select(model.active)
+        )  # fmt: skip
+        statics = Problem.build(model).statics
+        bodies = Bodies.of(model.assembly)
+        acceleration = acceleration_of(model)
+        extra = np.array(model.load.wrench)
+        extra[:, :3] -= model.assembly.mass[:, None] * acceleration
+        return cls(
+            model,
+            bodies,
+            Corners.of(model, bodies),
+            statics,
+            uniform(statics, slip=1.0),
+            ground,
+            model.assembly.mass / model.assembly.volume,
+            acceleration,
+            extra,
+        )
+
+    def statics_at(self, vertex: Floats) -> Statics:
+        """The statics with vertices (v, 3) elsewhere, in the scales of the model as given."""
+        model, statics = self.model, self.statics
+        contacts = model.contacts
+        volume, centroid = self.bodies.measures(vertex)
+        point = self.corners.points(vertex)
+        frame = self.corners.frames(point)
+        a, b = (end[contacts.interface] for end in (contacts.block_a, contacts.block_b))
+        length = model.assembly.size
+        force = (self.density * volume)[:, None] * self.acceleration + self.extra[:, :3]
+        shift = model.assembly.centroid - centroid
+        moment = self.extra[:, 3:] + cross(shift, self.extra[:, :3])
+        load = np.concatenate([force, moment / length[:, None]], axis=1) / statics.force_unit
+        return replace(
+            statics,
+            lever_a=(point - centroid[a]) / length[a, None],
+            lever_b=(point - centroid[b]) / length[b, None],
+            frame=frame[contacts.interface],
+            load=load[statics.free],
+        )
+
+    def help_at(self, vertex: Floats) -> tuple[float, Floats]:
+        """The help that is needed, J, and its gradient (v, 3) [1/m]."""
+        statics = self.statics_at(vertex)
+        system = TangentSystem(statics, self.model.assembly.centroid[statics.free])
+        options = RestOptions(ground=self.ground, tolerance=1e-11)
+        state = find_rest(system, self.springs, options)
+        weight = self.ground * mass_matrix(statics)
+        carried = weight * state.motion
+        whole = float((statics.load**2).sum())
+        value = float((carried**2).sum()) / whole
+        adjoint, turned = self._adjoint(system, state, weight, 2.0 * weight * carried / whole)
+        gradient = self._work_gradient(vertex, statics, state.force, adjoint)
+        gradient += self._work_gradient(vertex, statics, turned, state.motion)
+        by_load = adjoint - 2.0 * value / whole * statics.load
+        return value, gradient + self._load_gradient(vertex, by_load)
+
+    def _adjoint(
+        self, system: TangentSystem, state: RestState, weight: Floats, by_motion: Floats
+    ) -> tuple[Floats, Floats]:
+        """The adjoint motion lambda (n, 6), and forces h (k, 3)."""
+        statics, kn = system.statics, self.springs.normal
+        moved = statics.displacement(state.motion)
+        pressed = moved[:, 0] < 0.0
+        normal = np.where(pressed, -kn * moved[:, 0], 0.0)
+        friction = self.springs.friction(normal, moved[:, 1:])
+        tangent = np.zeros((statics.corner_count, 3, 3))
+        tangent[:, 0, 0] = np.where(pressed, kn, 0.0)
+        tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, 0.0)[:, None]
+        tangent[:, 1:, 1:] = friction.by_slide
+        back = np.ascontiguousarray(np.swapaxes(tangent, 1, 2))
+        adjoint = system.factorise(back, weight).solve(by_motion)
+        forces = -np.einsum("kij,kj->ki", back, statics.displacement(adjoint))
+        return adjoint, forces
+
+    def _work_gradient(
+        self, vertex: Floats, statics: Statics, force: Floats, motion: Floats
+    ) -> Floats:
+        """Derivative (v, 3) of the work of corner forces (k, 3) on a motion (n, 6), both scaled."""
+        assembly, contacts = self.model.assembly, self.model.contacts
+        whole = statics.physical_motion(motion, len(assembly), 1.0)
+        a, b = (end[contacts.interface] for end in (contacts.block_a, contacts.block_b))
+        world = np.einsum("ki,kij->kj", force, statics.frame)
+        turn_a, turn_b = cross(world, whole[a, 3:]), cross(world, whole[b, 3:])
+        by_centroid = np.zeros((len(assembly), 3))
+        np.add.at(by_centroid, a, turn_a)
+        np.add.at(by_centroid, b, -turn_b)
+        moved = np.einsum("kij,ki->kj", statics.frame, statics.displacement(motion))
+        by_axis = force[:, :, None] * moved[:, None, :]
+        by_frame = np.zeros((contacts.count, 3, 3))
+        np.add.at(by_frame, contacts.interface, by_axis)
+        point = self.corners.points(vertex)
+        by_point = turn_b - turn_a + self.corners.frames_pulled_back(point, by_frame)
+        gradient = self.corners.points_pulled_back(vertex, by_point)
+        none = np.zeros(len(assembly))
+        return gradient + self.bodies.measures_pulled_back(vertex, none, by_centroid)
+
+    def _load_gradient(self, vertex: Floats, motion: Floats) -> Floats:
+        """Derivative (v, 3) of the work of the load on a scaled motion (n, 6)."""
+        assembly = self.model.assembly
+        whole = self.statics.physical_motion(motion, len(assembly), 1.0) / self.statics.force_unit
+        by_volume = self.density * (whole[:, :3] @ self.acceleration)
+        by_centroid = -cross(self.extra[:, :3], whole[:, 3:])
+        return self.bodies.measures_pulled_back(vertex, by_volume, by_centroid)
+
+
+__all__ = ["Form"]

@@ -1,0 +1,116 @@
+"""Vertices of all blocks in one array: volumes, centroids, and how they follow the vertices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drystone.assembly import Assembly, replace_block
+from drystone.base.arrays import Floats, Ints, cross
+from drystone.base.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """The blocks of an assembly as one array of vertices.
+
+    Attributes
+    ----------
+    assembly
+    vertex : (v, 3) [m] of all blocks, one after the other
+    start : (n + 1,) where those of each block begin
+    owner : (v,) the block of each vertex
+    triangle : (t, 3) vertices of the triangles of all faces
+    triangle_owner : (t,)
+    """
+
+    assembly: Assembly
+    vertex: Floats
+    start: Ints
+    owner: Ints
+    triangle: Ints
+    triangle_owner: Ints
+
+    @classmethod
+    def of(cls, assembly: Assembly) -> Bodies:
+        """The vertices and triangles of an assembly."""
+        counts = [len(block.vertices) for block in assembly.blocks]
+        start = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
+        fan: list[tuple[int, int, int]] = []
+        owner: list[int] = []
+        for i, block in enumerate(assembly.blocks):
+            first = int(start[i])
+            for loop in block.faces:
+                fan += [
+                    (first + loop[0], first + loop[j], first + loop[j + 1])
+                    for j in range(1, len(loop) - 1)
+                ]
+                owner += [i] * (len(loop) - 2)
+        return cls(
+            assembly,
+            np.concatenate([block.vertices for block in assembly.blocks]),
+            start,
+            np.repeat(np.arange(len(counts)), counts),
+            np.array(fan, dtype=np.intp),
+            np.array(owner, dtype=np.intp),
+        )
+
+    def assembly_at(self, vertex: Floats) -> Assembly:
+        """The assembly with its vertices (v, 3) elsewhere; blocks that do not move stay.
+
+        Raises
+        ------
+        InputError
+            A block would be turned inside out.
+        """
+        blocks = list(self.assembly.blocks)
+        for i, block in enumerate(blocks):
+            own = vertex[self.start[i] : self.start[i + 1]]
+            if not np.array_equal(own, block.vertices):
+                blocks[i] = replace_block(block, vertices=own, repairs=())
+                if blocks[i].faces != block.faces:
+                    raise InputError(
+                        "would be turned inside out",
+                        where=f"block '{block.name}'",
+                        remedy="allow smaller moves",
+                    )
+        return Assembly(tuple(blocks), self.assembly.fixed)
+
+    def measures(self, vertex: Floats) -> tuple[Floats, Floats]:
+        """Volumes (n,) [m3] and centroids (n, 3) [m] for vertices (v, 3)."""
+        six, total, middle = self._tetrahedra(vertex)[3:]
+        count = len(self.start) - 1
+        volume = np.bincount(self.triangle_owner, six, minlength=count) / 6.0
+        moment = np.stack(
+            [np.bincount(self.triangle_owner, row, minlength=count) for row in (six * total.T)],
+            axis=1,
+        )
+        return volume, middle + moment / (24.0 * volume[:, None])
+
+    def measures_pulled_back(
+        self, vertex: Floats, by_volume: Floats, by_centroid: Floats
+    ) -> Floats:
+        """Derivative (v, 3) by the vertices, from those by volumes (n,) and centroids (n, 3)."""
+        a, b, c, six, total, middle = self._tetrahedra(vertex)
+        volume, centroid = self.measures(vertex)
+        by_moment = by_centroid / volume[:, None]
+        rest = by_volume - np.einsum("ni,ni->n", by_moment, centroid - middle)
+        moment = by_moment[self.triangle_owner]
+        along = rest[self.triangle_owner] / 6.0 + np.einsum("ti,ti->t", moment, total) / 24.0
+        shared = moment * (six / 24.0)[:, None]
+        out = np.zeros_like(vertex)
+        for k, (one, other) in enumerate(((b, c), (c, a), (a, b))):
+            np.add.at(out, self.triangle[:, k], along[:, None] * cross(one, other) + shared)
+        # the origin of each block moves with its vertices, and has no effect
+        return out
+
+    def _tetrahedra(self, vertex: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
+        """Corners of the triangles about the middle of their block, six volumes, sums, middles."""
+        middle = np.add.reduceat(vertex, self.start[:-1], axis=0) / np.diff(self.start)[:, None]
+        local = vertex - middle[self.owner]
+        a, b, c = (local[self.triangle[:, k]] for k in range(3))
+        return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
+
+
+__all__ = ["Bodies"]

@@ -1,0 +1,153 @@
+"""What a simulated fall answers: where the blocks are, frame after frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError, counted
+from drystone.base.files import PathLike
+from drystone.base.settings import Options
+from drystone.base.table import Table
+from drystone.contacts import Contacts
+from drystone.model import Model
+
+MOVED = 0.1
+"""Way of a block by its size from which on it is said to have fallen. The contacts of the simulator
+are soft: what stands moves by a hundredth at most (docs/robots.md)."""
+
+
+@dataclass(frozen=True)
+class FallOptions(Options):
+    """Options of :func:`fall`.
+
+    Attributes
+    ----------
+    duration
+        Of the film at most, by the time in which a block falls freely by half its size: 0.32 s for
+        blocks of 1 m, 0.1 s for blocks of 0.1 m.
+    rate
+        Frames in that time.
+    ground
+        Whether there is a plane below the lowest point on which blocks come to lie.
+    nudge
+        Speed at the beginning, along a given first motion, by that at the end of such a free fall.
+    """
+
+    duration: float = 20.0
+    rate: float = 12.0
+    ground: bool = True
+    nudge: float = 0.02
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_unless_positive("duration", "rate")
+        self._refuse_below(0.0, "nudge")
+        for name in ("duration", "rate", "nudge"):
+            if not getattr(self, name) < float("inf"):
+                raise InputError(f"{name} is {getattr(self, name)}", remedy="give a finite number")
+
+
+@dataclass(frozen=True, eq=False)
+class Film(OneLine):
+    """A simulated fall. It shows what may happen, and proves nothing.
+
+    Attributes
+    ----------
+    model
+    time : (s,) [s]
+        Of the frames.
+    positions : (s, n, 6) [m, rad]
+        Translation of the centroid and rotation vector of every block from the beginning, world
+        axes; rotation vectors go on beyond a half turn, so that frames can be interpolated.
+    lies
+        Whether everything has come to lie.
+    engine
+        What simulated it.
+    stopped
+        Why it ended early; empty where it did not.
+    options, time_s
+    """
+
+    model: Model
+    time: Floats
+    positions: Floats
+    lies: bool
+    engine: str = ""
+    stopped: str = ""
+    options: FallOptions = field(default_factory=FallOptions)
+    time_s: Mapping[str, float] = field(default_factory=dict)
+
+    def _summary(self) -> str:
+        return f"{counted(len(self.time), 'frame')}, '{self.message}'"
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self.time)
+
+    @property
+    def assembly(self) -> Assembly:
+        """The blocks at the beginning."""
+        return self.model.assembly
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts at the beginning."""
+        return self.model.contacts
+
+    @property
+    def fell(self) -> Bools:
+        """(n,) blocks whose centroid is, or was, a tenth of their size from its place."""
+        size = np.cbrt(self.assembly.volume)
+        far = np.linalg.norm(self.positions[:, :, :3], axis=2).max(axis=0)
+        return np.asarray(far > MOVED * size)
+
+    @property
+    def message(self) -> str:
+        """One sentence for a person."""
+        count = int(self.fell.sum())
+        seconds = f"{self.time[-1]:.3g} s"
+        if not count:
+            return f"nothing fell in {seconds}"
+        end = "and lies" if self.lies else "and still moved then"
+        why = f" ({self.stopped})" if self.stopped else ""
+        return f"{counted(count, 'block')} fell in {seconds} {end}{why}"
+
+    def table(self) -> Table:
+        """Where every block is at the end."""
+        last = self.positions[-1]
+        columns: dict[str, Any] = {"block": list(self.assembly.names), "fell": self.fell}
+        columns |= {name: last[:, i] for i, name in enumerate(("dx", "dy", "dz"))}
+        columns |= {name: last[:, 3 + i] for i, name in enumerate(("rx", "ry", "rz"))}
+        units = dict.fromkeys(("dx", "dy", "dz"), "m") | dict.fromkeys(("rx", "ry", "rz"), "rad")
+        return Table("where the blocks lie", columns, units)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values: what fell, and where it lies."""
+        names = self.assembly.names
+        return {
+            "message": self.message,
+            "seconds": float(self.time[-1]),
+            "frames": len(self.time),
+            "lies": self.lies,
+            "fell": [names[i] for i in np.flatnonzero(self.fell).tolist()],
+            "blocks": self.table().to_dict()["rows"],
+            "engine": self.engine,
+            "stopped": self.stopped,
+            "time_s": dict(self.time_s),
+        }
+
+    def save_glb(self, path: PathLike) -> None:
+        """Write the film as an animated GLB; see :func:`drystone.io.mesh.glb_film.write_film`."""
+        from drystone.io.mesh.glb_film import write_film  # only for those who want one
+
+        write_film(self.model, self.time, self.positions, path)
+
+
+__all__ = ["FallOptions", "Film"]

@@ -1,0 +1,241 @@
+"""The process that computes: it reads models and answers wishes, one after the other.
+
+It is asked through a pipe by :mod:`drystone.live.computing.helper`, and tells what it finds as it
+goes.
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import signal
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import DrystoneError, InputError
+from drystone.design import Mend
+from drystone.io import read
+from drystone.io.jsontext import Field, parse
+from drystone.live.computing import tasks
+from drystone.live.computing.snapshot import snapshot
+from drystone.live.computing.wish import Asked, Wish, asked
+from drystone.live.requests.interface import given_of
+from drystone.mcp.answers import answer
+from drystone.mcp.folder import Folder
+from drystone.model import Model
+from drystone.results import Result
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability import QUICK, check, try_rest
+from drystone.view import scene_of
+from drystone.view.web.encode import encode, to_text
+
+STARTS = 16
+"""Rest states that are kept to start from, of as many windows and sets of blocks."""
+OFTEN = 0.2
+"""[s] between two reports of progress."""
+SMALLER = "give a smaller model"
+
+
+class Cancelled(Exception):
+    """Nobody waits for the answer any more."""
+
+
+class Calculator:
+    """Models by their numbers, and rest states to start from."""
+
+    def __init__(self, pipe: Connection) -> None:
+        self.pipe = pipe
+        self.models: dict[int, Model] = {}
+        self.starts: OrderedDict[Any, Floats] = OrderedDict()
+        self.mends: tuple[str, list[Mend]] = ("", [])
+        self.job = 0
+        self.cancelled = False
+        self._reported = 0.0
+
+    def run(self) -> None:
+        """Answer until the other end of the pipe is closed."""
+        while True:
+            try:
+                message = self.pipe.recv()
+            except (EOFError, OSError):
+                return
+            if "cancel" in message:
+                continue  # what is to be cancelled has ended
+            self.job, self.cancelled = message["job"], False
+            try:
+                DO[message["do"]](self, message)
+            except Cancelled:
+                pass
+            except DrystoneError as error:
+                self.tell("error", **told(error))
+            except MemoryError:
+                self.tell("error", what="the memory was used up", where="", remedy=SMALLER)
+            except Exception as error:  # the edge of the process: a fault of ours, told in one line
+                what = f"a fault in drystone, please report it: {type(error).__name__}: {error}"
+                self.tell("error", what=what, where="", remedy=SMALLER)
+            self.tell("done")
+
+    def tell(self, event: str, **what: Any) -> None:
+        """Send an event of the job that is under way."""
+        self.pipe.send({"event": event, "job": self.job, **what})
+
+    def stop(self) -> bool:
+        """Whether the job was cancelled. A closed pipe ends the process."""
+        try:
+            while not self.cancelled and self.pipe.poll():
+                self.cancelled = self.pipe.recv().get("cancel") == self.job
+        except (EOFError, OSError):
+            raise SystemExit from None
+        return self.cancelled
+
+    def until(self, seconds: float) -> Callable[[], bool]:
+        """Whether the job was cancelled or its time is up."""
+        end = time.monotonic() + seconds
+        return lambda: self.stop() or time.monotonic() > end
+
+    def progress(self, stage: str, done: int, total: int) -> None:
+        """Tell how far it is, not too often."""
+        if time.monotonic() - self._reported > OFTEN:
+            self._reported = time.monotonic()
+            self.tell("progress", stage=stage, done=done, total=total)
+
+    def require(self) -> None:
+        """Raise Cancelled where nobody waits any more."""
+        if self.stop():
+            raise Cancelled
+
+    def asked(self, message: Mapping[str, Any]) -> tuple[Wish, Asked]:
+        """The wish in a message, and the model that it makes."""
+        if "blob" in message:
+            self.models[message["model"]] = pickle.loads(message["blob"])  # from our own server
+        for number in message.get("forget", ()):
+            self.models.pop(number, None)
+        wish = Wish.of(Field(message["wish"], "", Path("wish")))
+        return wish, asked(self.models[message["model"]], wish)
+
+    def keep(self, model: Model, number: int, name: str, **more: Any) -> None:
+        """Keep a model under a number, and hand it over with its picture."""
+        self.models[number] = model
+        scene = to_text(encode(scene_of(model, source=name)))
+        self.tell("model", blob=pickle.dumps(model), scene=scene, facts=facts(model), **more)
+
+
+def told(error: DrystoneError) -> dict[str, str]:
+    """What is wrong, where and what to do, as plain values."""
+    if isinstance(error, InputError):
+        return {"what": error.what, "where": error.where, "remedy": error.remedy}
+    return {"what": str(error), "where": "", "remedy": ""}
+
+
+def facts(model: Model) -> dict[str, Any]:
+    """What the controls of the page begin with."""
+    friction = model.contacts.friction
+    names = [model.assembly.names[i] for i in range(len(model)) if model.assembly.fixed[i]]
+    return {
+        "friction": [float(friction.min()), float(friction.max())] if len(friction) else None,
+        "gravity": tasks.gravity_of(model),
+        "supports": names,
+        "notes": list(model.notes),
+    }
+
+
+def _read(self: Calculator, message: Mapping[str, Any]) -> None:
+    folder: Folder = message["folder"]
+    path = folder.model(message["name"])
+    model = read(path, **message["how"])
+    self.keep(model, message["number"], message["name"])
+
+
+def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
+    """A rest state with uniform stiffness, from the last one of the window."""
+    began = time.perf_counter()
+    wish, made = self.asked(message)
+    key = (message["window"], message["model"], wish.removed)
+    with one_blas_thread():
+        found = try_rest(made.part, screening=QUICK, start=self.starts.get(key), stop=self.stop)
+    self.require()
+    if found.stable and found.displacement is not None:
+        self.starts[key] = found.displacement
+        self.starts.move_to_end(key)
+        while len(self.starts) > STARTS:
+            self.starts.popitem(last=False)
+    _show(self, "quick", wish, made, found, began, message["name"])
+
+
+def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
+    """The verdict."""
+    began = time.perf_counter()
+    wish, made = self.asked(message)
+    found = check(
+        made.part, progress=self.progress, stop=self.stop, time_limit_s=message["seconds"]
+    )
+    self.require()
+    _show(self, "whole", wish, made, found, began, message["name"])
+
+
+def _show(
+    self: Calculator, event: str, wish: Wish, made: Asked, found: Result, began: float, source: str
+) -> None:
+    picture = snapshot(made, wish, found, quick=event == "quick", source=source)
+    told = {
+        "verdict": found.verdict.value,
+        "headline": picture["stage"]["headline"],
+        "falling": list(found.falling_names),
+        "stopped": found.stopped,
+        "computed_ms": round(1e3 * (time.perf_counter() - began), 1),
+    }
+    self.tell(event, answer=told, picture=json.dumps(picture, allow_nan=False))
+
+
+def _task(self: Calculator, message: Mapping[str, Any]) -> None:
+    """Something that takes longer: the limit of a direction, mends, a plan, a file."""
+    wish, made = self.asked(message)
+    extra = Field(message["extra"], "", Path("wish"))
+    work = tasks.Work(
+        self.models[message["model"]], wish, made, extra, self.until(message["seconds"]),
+        self.progress, message["name"],
+    )  # fmt: skip
+    if self.mends[0] == message["window"]:
+        work.mends = self.mends[1]
+    self.mends = message["window"], work.mends
+    for event, what in tasks.TASKS[message["task"]](work):
+        self.require()
+        if event == "model":
+            self.keep(what.pop("made"), message["number"], message["name"], **what)
+        else:
+            self.tell(event, **what)
+
+
+def _tool(self: Calculator, message: Mapping[str, Any]) -> None:
+    """A call of the JSON interface."""
+    given = given_of(message["tool"], parse(message["body"], Path("request")))
+    found = answer(message["tool"], given, message["folder"], message["seconds"])
+    if "error" in found:
+        self.tell("error", what=found["error"], where="", remedy="")
+    else:
+        self.tell("answer", answer=json.dumps(found, allow_nan=False))
+
+
+DO: Mapping[str, Callable[[Calculator, Mapping[str, Any]], None]] = {
+    "read": _read,
+    "quick": _quick,
+    "whole": _whole,
+    "task": _task,
+    "cases": _task,
+    "tool": _tool,
+}
+
+
+def calculate(pipe: Connection) -> None:
+    """What the process does. Ctrl-C is for the server, which then closes the pipe."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    pipe.send({"event": "ready"})
+    Calculator(pipe).run()
+
+
+__all__ = ["calculate"]

@@ -1,0 +1,136 @@
+"""The process that computes, seen from the server: started, asked, ended when it does not stop."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from drystone.live.computing.calculator import calculate
+
+GRACE = 3.0
+"""[s] from cancelling a job to ending the process that does not stop. Chosen: the longest step of
+an analysis of 400 blocks takes less than a second."""
+START = 120.0
+"""[s] for the process to start. Chosen: it takes one or two, and a hundred on a crowded machine."""
+GLANCE = 0.1
+"""[s] between two looks at whether a job was cancelled or is late."""
+
+
+class Helper:
+    """One process, and the job that it works on. Only one thread may call :meth:`run`."""
+
+    def __init__(self) -> None:
+        self._context = multiprocessing.get_context("spawn")
+        self._lock = threading.Lock()
+        self._process: Any = None
+        self._pipe: Any = None
+        self._job = 0
+        self._cancelled_at: float | None = None
+        self._closed = self._ready = False
+        self.knows: set[int] = set()
+
+    def start(self) -> None:
+        """Start the process where there is none."""
+        with self._lock:
+            if self._closed or (self._process is not None and self._process.is_alive()):
+                return
+            self._end()
+            ours, theirs = self._context.Pipe()
+            process = self._context.Process(target=calculate, args=(theirs,), daemon=True)
+            process.start()
+            theirs.close()
+            self._process, self._pipe, self.knows, self._ready = process, ours, set(), False
+
+    def run(
+        self,
+        message: Mapping[str, Any],
+        hear: Callable[[dict[str, Any]], None],
+        seconds: float,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """Let it do a job; ``hear`` is given every event. Returns when the job has ended.
+
+        A process that crashes, or has not ended the job after some seconds, is replaced by another.
+        A job that is no longer wanted is cancelled.
+        """
+        self.start()
+        with self._lock:
+            if self._pipe is None:
+                return
+            self._job += 1
+            self._cancelled_at = None
+            pipe, job = self._pipe, self._job
+            try:
+                pipe.send({**message, "job": job})
+            except OSError:
+                self._end()
+        end = time.monotonic() + seconds + (0.0 if self._ready else START)
+        while not self._closed:
+            if not wanted():
+                self.cancel()
+            try:
+                if pipe.poll(GLANCE):
+                    event = pipe.recv()
+                    if event["event"] == "ready":
+                        self._ready, end = True, time.monotonic() + seconds
+                        continue
+                    if event["event"] == "done":
+                        return
+                    if self._cancelled_at is None:
+                        hear(event)
+                    continue
+            except (EOFError, OSError):
+                self._replace()
+                if self._cancelled_at is None:
+                    hear(_failed("the calculation ended without an answer, perhaps for lack of"
+                                 " memory", "give a smaller model"))  # fmt: skip
+                return
+            now = time.monotonic()
+            if self._cancelled_at is not None and now - self._cancelled_at > GRACE:
+                self._replace()
+                return
+            if now > end:
+                self._replace()
+                hear(_failed(f"no answer within {seconds:g} s", "give a smaller model, or start "
+                             "the server with a larger --time-limit"))  # fmt: skip
+                return
+
+    def cancel(self) -> None:
+        """Ask the job that is under way to stop; its further events are not heard."""
+        with self._lock:
+            if self._pipe is None or self._cancelled_at is not None:
+                return
+            self._cancelled_at = time.monotonic()
+            with contextlib.suppress(OSError):
+                self._pipe.send({"cancel": self._job})
+
+    def close(self) -> None:
+        """End the process for good."""
+        with self._lock:
+            self._closed = True
+            self._end()
+
+    def _replace(self) -> None:
+        with self._lock:
+            self._end()
+        self.start()
+
+    def _end(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+            self._process.close()
+        if self._pipe is not None:
+            self._pipe.close()
+        self._process = self._pipe = None
+
+
+def _failed(what: str, remedy: str) -> dict[str, Any]:
+    return {"event": "error", "what": what, "where": "", "remedy": remedy, "late": True}
+
+
+__all__ = ["Helper"]

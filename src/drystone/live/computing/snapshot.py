@@ -1,0 +1,111 @@
+"""An answer as the data of one picture of the live page."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+from drystone.geometry.frames import rotation_about
+from drystone.live.computing.wish import Asked, Wish
+from drystone.loads import DOWN
+from drystone.results import Result, Verdict
+from drystone.view import Layer, LayerKind, Scene, Stage, State, stage_of
+from drystone.view.scenes.header import facts_of
+from drystone.view.web.encode import encode_stage
+
+QUICK = {
+    Verdict.STABLE: "Stands with uniform stiffness of the joints; others are being tried",
+    Verdict.UNDECIDED: "Not at rest with uniform stiffness of the joints; it is being checked",
+}
+"""Headlines while the whole verdict is not known."""
+
+
+def snapshot(
+    asked: Asked, wish: Wish, result: Result, *, quick: bool = False, source: str = ""
+) -> dict[str, Any]:
+    """The stage of a result on the part of the blocks that is in place, encoded.
+
+    Parameters
+    ----------
+    asked
+    wish
+    result
+        Of ``asked.part``.
+    quick
+        Whether the whole verdict is still to come.
+    source
+        Name of the file.
+    """
+    stage = widened(stage_of(result, "live"), asked)
+    turn = rotation_about(asked.axis, wish.tilt)
+    layers = (*stage.layers, *pushes(asked, wish, turn))
+    part = asked.part
+    facts = facts_of(part.assembly, part.contacts, part.load, source)
+    stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, layers=layers, facts=facts)
+    if quick:
+        stage = replace(stage, headline=QUICK[result.verdict], verdict=None)
+    return encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
+
+
+def pushes(asked: Asked, wish: Wish, turn: Floats) -> tuple[Layer, ...]:
+    """The forces with which blocks are pushed, as arrows that end at their centroids."""
+    if not wish.pushes:
+        return ()
+    assembly = asked.whole.assembly
+    block = assembly.indices([name for name, _ in wish.pushes])
+    force = np.array([force for _, force in wish.pushes]) @ turn
+    return (
+        Layer(
+            "pushes", "pushes", LayerKind.ARROWS, "resultant", assembly.centroid[block], force,
+            block=block, single=True, width=2.4, group="pushes",
+        ),
+    )  # fmt: skip
+
+
+def widened(stage: Stage, asked: Asked) -> Stage:
+    """A stage of the blocks in place as one of all blocks; those taken out are absent."""
+    blocks, contacts = len(asked.whole), asked.whole.contacts
+    if len(asked.kept) == blocks:
+        return stage
+    here = np.zeros(blocks, dtype=bool)
+    here[asked.kept] = True
+    joint = here[contacts.block_a] & here[contacts.block_b]
+    interface, corner = np.flatnonzero(joint), np.flatnonzero(joint[contacts.interface])
+    count = {"block": blocks, "interface": contacts.count, "corner": contacts.corner_count}
+    place = {"block": asked.kept, "interface": interface, "corner": corner}
+
+    def spread(values: Any, kind: str) -> Any:
+        if values is None:
+            return None
+        out = np.zeros((count[kind], *values.shape[1:]), dtype=values.dtype)
+        out[place[kind]] = values
+        return out
+
+    state = np.full(blocks, State.ABSENT, dtype=np.intp)
+    state[asked.kept] = stage.state
+    return replace(
+        stage,
+        state=state,
+        motion=spread(stage.motion, "block"),
+        prop=spread(stage.prop, "block"),
+        force=spread(stage.force, "corner"),
+        layers=tuple(_of_whole(layer, interface, asked.kept) for layer in stage.layers),
+        **{
+            name: spread(getattr(stage, name), "interface")
+            for name in ("normal", "tangential", "utilisation", "pressure_centre")
+        },
+    )
+
+
+def _of_whole(layer: Layer, interface: Ints, kept: Ints) -> Layer:
+    return replace(
+        layer,
+        interface=None if layer.interface is None else interface[layer.interface],
+        block=None if layer.block is None else kept[layer.block],
+    )
+
+
+__all__ = ["snapshot", "widened"]

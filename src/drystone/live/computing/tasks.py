@@ -1,0 +1,217 @@
+"""What a window asks for besides verdicts: the limit of a direction, mends, plans, files."""
+
+from __future__ import annotations
+
+import itertools
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drystone import io
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
+from drystone.design import Mend, find_mends
+from drystone.design.surgery.changed_model import acceleration_of
+from drystone.geometry.body.polyhedron import edges_of
+from drystone.io.jsontext import Field
+from drystone.limits import limit_tilt
+from drystone.live.computing.wish import Asked, Wish, asked
+from drystone.loads import DOWN, LoadCase
+from drystone.model import Model
+from drystone.sequence import Order, PlanOptions, Rules, plan
+from drystone.stability import check
+from drystone.view import scene_of
+from drystone.view.scenes.header import sentence
+from drystone.view.web.encode import encode, to_text
+
+MOST_CASES = 20
+"""Load cases that one window compares."""
+
+Event = tuple[str, dict[str, Any]]
+
+
+@dataclass(eq=False)
+class Work:
+    """A task, and what it may use.
+
+    Attributes
+    ----------
+    model
+        Of the file, or mended.
+    wish, asked
+        The load case of the window, and its model.
+    extra
+        What the task is told beside the wish.
+    stop, progress
+    name
+        Of the file.
+    mends
+        Those that were found last for the window.
+    """
+
+    model: Model
+    wish: Wish
+    asked: Asked
+    extra: Field
+    stop: Callable[[], bool]
+    progress: Progress
+    name: str
+    mends: list[Mend] = field(default_factory=list)
+
+
+def gravity_of(model: Model) -> float:
+    """[m/s2] of the load of a model."""
+    return float(np.linalg.norm(acceleration_of(model)))
+
+
+def _limit(work: Work) -> Iterator[Event]:
+    """How far the model can be tilted in the direction of the wish."""
+    found = limit_tilt(work.asked.upright, work.asked.axis, stop=work.stop, progress=work.progress)
+    best = found.best
+    yield (
+        "limit",
+        {
+            "direction": work.wish.direction,
+            "stands": best.stands,
+            "falls": best.falls,
+            "message": "" if best.falling is None else best.falling.message,
+            "sensitive": found.is_sensitive,
+            "stopped": found.stopped,
+        },
+    )
+
+
+def _mends(work: Work) -> Iterator[Event]:
+    """Changes with which what falls would stand."""
+    found = find_mends(work.asked.part, stop=work.stop, progress=work.progress)
+    work.mends[:] = found.mends
+    told = [
+        {
+            "kind": one.kind,
+            "blocks": list(one.blocks),
+            "what": one.description,
+            "cost": one.cost,
+            "ghost": _ghost(one),
+        }
+        for one in found.mends
+    ]
+    tried = [f"{', '.join(blocks)}: {one.kind}: {one.what}" for blocks, one in found.tried]
+    stopped = work.stop()
+    yield "mends", {"mends": told, "tried": tried, "message": found.message, "stopped": stopped}
+
+
+def _ghost(mend: Mend) -> list[list[float]]:
+    """Edges (six numbers [m] each) of the blocks that a mend changes or adds, as they would be."""
+    before = {id(block) for block in mend.before.assembly.blocks}
+    ends = [
+        block.vertices[edges_of(block.faces)].reshape(-1, 6)
+        for block in mend.model.assembly.blocks
+        if id(block) not in before
+    ]
+    return np.round(np.concatenate(ends), 6).tolist() if ends else []
+
+
+def _apply(work: Work) -> Iterator[Event]:
+    """The model with a mend. Tilt and pushes of the wish stay outside of it."""
+    number = work.extra["mend"].integer()
+    if not 0 <= number < len(work.mends):
+        raise InputError("there is no such mend any more", remedy="look for mends again")
+    chosen = work.mends[number]
+    made = chosen.model
+    removed = set(work.wish.removed)
+    base = work.model.subset([i for i, b in enumerate(work.model.assembly.names)
+                              if b not in removed])  # fmt: skip
+    made = replace(made, load=_untilted(base, made), notes=(), report=None, cases=())
+    wish = replace(work.wish, friction=None, supports=None, removed=())
+    wish = replace(wish, pushes=tuple(p for p in wish.pushes if p[0] in made.assembly))
+    yield "model", {"made": made, "what": chosen.description, "state": as_json(wish)}
+
+
+def _untilted(base: Model, made: Model) -> LoadCase:
+    """The load of a model on its mended blocks: extra forces stay on blocks of the same name."""
+    acceleration = acceleration_of(base)
+    size = float(np.linalg.norm(acceleration))
+    total = LoadCase.gravity(made.assembly, size, acceleration if size > 0.0 else DOWN)
+    extra = base.load.wrench.copy()
+    extra[:, :3] -= base.assembly.mass[:, None] * acceleration
+    here = np.array([name in made.assembly for name in base.assembly.names])
+    wrench = np.zeros((len(made), 6))
+    at = made.assembly.indices([n for n, k in zip(base.assembly.names, here, strict=True) if k])
+    shift = base.assembly.centroid[here] - made.assembly.centroid[at]
+    wrench[at] = extra[here]
+    wrench[at, 3:] += np.cross(shift, extra[here, :3])
+    return replace(total, wrench=total.wrench + wrench, name=base.load.name)
+
+
+def _plan(work: Work) -> Iterator[Event]:
+    """An order of assembly, or what becomes of a given one, as the data of a page."""
+    given = work.extra["order"] if work.extra.has("order") else None
+    order = [] if given is None else [one.text() for one in given.elements()]
+    rules = Rules(order=order or Order.TOP, before=list(itertools.pairwise(order)))
+    options = PlanOptions(rules=rules, anyway=True)
+    part = work.asked.part
+    found = plan(part, options=options, stop=work.stop, progress=work.progress)
+    told = {
+        "order": list(found.order),
+        "asked": order,
+        "counts": found.counts,
+        "message": found.message,
+        "stopped": found.stopped,
+        "impossible": {part.assembly.names[b]: why for b, why in found.impossible.items()},
+    }
+    scene = to_text(encode(scene_of(found, source=work.name))) if found.steps else None
+    yield "plan", {"plan": told, "scene": scene}
+
+
+def _cases(work: Work) -> Iterator[Event]:
+    """The verdicts of several load cases, one after the other."""
+    listed = list(work.extra["cases"].elements())
+    if len(listed) > MOST_CASES:
+        raise InputError(f"there are {len(listed)} cases", remedy=f"compare {MOST_CASES} at most")
+    for number, one in enumerate(listed):
+        try:
+            found = check(asked(work.model, Wish.of(one)).part, stop=work.stop)
+            verdict = {"headline": sentence(found), "verdict": found.verdict.name}
+        except InputError as error:
+            verdict = {"headline": str(error), "verdict": ""}
+        yield "case", {"number": number, **verdict}
+        if work.stop():
+            return
+
+
+def _save(work: Work) -> Iterator[Event]:
+    """The model of the wish as the text of a file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "model.json"
+        io.write(work.asked.part, path)
+        text = path.read_text("utf-8")
+    yield "saved", {"text": text}
+
+
+def as_json(wish: Wish) -> dict[str, Any]:
+    """A wish as it was sent."""
+    return {
+        "tilt": wish.tilt,
+        "direction": wish.direction,
+        "friction": wish.friction,
+        "gravity": wish.gravity,
+        "supports": None if wish.supports is None else list(wish.supports),
+        "removed": list(wish.removed),
+        "pushes": [{"block": block, "force": list(force)} for block, force in wish.pushes],
+    }
+
+
+TASKS: Mapping[str, Callable[[Work], Iterator[Event]]] = {
+    "limit": _limit,
+    "mends": _mends,
+    "apply": _apply,
+    "plan": _plan,
+    "cases": _cases,
+    "save": _save,
+}
+
+__all__ = ["TASKS", "Work", "as_json", "gravity_of"]

@@ -1,0 +1,167 @@
+"""What a window asks for, and the model that it makes of the one in the file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import InputError
+from drystone.design.surgery.changed_model import acceleration_of
+from drystone.io.jsontext import Field
+from drystone.limits import Tilt
+from drystone.loads import DOWN, LoadCase
+from drystone.model import Model
+
+MOST_TILT = 180.0
+MOST_GRAVITY = 1000.0
+"""[m/s2], chosen: a hundred times that of the earth, as in a centrifuge."""
+KEYS = ("tilt", "direction", "friction", "gravity", "supports", "removed", "pushes")
+
+
+@dataclass(frozen=True)
+class Wish:
+    """A load case of the live page.
+
+    Attributes
+    ----------
+    tilt : [degrees]
+    direction : [degrees]
+        Where the tilted model leans to, from x towards y.
+    friction
+        Coefficient of all joints; ``None`` for those of the model.
+    gravity : [m/s2]
+        ``None`` for that of the model.
+    supports
+        Names of the fixed blocks; ``None`` for those of the model.
+    removed
+        Names of blocks that are taken out.
+    pushes
+        Names of blocks and forces (3,) [N] at their centroids, which keep their direction in space.
+    """
+
+    tilt: float = 0.0
+    direction: float = 0.0
+    friction: float | None = None
+    gravity: float | None = None
+    supports: tuple[str, ...] | None = None
+    removed: tuple[str, ...] = ()
+    pushes: tuple[tuple[str, tuple[float, float, float]], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.tilt <= MOST_TILT:
+            raise InputError(f"the tilt is {self.tilt:g}", remedy="give 0 to 180 degrees")
+        if self.friction is not None and not self.friction >= 0.0:
+            raise InputError(
+                f"the friction is {self.friction:g}", remedy="give a coefficient of zero or more"
+            )
+        if self.gravity is not None and not 0.0 <= self.gravity <= MOST_GRAVITY:
+            raise InputError(
+                f"gravity is {self.gravity:g} m/s2", remedy=f"give 0 to {MOST_GRAVITY:g} m/s2"
+            )
+
+    @classmethod
+    def of(cls, field: Field) -> Wish:
+        """The wish in an object of JSON.
+
+        Raises
+        ------
+        InputError
+            A value that cannot be, with its place.
+        """
+        field.object().only(KEYS)
+
+        def number(key: str) -> float | None:
+            return field[key].number() if field.has(key) else None
+
+        def names(key: str) -> tuple[str, ...]:
+            return tuple(one.text() for one in field[key].elements()) if field.has(key) else ()
+
+        pushes = []
+        for one in field["pushes"].elements() if field.has("pushes") else ():
+            one.object().only(("block", "force"))
+            x, y, z = one["force"].floats(3).tolist()
+            pushes.append((one["block"].text(), (x, y, z)))
+        return cls(
+            number("tilt") or 0.0,
+            number("direction") or 0.0,
+            number("friction"),
+            number("gravity"),
+            names("supports") if field.has("supports") else None,
+            names("removed"),
+            tuple(pushes),
+        )
+
+    @property
+    def axis(self) -> tuple[float, float, float]:
+        """Horizontal axis (3,) about which the tilt turns."""
+        angle = math.radians(self.direction)
+        return -math.sin(angle), math.cos(angle), 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """The model of a wish.
+
+    Attributes
+    ----------
+    whole
+        All blocks of the file's model, with supports, friction and load of the wish.
+    part
+        The same without the blocks that are taken out.
+    upright
+        The part before it is tilted.
+    kept : (s,)
+        Positions of the blocks of the part in the whole.
+    axis : (3,)
+    """
+
+    whole: Model
+    part: Model
+    upright: Model
+    kept: Ints
+    axis: Floats
+
+
+def asked(model: Model, wish: Wish) -> Asked:
+    """The model that a wish makes of a model.
+
+    Raises
+    ------
+    InputError
+        It names a block that is not there, pushes a fixed one, or takes all blocks out.
+    """
+    if wish.supports is not None:
+        model = model.with_supports(wish.supports)
+    if wish.friction is not None:
+        model = model.with_friction(wish.friction)
+    load = model.load
+    if wish.gravity is not None:
+        load = load + more_gravity(model, wish.gravity)
+    for block, force in wish.pushes:
+        load = load + LoadCase.point_load(model.assembly, block, force)
+    name = model.load.name + (", pushed" if wish.pushes else "")
+    model = model.with_load(replace(load, name=name))
+    gone = np.zeros(len(model), dtype=bool)
+    gone[model.assembly.indices(list(wish.removed))] = True
+    if gone.all():
+        raise InputError("every block is taken out", remedy="put one back")
+    kept = np.flatnonzero(~gone)
+    axis = np.array(wish.axis)
+    whole = Tilt(model, axis)(wish.tilt) if wish.tilt else model
+    if not gone.any():
+        return Asked(whole, whole, model, kept, axis)
+    return Asked(whole, whole.subset(kept), model.subset(kept), kept, axis)
+
+
+def more_gravity(model: Model, gravity: float) -> LoadCase:
+    """What is to be added to the load of a model so that gravity has another size [m/s2]."""
+    acceleration = acceleration_of(model)
+    size = float(np.linalg.norm(acceleration))
+    down = DOWN if size == 0.0 else acceleration
+    return LoadCase.gravity(model.assembly, gravity - size, down)
+
+
+__all__ = ["Asked", "Wish", "asked", "more_gravity"]

@@ -1,0 +1,171 @@
+"""The live server as a whole: started, waited for, ended without leaving anything behind."""
+
+from __future__ import annotations
+
+import errno
+import threading
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from drystone.base.errors import InputError
+from drystone.live.desk import Desk
+from drystone.live.live_page import page_of
+from drystone.live.requests.guard import MIB
+from drystone.live.requests.web import Server
+from drystone.live.tool_calls import ToolCalls
+from drystone.live.watching import Watch
+
+PORT = 8377
+"""Where the search for a free port begins; chosen, none of the registered ones."""
+PORTS = 20
+"""Ports that are tried."""
+TIME_LIMIT = 60.0
+"""[s] for a verdict, a task, or a call of the JSON interface."""
+SIZE_LIMIT = 16.0
+"""[MiB] of a model that is sent or read, as in :mod:`drystone.mcp`."""
+ALONE = 60.0
+"""[s] after the last window was closed until the server ends. Chosen: a page that is loaded again,
+or a computer that slept, is back by then."""
+
+
+class Live:
+    """The server of one model file.
+
+    Parameters
+    ----------
+    model
+        A model file. Files beside it are readable by calls of the JSON interface, and no others.
+    port
+        The first that is tried; a taken one is passed over.
+    how
+        Arguments of :func:`drystone.read`.
+    time_limit : [s]
+        For a verdict, a task or a call.
+    size_limit : [MiB]
+        Of a model.
+
+    Raises
+    ------
+    InputError
+        There is no such file, no port is free, or a limit is not above zero.
+    """
+
+    def __init__(
+        self,
+        model: str | Path,
+        *,
+        port: int = PORT,
+        how: Mapping[str, Any] | None = None,
+        time_limit: float = TIME_LIMIT,
+        size_limit: float = SIZE_LIMIT,
+    ) -> None:
+        for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
+            if not 0.0 < value < float("inf"):
+                raise InputError(f"is {value}", where=name, remedy="give a number above zero")
+        file = Path(model).resolve()
+        if not file.is_file():
+            raise InputError("there is no such file", where=str(model), remedy="check the path")
+        self.desk = Desk(file, how or {}, size_limit, time_limit)
+        self.desk.folder.model(file.name)
+        self.calls = ToolCalls(self.desk.folder, time_limit)
+        self.asked_port = port
+        self.server = self._bound(port, int(size_limit * MIB))
+        self._watch: Watch | None = None
+        self._thread = threading.Thread(
+            target=self.server.serve_forever, kwargs={"poll_interval": 0.1}, daemon=True
+        )
+
+    def _bound(self, port: int, largest: int) -> Server:
+        for number in [0] if port == 0 else range(port, port + PORTS):
+            try:
+                return Server(number, self.desk, self.calls, largest, page_of)
+            except OSError as error:
+                if error.errno not in (errno.EADDRINUSE, errno.EACCES):
+                    raise
+        last = port + PORTS - 1
+        remedy = "give another one with --port, or 0 for any"
+        raise InputError(f"none of the ports {port} to {last} is free", where="port", remedy=remedy)
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        return self.server.guard.port
+
+    @property
+    def link(self) -> str:
+        """The address of the page, with its token."""
+        return self.server.guard.link
+
+    def start(self) -> None:
+        """Read the model, then serve, in other threads.
+
+        Raises
+        ------
+        InputError
+            The model cannot be read.
+        """
+        self._watch = Watch(self.desk.file, self.desk.read)
+        self._thread.start()
+        try:
+            self.desk.start()
+        except BaseException:
+            self.close()
+            raise
+
+    def wait(self, alone: float = ALONE) -> None:
+        """Wait until the last window was closed for some time [s]; for ever if none is opened."""
+        since = time.monotonic()
+        while time.monotonic() - since < alone:
+            time.sleep(0.2)
+            if self.desk.windows or not self.desk.ever_open:
+                since = time.monotonic()
+            since = max(since, self.server.called)
+
+    def close(self) -> None:
+        """End threads, connections and processes."""
+        if self._watch is not None:
+            self._watch.close()
+            self.server.shutdown()
+            self._thread.join()
+        self.server.server_close()
+        self.server.watch.join()
+        self.calls.close()
+        if self._watch is not None:
+            self.desk.close()
+
+    def __enter__(self) -> Live:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def serve(model: str | Path, *, began: Callable[[Live], None], **how: Any) -> None:
+    """Serve a model until the last window is closed or Ctrl-C ends it.
+
+    Parameters
+    ----------
+    model
+    began
+        Called once it listens.
+    how
+        As for :class:`Live`.
+    """
+    try:
+        with Live(model, **how) as live:
+            began(live)
+            live.wait()
+    except KeyboardInterrupt:
+        pass
+
+
+__all__ = ["PORT", "SIZE_LIMIT", "TIME_LIMIT", "Live", "serve"]

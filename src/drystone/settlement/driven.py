@@ -1,0 +1,303 @@
+"""Blocks that are driven by finite amounts: a load that grows, supports that move, less friction.
+
+The driven quantity grows by small increments. A load that is to be followed beyond its peak is not
+given but found: the displacement d of an increment is given, and the load factor s is one more
+unknown:
+
+    A f(q) + p + s g - c M q = 0,    w . q = d,    w = g / |g|
+
+g is the load at the factor one. d and s belong together as displacement and force: the area below
+the curve of s |g| against d is work, and d grows along every mechanism that gravity resists. The
+drag c M q carries at most a millionth of the load. Source: Batoz and Dhatt 1979 (displacement
+control). The springs and the finite rotations are those of :mod:`drystone.settlement.follow`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import SolverError
+from drystone.settlement.bodies import Bodies
+from drystone.settlement.follow import BALANCED, EASY, Follower, _Increment
+from drystone.settlement.springs import Placed, Pose, Response, respond, tangents
+
+LONGEST = 1e-3
+"""Motion of a block in one increment by its size. A block that rocks by 26 degrees in such steps
+keeps its load within 0.3 % of its peak of the closed form."""
+CARRIED = 1e-6
+"""Share of the mean load of a block that the drag carries in the longest increment."""
+NEWTON = 20
+"""Newton steps after which an increment is taken to be too long: most take fewer than five."""
+CALM = 5
+"""Increments after a refused one in which their length does not grow."""
+FIRST = 1e-2
+"""First increment of a displacement that a load causes, by the overlap of the corners."""
+SHORTEST = 1e-6
+"""By the first increment, below which the blocks are let go while what drives them is held."""
+HOLDS = 50
+"""Times in a row that blocks are let go without an increment of the usual length in between."""
+KEPT = 120
+"""Moments that are kept; of more, every other one is left out."""
+
+
+class Moment(NamedTuple):
+    """The blocks after an increment.
+
+    Attributes
+    ----------
+    displacement, load
+        As the curve has them.
+    pose, placed, response
+    """
+
+    displacement: float
+    load: float
+    pose: Pose
+    placed: Placed
+    response: Response
+
+
+class Driver(Follower):
+    """One run in which something is driven.
+
+    Parameters
+    ----------
+    bodies
+    fall
+        Way of a block by its size, while what drives is held, at which it is said to fall.
+    pace
+        Length of the increments, 1 by default.
+    stop
+        Asked before every increment.
+    """
+
+    def __init__(
+        self,
+        bodies: Bodies,
+        *,
+        fall: float,
+        pace: float = 1.0,
+        step_limit: int,
+        stop: Callable[[], bool] | None = None,
+    ) -> None:
+        super().__init__(bodies, fall=fall, pace=pace, step_limit=step_limit, stop=stop)
+        self.base = self.pose
+        self.grown: Floats | None = None
+        self.reached = self.distance = self.factor = self.next_factor = 0.0
+        self.measure: Callable[[], tuple[float, float]] = lambda: (self.reached, self.factor)
+        self.curve: list[tuple[float, float]] = []
+        self.moments: list[Moment] = []
+        self.last: Moment | None = None
+        self.every, self.passed = 1, 0
+        self.whole = bodies.friction
+
+    def rest(self) -> str:
+        """Let the blocks come to rest under the load that does not grow."""
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            ended = self._to_rest()
+        self.guess = None
+        return ended
+
+    def grow(self, load: Floats, reach: float, tell: Callable[[float], None]) -> str:
+        """A load (f, 6) grows until its displacement is ``reach`` or no more load is needed."""
+        self.grown = load
+
+        def advance(step: float) -> tuple[_Increment | None, None]:
+            self.distance = step
+            found = self._next(step, None)
+            self.distance = 0.0
+            return found, None
+
+        first = FIRST * self.bodies.overlap
+        return self._drive(advance, first, reach, tell, lambda: self.factor <= 0.0)
+
+    def shift(self, motion: Floats, tell: Callable[[float], None]) -> str:
+        """Supports move by a motion (n, 6), from the share 0 to the share 1 of it."""
+        self.measure = lambda: (self.reached, self._on_supports(motion))
+        way = np.abs(motion).max(initial=0.0)
+        first = min(self._limit() / max(float(way), 1e-300), 1.0)
+
+        def advance(step: float) -> tuple[_Increment | None, Floats]:
+            part = step * motion
+            return self._next(step, part), part
+
+        return self._drive(advance, first, 1.0, tell, lambda: False)
+
+    def slacken(self, tell: Callable[[float], None]) -> str:
+        """All friction coefficients fall from the share 1 to the share 0."""
+        self.measure = lambda: (self._gone(), 1.0 - self.reached)
+
+        def advance(step: float) -> tuple[_Increment | None, None]:
+            left = max(1.0 - self.reached - step, 0.0)
+            self.bodies = replace(self.bodies, friction=left * self.whole)
+            return self._increment(None), None
+
+        return self._drive(advance, 1e-2, 1.0, tell, lambda: False)
+
+    def _next(self, step: float, moving: Floats | None) -> _Increment | None:
+        """An increment that begins where the last one would lead."""
+        guess = None if self.guess is None else self.guess[0] * (step / self.guess[1])
+        found = self._increment(guess, moving)
+        if found is not None:
+            self.guess = found.motion, step
+        return found
+
+    def _drive(
+        self,
+        advance: Callable[[float], tuple[_Increment | None, Floats | None]],
+        first: float,
+        reach: float,
+        tell: Callable[[float], None],
+        done: Callable[[], bool],
+    ) -> str:
+        """Increments until ``reach``, or until it is done or cannot be followed."""
+        step, held, calm = first, 0, 0
+        self.note()
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            while self.reached < reach * (1.0 - 1e-9):
+                if self._late():
+                    return "stopped"
+                limit = self._limit()
+                self.drag = CARRIED / limit
+                step = min(step, reach - self.reached)
+                found, moving = advance(step)
+                longest = np.inf if found is None else float(np.abs(found.motion).max(initial=0.0))
+                if found is None or longest > limit:
+                    step *= 0.5 if found is None else max(0.8 * limit / longest, 0.1)
+                    calm = CALM if found is None else 0
+                    if step < SHORTEST * first:
+                        held += 1
+                        ended = self._let_go() if held <= HOLDS else "lost"
+                        if ended != "rests":
+                            return ended
+                        step = first
+                    continue
+                self._accept(found, moving)
+                self.share = 0.0
+                self.reached += step
+                self.note()
+                tell(self.reached / reach)
+                if done():
+                    return "spent"
+                held = 0 if step >= first else held
+                calm = max(calm - 1, 0)
+                if found.iterations < EASY and not calm:
+                    step *= min(2.0, 0.9 * limit / max(longest, 1e-300))
+        return "reached"
+
+    def _let_go(self) -> str:
+        """Hold what drives, and let the blocks come to rest again or fall."""
+        self.base, self.drag, self.guess = self.pose, self.first, None
+        self.farthest, self.stretch = 0.0, 1.0
+        ended = self._to_rest()
+        self.guess = None
+        if ended == "rests":
+            self.note()
+        return ended
+
+    def _limit(self) -> float:
+        size = float(self.bodies.size[self.bodies.free].min(initial=np.inf))
+        return self.pace * LONGEST * size
+
+    def _way(self) -> Floats:
+        """(f,) of each free block since what drives was last held, by its size."""
+        bodies, free = self.bodies, self.bodies.free
+        gone = np.linalg.norm(self.pose.place[free] - self.base.place[free], axis=1)
+        turned = self.pose.turn[free] @ np.swapaxes(self.base.turn[free], 1, 2)
+        angle = np.arccos(np.clip(0.5 * (np.trace(turned, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
+        way: Floats = (gone + angle * bodies.radius[free]) / bodies.size[free]
+        return way
+
+    def _gone(self) -> float:
+        """Largest displacement of a centroid from the beginning."""
+        gone = np.linalg.norm(self.pose.place - self.bodies.centroid, axis=1)
+        return float(gone.max(initial=0.0))
+
+    def _on_supports(self, motion: Floats) -> float:
+        """Force of the blocks on the supports that move, along their translation (n, 6)."""
+        along = np.where((self.bodies.slot < 0)[:, None], motion[:, :3], 0.0)
+        along /= max(float(np.linalg.norm(along, axis=1).max(initial=0.0)), 1e-300)
+        world = np.einsum("ki,kij->kj", self.response.force, self.placed.axes)
+        on_b, on_a = along[self.bodies.block_b], along[self.bodies.block_a]
+        return float((world * (on_b - on_a)).sum())
+
+    def note(self) -> None:
+        """Keep the moment; of too many, every other one but first, last and largest load."""
+        displacement, load = self.measure()
+        self.curve.append((displacement, load))
+        self.last = Moment(displacement, load, self.pose, self.placed, self.response)
+        self.passed += 1
+        if self.passed < self.every and load <= max(one.load for one in self.moments):
+            return
+        self.passed = 0
+        self.moments.append(self.last)
+        if len(self.moments) > KEPT:
+            top = int(np.argmax([one.load for one in self.moments]))
+            self.moments = [one for i, one in enumerate(self.moments) if i % 2 == 0 or i == top]
+            self.every *= 2
+
+    def kept(self) -> list[Moment]:
+        """The moments that were kept, and the last one."""
+        last = [] if self.last is None or self.last is self.moments[-1] else [self.last]
+        return [*self.moments, *last]
+
+    def _increment(self, guess: Floats | None, moving: Floats | None = None) -> _Increment | None:
+        """As in the base; where a load grows, with its factor as an unknown."""
+        if self.grown is None:
+            return super()._increment(guess, moving)
+        bodies, maps, grown = self.bodies, self.maps, self.grown
+        placed = self.placed
+        maps.at(self.pose, placed)
+        weight = np.repeat(self.drag * bodies.mass[:, None], 6, axis=1)
+        along = grown / np.linalg.norm(grown)
+        motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
+        factor = self.factor
+        recent: list[float] = []
+        for number in range(NEWTON):
+            response = respond(bodies, placed.gap, self.friction, maps.moved(motion))
+            left = maps.wrench(response.force) + bodies.load + factor * grown - weight * motion
+            size = float(np.linalg.norm(left)) / self.load_size
+            if number and size < BALANCED:
+                self.next_factor = factor
+                return _Increment(motion, response, number)
+            self.iterations += 1
+            tangent = tangents(bodies, response)
+            try:
+                step = maps.solve(tangent, weight, left)
+                grows = maps.solve(tangent, weight, grown)
+            except SolverError:
+                return None
+            missing = self.distance - float((along * (motion + step)).sum())
+            change = missing / float((along * grows).sum())
+            step = step + change * grows
+            if not np.isfinite(step).all():
+                return None
+            if number == 0:  # from here on every motion has the given displacement
+                motion, factor = motion + step, factor + change
+                continue
+            length, allowed = 1.0, max([*recent[-4:], size])
+            while True:
+                trial = motion + length * step
+                response = respond(bodies, placed.gap, self.friction, maps.moved(trial))
+                rest = maps.wrench(response.force) + bodies.load - weight * trial
+                rest = rest + (factor + length * change) * grown
+                now = float(np.linalg.norm(rest)) / self.load_size
+                if now < (1.0 - 1e-3 * length) * allowed or length < 0.03:
+                    break
+                length *= 0.5
+            recent.append(size)
+            motion, factor = trial, factor + length * change
+        return None
+
+    def _accept(self, found: _Increment, moving: Floats | None = None) -> None:
+        super()._accept(found, moving)
+        if self.grown is not None:
+            self.factor = self.next_factor
+
+
+__all__ = ["Driver", "Moment"]

@@ -1,0 +1,323 @@
+"""Large displacement as an analysis: until the blocks cannot follow any farther."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, TypeAlias, Unpack
+
+import numpy as np
+
+from drystone.base.arrays import Bools, Floats, cross, frozen, frozen_floats, number
+from drystone.base.errors import InputError
+from drystone.base.progress import Clock, Progress
+from drystone.base.settings import checked_call
+from drystone.contacts import Contacts
+from drystone.io.opening import Given, How, as_model
+from drystone.loads import LoadCase
+from drystone.loads.case import STANDARD_GRAVITY
+from drystone.model import Model
+from drystone.settlement.bodies import Bodies, build_bodies
+from drystone.settlement.corners import Carrier
+from drystone.settlement.driven import Driver, Moment
+from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.settlement.settlement_types import SettlementOptions
+from drystone.settlement.settling import block_motions, scaled_motion, support_motion
+
+Tell: TypeAlias = Callable[[float], None]
+"""Called with the share of the way that is done."""
+
+STAGE = {
+    Drive.LOAD: "pushing",
+    Drive.SUPPORTS: "moving the supports",
+    Drive.FRICTION: "reducing the friction",
+}
+ENDS = {
+    "spent": End.SPENT,
+    "falls": End.FALLS,
+    "reached": End.REACHED,
+    "stopped": End.STOPPED,
+    "lost": End.LOST,
+}
+
+
+@checked_call
+def push(
+    given: Given,
+    live: LoadCase | Sequence[float] = (1.0, 0.0, 0.0),
+    *,
+    to: float | None = None,
+    options: SettlementOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> LargeDisplacement:
+    """Push a structure until it needs no push any more: load against displacement.
+
+    A load grows on top of that of the model. Its displacement is prescribed and its factor found,
+    so that the curve goes on beyond the largest load, where a structure of rigid blocks spends most
+    of its way. The displacement at which the factor has fallen to zero is the displacement
+    capacity: let go there, the structure falls. Quasi-static: no inertia. The forces keep their
+    direction and act about the moved centroids.
+
+    Parameters
+    ----------
+    given
+        A model; or an assembly or a file, of which ``how`` makes one.
+    live
+        The load that grows: a load case, or forces on all masses as shares (3,) of their weight at
+        9.81 m/s2.
+    to : [m]
+        Displacement at which it ends; left out, the mean size of a block.
+    options
+        ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
+        where no carrier is given the moving block carries the ends of joints.
+    progress
+    stop
+        Asked before every increment; True ends it with what is known by then.
+    time_limit_s
+        After it the answer is what is known by then.
+
+    Raises
+    ------
+    InputError
+        The load has no force on a free block, ``to`` is not above zero, or what was given cannot be
+        made into a model.
+
+    Examples
+    --------
+    A block 1 m wide and 2 m high rocks: the factor begins at 1/2 and falls to zero as the centroid
+    comes to stand over the edge.
+
+    >>> import drystone
+    >>> from drystone.models import box
+    >>> blocks = (box((3, 3, 1), (-1, -1, -1), "base"), box((1, 1, 2), (0, 0, 0), "block"))
+    >>> found = drystone.push(drystone.Assembly(blocks).with_fixed(["base"]), friction=1.0)
+    >>> round(found.peak, 3), round(found.capacity, 2)
+    (0.5, 0.5)
+    """
+    model = as_model(given, **how)
+    if isinstance(live, LoadCase):
+        case = LoadCase.of(model.assembly, live)
+    else:
+        case = _of_masses(model, live)
+    free = model.assembly.free
+    if not np.any(case.wrench[free, :3]):
+        raise InputError(
+            "the load that grows has no force on a free block", remedy="push a free block"
+        )
+    far = number(to, "to") if to is not None else None
+    if far is not None and far <= 0.0:
+        raise InputError(f"to is {far:g}", remedy="give a length in m above zero")
+
+    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
+        wrench = case.wrench[free]
+        grown = np.concatenate(
+            [wrench[:, :3], wrench[:, 3:] / (bodies.length_unit * bodies.radius[free, None])],
+            axis=1,
+        )
+        grown /= bodies.force_unit
+        # by this the displacement along the whole load becomes the mean one of its forces
+        share = float(np.linalg.norm(grown) / np.linalg.norm(grown[:, :3], axis=1).sum())
+        share *= bodies.length_unit
+        ended = driver.grow(grown, (bodies.length_unit if far is None else far) / share, tell)
+        return ended, share, 1.0
+
+    return _driven(model, Drive.LOAD, run, options, progress, Clock(time_limit_s, stop))
+
+
+@checked_call
+def move_supports(
+    given: Given,
+    motion: Mapping[int | str, Any] | None = None,
+    *,
+    to: float | None = None,
+    options: SettlementOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> LargeDisplacement:
+    """Move supports by finite amounts until the blocks fall: how far, and with which forces.
+
+    What is not listed here is as in :func:`push`.
+
+    Parameters
+    ----------
+    given
+    motion
+        Per support its translation [m] (3,), or translation and rotation vector [m, rad] (6,), as
+        in :func:`drystone.settle`.
+    to : [m]
+        The motion is made larger or smaller until its largest translation is this; left out, it is
+        taken as it is.
+
+    Raises
+    ------
+    InputError
+        No support moves, or ``to`` is given for a motion without translation.
+    """
+    model = as_model(given, **how)
+    moving = support_motion(model, motion)
+    if moving is None:
+        raise InputError("no support moves", remedy='give a motion, such as {"base": (0, 0, -0.1)}')
+    longest = float(np.linalg.norm(moving[:, :3], axis=1).max())
+    if to is not None:
+        if not number(to, "to") > 0.0 or longest == 0.0:
+            raise InputError(
+                f"to is {to:g} and the largest translation {longest:g} m",
+                remedy="give a length in m above zero, and a translation",
+            )
+        moving, longest = moving * (to / longest), to
+    still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))
+
+    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
+        ended = driver.shift(scaled_motion(bodies, moving), tell)
+        return ended, longest, bodies.force_unit
+
+    return _driven(still, Drive.SUPPORTS, run, options, progress, Clock(time_limit_s, stop))
+
+
+@checked_call
+def reduce_friction(
+    given: Given,
+    *,
+    options: SettlementOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> LargeDisplacement:
+    """Let all friction coefficients decay from their values to zero, until the blocks fall.
+
+    The last load is the share of the friction at which they fall. All else is as in :func:`push`.
+    """
+    model = as_model(given, **how)
+
+    def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
+        return driver.slacken(tell), bodies.length_unit, 1.0
+
+    return _driven(model, Drive.FRICTION, run, options, progress, Clock(time_limit_s, stop))
+
+
+def _driven(
+    model: Model,
+    drive: Drive,
+    run: Callable[[Bodies, Driver, Tell], tuple[str, float, float]],
+    options: SettlementOptions | None,
+    progress: Progress | None,
+    clock: Clock,
+) -> LargeDisplacement:
+    """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N."""
+    chosen = SettlementOptions.of(options)
+    if not len(model.assembly.free):
+        raise InputError("every block is fixed", remedy="leave a block free")
+    part = model.with_contacts(model.contacts.select(model.active))
+    carrier = Carrier.MOVING if chosen.carrier is None else chosen.carrier
+    bodies = build_bodies(part, carrier, overlap=chosen.overlap, tangential=chosen.tangential)
+    driver = Driver(
+        bodies, fall=chosen.fall, pace=chosen.pace, step_limit=chosen.step_limit, stop=clock.late
+    )
+
+    def tell(share: float) -> None:
+        if progress is not None:
+            progress(STAGE[drive], min(int(100.0 * share), 99), 100)
+
+    ended = driver.rest()
+    length = load = 1.0
+    if ended == "rests":
+        ended, length, load = run(bodies, driver, tell)
+    else:
+        driver.note()
+    if progress is not None:
+        progress(STAGE[drive], 100, 100)
+    curve = np.array(driver.curve) * (length, load)
+    states = tuple(_state(model, bodies, one, length, load) for one in driver.kept())
+    end = ENDS[ended]
+    stopped = ""
+    if end is End.STOPPED:
+        stopped = clock.reason or f"{chosen.step_limit} steps were made"
+    found = LargeDisplacement(
+        drive, model, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
+        stopped, chosen, {"solve": clock.elapsed_s},
+    )  # fmt: skip
+    return replace(found, message=_said(found, driver))
+
+
+def _state(model: Model, bodies: Bodies, moment: Moment, length: float, load: float) -> LargeState:
+    """A moment in m and N, for all interfaces of the model."""
+    contacts = model.contacts
+    mine = model.active[contacts.interface]
+    origin = model.assembly.centroid[bodies.free].mean(axis=0)
+    point = contacts.point.copy()
+    point[mine] = moment.placed.point * bodies.length_unit + origin
+    world = np.einsum("ki,kij->kj", moment.response.force, moment.placed.axes)
+    frame = contacts.frame.copy()
+    frame[model.active] = _frames(contacts, model.active, moment)
+    force = np.zeros((contacts.corner_count, 3))
+    axes = frame[contacts.interface[mine]]
+    force[mine] = np.einsum("kij,kj->ki", axes, world) * bodies.force_unit
+    moved = replace(contacts, point=point, frame=frame)
+    return LargeState(
+        length * moment.displacement,
+        load * moment.load,
+        frozen(block_motions(bodies, (moment.pose,))[0]),
+        moved,
+        frozen(force),
+    )
+
+
+def _frames(contacts: Contacts, active: Bools, moment: Moment) -> Floats:
+    """(m, 3, 3) of the active interfaces: the mean of their corners, weighted by the pressure."""
+    number = np.cumsum(active) - 1
+    owner = number[contacts.interface[active[contacts.interface]]]
+    weight = moment.response.force[:, 0]
+    total = np.bincount(owner, weight, minlength=int(active.sum()))
+    weight = np.where(total[owner] > 0.0, weight, 1.0)
+    sums = np.zeros((int(active.sum()), 3, 3))
+    np.add.at(sums, owner, weight[:, None, None] * moment.placed.axes)
+    n = sums[:, 0] / np.linalg.norm(sums[:, 0], axis=1, keepdims=True)
+    u = sums[:, 1] - (sums[:, 1] * n).sum(axis=1, keepdims=True) * n
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    return np.stack([n, u, cross(n, u)], axis=1)
+
+
+def _of_masses(model: Model, shares: Sequence[float]) -> LoadCase:
+    """Forces on all masses as shares (3,) of their weight."""
+    given = frozen_floats(shares, (3,), "the load that grows")
+    size = float(np.linalg.norm(given))
+    if size == 0.0:
+        raise InputError("the load that grows is zero", remedy="give a direction such as (1, 0, 0)")
+    load = LoadCase.gravity(model.assembly, STANDARD_GRAVITY * size, given)
+    return LoadCase(load.wrench, f"{', '.join(f'{x:g}' for x in given)} of the weight")
+
+
+def _said(found: LargeDisplacement, driver: Driver) -> str:
+    """A sentence for a person."""
+    if len(found.displacement) < 2 and found.end is not End.STOPPED:
+        return "it does not stand without what is to grow"
+    unit = f" {found.unit}" if found.unit else ""
+    far, last = found.displacement[-1], found.load[-1]
+    if found.drive is Drive.FRICTION:
+        if found.end is End.FALLS:
+            return f"it falls at {last:.3g} of its friction, '{_mover(driver, found)}' first"
+        reached = found.end is End.REACHED
+        what = "without any friction" if reached else f"at {last:.3g} of its friction"
+        return f"it is still at rest {what}, moved by {far:.3g} m"
+    peak = f"at most {found.peak:.4g}{unit}"
+    if found.end is End.SPENT:
+        return f"{peak}; no load is needed any more at {found.capacity:.4g} m"
+    if found.end is End.FALLS:
+        return f"{peak}; it falls at {far:.4g} m, '{_mover(driver, found)}' first"
+    why = {End.REACHED: "followed", End.LOST: "no further position was found, followed"}
+    told = why.get(found.end, f"{found.stopped}, followed")
+    return f"{peak}; {told} to {far:.4g} m, where it is {last:.4g}{unit}"
+
+
+def _mover(driver: Driver, found: LargeDisplacement) -> str:
+    """The block that moves farthest while what drives is held."""
+    return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.way))])]
+
+
+__all__ = ["move_supports", "push", "reduce_friction"]

@@ -1,0 +1,90 @@
+"""Load against displacement as a plot, through matplotlib when asked."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from drystone.base.errors import FormatError
+from drystone.base.files import write_whole
+from drystone.settlement import Drive, End, LargeDisplacement
+from drystone.view.scenes.palette import ROLE_COLOUR
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SUFFIXES = ("png", "svg", "pdf")
+LABELS = {
+    Drive.LOAD: ("displacement of the load [m]", "load factor"),
+    Drive.SUPPORTS: ("motion of the support [m]", "force on the moving supports [N]"),
+    Drive.FRICTION: ("largest displacement of a block [m]", "share of the friction"),
+}
+
+
+def save_curve(found: LargeDisplacement, path: str | PathLike[str], *, title: str = "") -> None:
+    """Draw the load against the displacement, with new hinges and slides.
+
+    Parameters
+    ----------
+    found
+    path
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+    title
+
+    Raises
+    ------
+    FormatError
+        Another suffix, or the file cannot be written.
+    """
+    kind = Path(path).suffix.lower().lstrip(".")
+    if kind not in SUFFIXES:
+        raise FormatError(
+            f"a plot cannot be written as '.{kind}'",
+            where=str(path),
+            remedy="end the name in .png, .svg or .pdf",
+        )
+    drawing = draw_curve(found, title)
+
+    def fill(file: BinaryIO) -> None:
+        drawing.savefig(file, format=kind, dpi=150.0)
+
+    write_whole(path, fill)
+
+
+def draw_curve(found: LargeDisplacement, title: str = "") -> Figure:
+    """The plot as a matplotlib figure."""
+    from matplotlib.figure import Figure  # optional work: plotting is slow to import
+
+    colour = ROLE_COLOUR["light"]
+    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
+    axes: Any = figure.add_subplot()
+    axes.plot(found.displacement, found.load, "-", color=colour["pressure"], linewidth=1.8)
+    events = found.events()
+    for kind, label, ink, shape in (
+        ("hinge", "a joint becomes a hinge", colour["hinge"], "o"),
+        ("slides", "a joint slides", colour["help"], "D"),
+    ):
+        here = np.flatnonzero(events["event"] == kind)
+        if len(here):
+            at = events["displacement"][here], events["load"][here]
+            axes.plot(*at, shape, color=ink, label=label, markersize=6)
+    if found.capacity is not None and found.end is not End.LOST:
+        axes.axvline(found.capacity, color=colour["edge"], linestyle=":", linewidth=1.2)
+        axes.annotate(
+            f"{found.capacity:.4g} m", (found.capacity, axes.get_ylim()[1]), fontsize=9,
+            ha="right", va="top", rotation=90, xytext=(-2, -4), textcoords="offset points",
+        )  # fmt: skip
+    across, up = LABELS[found.drive]
+    axes.set_xlabel(across)
+    axes.set_ylabel(up)
+    axes.set_title(f"{title}\n{found.message}".strip(), fontsize=10)
+    axes.grid(alpha=0.25)
+    if len(events):
+        axes.legend(frameon=False, fontsize=9)
+    return figure
+
+
+__all__ = ["draw_curve", "save_curve"]

@@ -1,0 +1,74 @@
+"""Where blocks go when a picture takes a model apart: each along a direction that is free."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats
+from drystone.contacts import Contacts
+from drystone.sequence.motion.directions import freedom
+from drystone.sequence.motion.twists import TOLERANCE
+
+MOST_CONES = 400
+"""Blocks of which all free directions are looked for, chosen: it takes a third of a second."""
+LOOKED_AT = 20
+"""Blocks of which the freest is taken out, where none can leave straight away; chosen."""
+
+
+def exploded(assembly: Assembly, contacts: Contacts, foot: Floats) -> Floats:
+    """Translations (n, 3) [m] of the blocks of a model that is taken apart.
+
+    Blocks are taken out one after the other. Each leaves in the free direction that is nearest to
+    the one away from the ``foot`` (3,), as far as it is from there. Supports stay. Blocks that no
+    translation frees, and those beyond a number that takes long, go straight away from the foot.
+
+    Examples
+    --------
+    The blocks of a tower go up:
+
+    >>> from drystone.detection import find_contacts
+    >>> from drystone.models import tower
+    >>> blocks = tower(3)
+    >>> found = find_contacts(blocks).contacts
+    >>> exploded(blocks, found, np.array([0.5, 0.5, 0.0])).round(2).tolist()
+    [[0.0, 0.0, 0.0], [0.0, 0.0, 1.5], [0.0, 0.0, 2.5]]
+    """
+    from_foot = assembly.centroid - foot
+    far = np.linalg.norm(from_foot, axis=1)
+    away = np.where(
+        far[:, None] > 0.0, from_foot / np.maximum(far, 1e-300)[:, None], [[0.0, 0.0, 1.0]]
+    )
+    a, b, normal = contacts.block_a, contacts.block_b, contacts.frame[:, 0]
+    opening = np.stack([-(normal * away[a]).sum(axis=1), (normal * away[b]).sum(axis=1)])
+    direction, cones = away.copy(), 0
+    left: Bools = ~assembly.fixed
+    while left.any():
+        here = left | assembly.fixed
+        both = here[a] & here[b]
+        least = np.full(len(assembly), np.inf)
+        np.minimum.at(least, a[both], opening[0, both])
+        np.minimum.at(least, b[both], opening[1, both])
+        leaves = left & (least >= -TOLERANCE)
+        if not leaves.any():
+            if cones >= MOST_CONES:
+                break
+            tried = np.flatnonzero(left)
+            tried = tried[np.argsort(-far[tried], kind="stable")][:LOOKED_AT]
+            cones += len(tried)
+            best, share = -1, -np.inf
+            for i in tried.tolist():
+                into = np.concatenate([-normal[both & (a == i)], normal[both & (b == i)]])
+                free = freedom(into, away[i]).preferred
+                if free is not None and float(free @ away[i]) > share:
+                    best, share, direction[i] = i, float(free @ away[i]), free
+            if best < 0:
+                break
+            leaves = np.arange(len(assembly)) == best
+        left = left & ~leaves
+    direction[left] = away[left]
+    translation: Floats = np.where(assembly.fixed[:, None], 0.0, far[:, None] * direction)
+    return translation
+
+
+__all__ = ["exploded"]

@@ -1,0 +1,108 @@
+"""Large displacement: a scene that plays the states, with the curve in the panel."""
+
+from __future__ import annotations
+
+import html
+
+import numpy as np
+
+from drystone.base import units
+from drystone.base.arrays import Floats
+from drystone.settlement import LargeDisplacement, LargeState
+from drystone.view.scenes.header import directions, facts_of
+from drystone.view.scenes.palette import State
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+
+WIDTH, HEIGHT = 280.0, 170.0
+LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
+"""[px] of the drawing, and its margins for ticks."""
+SECONDS = 6.0
+"""In which the page plays the states, chosen."""
+NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
+
+
+def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
+    """A scene that plays the states from first to last.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> from drystone.settlement import push
+    >>> scene = large_scene(push(tower(2), friction=0.3, to=0.01))
+    >>> scene.stages[0].motion_name, scene.stages[0].headline
+    ('Push', 'As far as asked for')
+    """
+    assembly, contacts, model = found.assembly, found.contacts, found.model
+    state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
+    up, gravity = directions(assembly, model.load)
+    end = found.end.value
+    headline = end[0].upper() + end[1:]
+    name = NAMES[found.drive.value]
+    last = found.states[-1]
+    path = np.stack([one.positions for one in found.states])
+    message = "; ".join([found.message, *model.notes])
+    whole = Stage(
+        "all states", headline, message, state, motion=last.positions, motion_name=name,
+        path=path if len(path) > 1 else None, seconds=SECONDS, plays=True, up=up, gravity=gravity,
+        layers=_marks(last),
+    )  # fmt: skip
+    facts = facts_of(assembly, contacts, model.load, source)
+    title = f"drystone: {headline.lower()}"
+    return Scene(
+        assembly, contacts, (whole,), title, facts, panels=(curve_panel(found),), preset="solid"
+    )
+
+
+def _marks(state: LargeState) -> tuple[Layer, ...]:
+    """Hinges and sliding joints where they are in this state."""
+    made = []
+    for key, label, colour, shape, joints in (
+        ("hinges", "hinge: presses on one edge", "hinge", Shape.DISC, state.hinges),
+        ("sliding", "friction is spent", "help", Shape.DIAMOND, state.sliding),
+    ):
+        number = np.array(joints, dtype=np.intp)
+        if len(number):
+            place = state.resultants.position[number]
+            made.append(Layer(key, label, LayerKind.MARKERS, colour, place, shape=shape))
+    return tuple(made)
+
+
+def curve_panel(found: LargeDisplacement) -> str:
+    """HTML with the curve of load against displacement."""
+    far = max(float(found.displacement.max(initial=0.0)), 1e-300)
+    low, high = min(float(found.load.min()), 0.0), max(float(found.load.max()), 1e-300)
+    x = LEFT + found.displacement / far * (WIDTH - LEFT - RIGHT)
+    y = _up(found.load, low, high)
+    line = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    base = float(_up(np.zeros(1), low, high)[0])
+    unit = found.unit
+    top = units.quantity(high, unit) if unit else f"{high:.3g}"
+    ticks = [
+        (LEFT - 5.0, TOP + 4.0, "end", top),
+        (LEFT - 5.0, base + 4.0, "end", "0"),
+        (LEFT, HEIGHT - BOTTOM + 14.0, "middle", "0"),
+        (WIDTH - RIGHT, HEIGHT - BOTTOM + 14.0, "end", units.quantity(far, "m")),
+    ]
+    texts = "".join(
+        f'<text x="{a:.1f}" y="{b:.1f}" text-anchor="{anchor}">{html.escape(text)}</text>'
+        for a, b, anchor, text in ticks
+    )
+    return f"""    <fieldset><legend>Load against displacement</legend>
+      <svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" width="100%" role="img" fill="var(--quiet)"
+        font-size="11" aria-label="Load against displacement">
+        <path d="M{LEFT:g} {TOP:g}V{HEIGHT - BOTTOM:g}M{LEFT:g} {base:.1f}H{WIDTH - RIGHT:g}"
+          fill="none" stroke="var(--line)"/>
+        <polyline fill="none" stroke="var(--accent)" stroke-width="2" points="{line}"/>
+        {texts}
+      </svg>
+      <p>{html.escape(found.message)}</p>
+    </fieldset>"""
+
+
+def _up(load: Floats, low: float, high: float) -> Floats:
+    """Place of loads on the axis [px]."""
+    place: Floats = HEIGHT - BOTTOM - (load - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
+    return place
+
+
+__all__ = ["curve_panel", "large_scene"]

@@ -1,0 +1,111 @@
+// One picture: what is switched on, drawn by the renderer, with names and scales over it.
+
+const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
+const MANY = 3000; // blocks, from which lines wait where pictures come slowly
+
+function sizeOf() {
+  return { width: Math.max(1, canvas.clientWidth), height: Math.max(1, canvas.clientHeight) };
+}
+
+// What the renderer draws: the eye, and everything that the page has switched on.
+function currentView(ratio = window.devicePixelRatio || 1) {
+  const { width, height } = sizeOf();
+  const colours = Object.fromEntries(
+    Object.entries(data.colours[theme()]).map(([role, hex]) => [role, colourOf(hex)]),
+  );
+  const stateColours = new Float32Array(24);
+  for (const [code, state] of Object.entries(data.states)) {
+    stateColours.set(colourOf(state[theme()]), 3 * Number(code));
+  }
+  const light = theme() === "light";
+  const solid = shownLayers.get("blocks") && page.opacity >= 0.5;
+  // Small blocks get thin lines, or a large model drowns in them.
+  const pixels = camera.share(data.blockSize) * height;
+  const time = stage().path ? Number(page.time > 0) : stage().arrives ? 1 - page.time : page.time;
+  const layers = stage().layers.filter(shown);
+  return {
+    ...camera.view(width / height), ratio, colours, stateColours,
+    fine: Math.min(1, Math.max(0.3, pixels / 30)),
+    markerSize: Math.min(MARKER, Math.max(2, 0.09 * pixels)),
+    time: Math.abs(time) < 1e-9 ? 0 : time,
+    spread: camera.spread,
+    sectioned: page.section.axis >= 0,
+    section: sectionPlane(),
+    opacity: page.opacity, selected: page.selected, hovered: page.hovered, joint: page.joint,
+    edgeColour: solid && !light ? [0.06, 0.07, 0.08] : colours.edge,
+    ghostColour: light ? [0.25, 0.25, 0.25] : [0.8, 0.8, 0.8],
+    fallColour: light ? [0.52, 0.13, 0.38] : [0.95, 0.68, 0.85],
+    hatch: colourOf(data.states[5][theme()]),
+    cut: light ? [0.45, 0.43, 0.4] : [0.62, 0.6, 0.56],
+    outline: light ? [0.1, 0.12, 0.15] : [1, 1, 1],
+    shadow: light ? 0.16 : 0.5,
+    ramp: new Float32Array(data.ramp[theme()].flatMap(colourOf)),
+    stretch: page.stretch,
+    showBlocks: shownLayers.get("blocks"),
+    showEdges: shownLayers.get("edges") && !hurried,
+    hurried,
+    showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !camera.spread,
+    showGround: shownLayers.get("ground") && !camera.spread,
+    layers: layers.filter((layer) => isDrawn(layer, time)),
+    metresPerPixel: (2 * camera.distance * SLOPE) / height,
+  };
+}
+
+// While blocks move their joints mean nothing; while pictures of many blocks come slowly, lines wait.
+function isDrawn(layer, time) {
+  if (time > 0) return layer.kind === "markers";
+  return !hurried || data.count < MANY || layer.kind === "polygons";
+}
+
+function sectionPlane() {
+  const { axis, at } = page.section;
+  const plane = [0, 0, 0, 1];
+  if (axis < 0) return plane;
+  plane[axis] = 1;
+  plane[3] = at * data.half[axis];
+  return plane;
+}
+
+function resized(target, ratio) {
+  const { width, height } = sizeOf();
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (target.width !== w || target.height !== h) [target.width, target.height] = [w, h];
+}
+
+function draw() {
+  if (!renderer || renderer.gl.isContextLost()) return;
+  const ratio = window.devicePixelRatio || 1;
+  const coarse = hurried ? COARSE * ratio : ratio;
+  resized(canvas, coarse);
+  const view = currentView(coarse);
+  renderer.draw(view);
+  const marks = byId("marks");
+  resized(marks, ratio);
+  drawMarks(marks.getContext("2d"), view, ratio);
+}
+
+function markColours() {
+  const light = theme() === "light";
+  const roles = data.colours[theme()];
+  return {
+    ink: light ? "#1d1b18" : "#eceae5", paper: roles.background, accent: roles.pressure,
+    kern: roles.kern, network: roles.network,
+    x: light ? "#b3343c" : "#ff8d94", y: light ? "#2e7d32" : "#8fd694", z: light ? "#2b5fb4" : "#9cc3ff",
+  };
+}
+
+function drawMarks(pen, view, ratio) {
+  const size = sizeOf();
+  const colours = markColours();
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, size.width, size.height);
+  const names = shownLayers.get("names");
+  const numbers = shownLayers.get("numbers");
+  if ((names || numbers) && view.time === 0) {
+    drawLabels(pen, blockLabels(data, stage(), view, size, { names, numbers, hidden: page.hidden }), colours);
+  }
+  if (page.joint >= 0 && view.time === 0) drawJoint(pen, data, stage(), page.joint, view, size, colours);
+  if (page.measuring?.length) drawMeasure(pen, page.measuring, view, size, colours);
+  drawScale(pen, view, size, colours);
+  drawGizmo(pen, view, stage().gravity, size, colours);
+}

@@ -1,0 +1,180 @@
+"""Shape by gradient: true derivatives, known optima, and shapes checked again from their files."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import Assembly, InputError, Model
+from drystone.cli import main
+from drystone.design import (
+    DesignMargin,
+    ShapeOptions,
+    block_moves,
+    free_vertices,
+    shape,
+    thickening,
+)
+from drystone.design.shaping.help_needed import Form
+from drystone.models import arch, box, concave, dome, shelf, tower
+
+
+def stack(bricks: int) -> Model:
+    """Bricks of 1 m, one on the other, the lowest one fixed."""
+    blocks = [box((1.0, 0.5, 0.25), (0.0, 0.0, 0.25 * i), f"brick-{i}") for i in range(bricks + 1)]
+    return Model.of(Assembly(tuple(blocks)).with_fixed([0]), friction=0.6)
+
+
+def staggered() -> Model:
+    """Blocks turned on each other, so that joints have corners where edges cross."""
+    blocks = [tower(3).blocks[0]]
+    for i, block in enumerate(tower(3).blocks[1:], 1):
+        blocks.append(block.transformed(translation=(0.2 * i, 0.1 * i, 0.0)))
+    leaning = Model.of(Assembly(tuple(blocks)).with_fixed([0]), friction=0.5)
+    return leaning.with_load((3.0, 1.0, -9.81))
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        Model.of(arch(0.08, 8), friction=0.7),
+        Model.of(shelf(), friction=0.9),
+        Model.of(dome(), friction=0.3).with_load((4.0, 1.0, -9.81)),
+        Model.of(concave("short"), friction=0.3).with_load((5.0, 1.0, -9.81)),
+        staggered(),
+    ],
+    ids=["arch", "shelf", "dome", "concave plank", "staggered"],
+)
+def test_the_gradient_is_that_of_central_differences(model: Model) -> None:
+    form = Form.of(model, ground=1e-3)
+    vertex = form.bodies.vertex
+    # vertices at one place go together, so that no joint is torn apart
+    size = float(np.ptp(vertex, axis=0).max())
+    _, place = np.unique(np.round(vertex / (1e-6 * size)), axis=0, return_inverse=True)
+    way = np.random.default_rng(0).normal(size=vertex.shape)[place.ravel()]
+    _, gradient = form.help_at(vertex)
+    step = 1e-7 * size
+    ahead, behind = form.help_at(vertex + step * way)[0], form.help_at(vertex - step * way)[0]
+    slope = (ahead - behind) / (2.0 * step)
+    assert float((gradient * way).sum()) == pytest.approx(slope, rel=1e-5)
+
+
+def test_an_arch_gets_as_thin_as_it_stands(tmp_path: Path) -> None:
+    found = shape(
+        arch(0.2, 12),
+        lambda model: thickening(model, (0.0, 0.0, 0.0), 0.15),
+        friction=0.8,
+        options=ShapeOptions(aim="volume"),
+    )
+    thickness = 0.2 + found.x[0]
+    assert found.stands
+    assert found.value < found.first
+    assert not drystone.check(arch(0.99 * thickness, 12), friction=0.8).stable
+    path = tmp_path / "thin.json"
+    drystone.write(found.model, path)
+    assert drystone.check(drystone.read(path)).stable
+
+
+def test_the_overhang_of_a_stack_is_the_harmonic_one() -> None:
+    model = stack(3)
+    free = [f"brick-{i}" for i in (1, 2, 3)]
+    found = shape(
+        model,
+        block_moves(model, free, (1.0, 0.0, 0.0), 1.5),
+        options=ShapeOptions(aim="reach", block="brick-3"),
+    )
+    assert found.stands
+    assert found.value - found.first == pytest.approx(0.5 + 0.25 + 1.0 / 6.0, rel=0.005)
+
+
+def test_a_thin_arch_is_shaped_until_it_stands_with_its_joints_shared() -> None:
+    model = Model.of(arch(0.09, 8), friction=0.8)
+    found = shape(model, free_vertices(model, 0.05, mirror="x"))
+    assert found.stands
+    assert drystone.check(found.model).stable
+    assert found.model.contacts.count == model.contacts.count
+    assert (Form.of(found.model).corners.at >= 0).all()
+
+
+def test_no_edge_gets_shorter_than_the_least() -> None:
+    model = Model.of(arch(0.2, 6), friction=0.8)
+    found = shape(
+        model,
+        free_vertices(model, 0.05, mirror="x"),
+        options=ShapeOptions(aim="volume", least_edge=0.15, rounds=2, iterations=10),
+    )
+    contacts = found.model.contacts
+    corner = contacts.polygon(contacts.count // 2)
+    sides = np.linalg.norm(corner - np.roll(corner, 1, axis=0), axis=1)
+    assert found.value < found.first
+    assert sides.min() >= 0.15 - 1e-6
+
+
+def test_a_margin_makes_it_thicker() -> None:
+    def thinnest(margin: DesignMargin) -> float:
+        options = ShapeOptions(aim="volume", margin=margin)
+        found = shape(
+            arch(0.25, 8),
+            lambda model: thickening(model, (0.0, 0.0, 0.0), 0.2),
+            friction=0.8,
+            options=options,
+        )
+        assert found.stands
+        return 0.25 + float(found.x[0])
+
+    assert thinnest(DesignMargin(tilt=3.0)) > thinnest(DesignMargin()) + 0.005
+
+
+def test_what_stands_already_is_told_and_what_falls_is_not_made_lighter() -> None:
+    model = stack(1)
+    moves = block_moves(model, ["brick-1"], (1.0, 0.0, 0.0), 0.1)
+    assert "stands already" in shape(model, moves).message
+    falls = Model.of(arch(0.08, 8), friction=0.8)
+    thin = thickening(falls, (0.0, 0.0, 0.0), 0.01)
+    with pytest.raises(InputError, match="does not stand as it is"):
+        shape(falls, thin, options=ShapeOptions(aim="volume"))
+
+
+def test_it_ends_with_the_best_so_far() -> None:
+    model = Model.of(arch(0.2, 8), friction=0.8)
+    asked: list[int] = []
+
+    def stop() -> bool:
+        asked.append(1)
+        return len(asked) > 12
+
+    moves = thickening(model, (0.0, 0.0, 0.0), 0.15)
+    found = shape(model, moves, options=ShapeOptions(aim="volume"), stop=stop)
+    assert found.stands
+    assert "stopped" in found.message
+
+
+def test_moves_that_make_no_sense_are_refused() -> None:
+    model = stack(2)
+    every = list(model.assembly.names)
+    with pytest.raises(InputError, match="no vertex may move"):
+        free_vertices(model, 0.1, keep=every)
+    with pytest.raises(InputError, match="would not stay plane"):
+        free_vertices(model, 0.1, along=None)
+    with pytest.raises(InputError, match="no axis 'w'"):
+        free_vertices(model, 0.1, directions="w")
+    with pytest.raises(InputError, match="largest move"):
+        free_vertices(model, 0.0)
+    with pytest.raises(InputError, match="make the moves of this model"):
+        shape(stack(1), block_moves(model, ["brick-1"], (1.0, 0.0, 0.0), 0.1))
+    with pytest.raises(InputError, match="trust"):
+        ShapeOptions(trust=0.0)
+
+
+def test_the_command_writes_a_shape_that_stands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    base, out = tmp_path / "in.json", tmp_path / "out.json"
+    drystone.write(Model.of(arch(0.095, 8), friction=0.8), base)
+    code = main(["shape", str(base), "--most", "0.05", "--out", str(out), "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert code == 0
+    assert told["stands"]
+    assert drystone.check(drystone.read(out)).stable

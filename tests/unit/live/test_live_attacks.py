@@ -1,0 +1,327 @@
+"""What is no honest request is refused in words, and the next honest one is answered."""
+
+import ast
+import io as memory
+import json
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import drystone
+from drystone import io
+from drystone.live import client
+from drystone.live.computing import helper
+from drystone.live.requests import web
+from drystone.live.serving import Live
+from drystone.live.tool_calls import ToolCalls
+from drystone.mcp.answers import TOOLS
+from drystone.models import arch, tower
+from tests.unit.live.live_client import Window, ask, overhang, raw
+
+GIB = 2**30
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    outside = tmp_path_factory.mktemp("outside")
+    made = tmp_path_factory.mktemp("served")
+    io.write(drystone.Model.of(tower(3), friction=0.4), made / "tower.json")
+    io.write(drystone.Model.of(overhang(), friction=0.9), made / "out.json")
+    io.write(tower(2), outside / "secret.json")
+    (made / "link.json").symlink_to(outside / "secret.json")
+    return made
+
+
+@pytest.fixture(scope="module")
+def live(folder: Path) -> Iterator[Live]:
+    with Live(folder / "tower.json", port=0, size_limit=1.0) as made:
+        yield made
+
+
+def words(answer: tuple[int, Any], status: int) -> str:
+    """The refusal of an answer with this status."""
+    assert answer[0] == status, answer
+    error = answer[1]["error"]
+    text = f"{error['where']}: {error['what']}; {error['remedy']}"
+    assert "Traceback" not in text
+    assert len(text) < 600
+    return text
+
+
+def honest(live: Live) -> None:
+    """The next honest request is answered."""
+    assert ask(live, "/v1")[1]["interface"] == "v1"
+
+
+def test_the_link_opens_the_page_and_nothing_else_does(live: Live) -> None:
+    path = live.link.removeprefix(f"http://127.0.0.1:{live.port}")
+    status, page = ask(live, path, token=False)
+    assert (status, page[:15]) == (200, "<!doctype html>")
+    assert live.server.guard.token not in page
+    assert "missing" in words(ask(live, "/", token=False), 401)
+    assert "not that" in words(ask(live, "/?token=guess", token=False), 403)
+    assert "missing" in words(ask(live, "/v1/check", {}, token=False), 401)
+    assert "missing" in words(ask(live, "/events?window=a", token=False), 401)
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Origin": "http://127.0.0.1:1"},
+        {"Host": "evil.example"},
+        {"Host": "evil.example:80"},
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Sec-Fetch-Site": "same-site"},
+    ],
+    ids=str,
+)
+def test_other_sites_are_refused_even_with_the_token(live: Live, headers: dict[str, str]) -> None:
+    told = words(ask(live, "/v1/check", {}, headers=headers), 403)
+    assert "another" in told
+    told = words(ask(live, f"/?token={live.server.guard.token}", headers=headers), 403)
+    honest(live)
+
+
+def test_our_own_page_is_no_other_site(live: Live) -> None:
+    own = {"Origin": f"http://127.0.0.1:{live.port}", "Sec-Fetch-Site": "same-origin"}
+    assert ask(live, "/v1", headers=own)[0] == 200
+
+
+@pytest.mark.parametrize(
+    "path", ["/../../etc/passwd", "/model/../1", "/model/99999", "/static/page.css", "/v2"]
+)
+def test_there_is_nothing_at_other_addresses(live: Live, path: str) -> None:
+    words(ask(live, path), 404)
+
+
+def test_calls_that_are_not_there(live: Live) -> None:
+    assert "/v1/check" in words(ask(live, "/v1/remove", {}), 404)
+    words(ask(live, "/live/erase", {"window": "a"}), 404)
+    status, _ = ask(live, "/v1/check", {}, method="DELETE")
+    assert status == 501
+
+
+def head(live: Live, *lines: str) -> bytes:
+    """A request of the JSON interface with other headers."""
+    made = ["POST /v1/check HTTP/1.1", f"Host: 127.0.0.1:{live.port}",
+            f"Authorization: Bearer {live.server.guard.token}", *lines]  # fmt: skip
+    return "\r\n".join(made).encode() + b"\r\n\r\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "status", "told"),
+    [
+        (f"Content-Length: {GIB}", 413, "more than the 1 allowed"),
+        (f"Content-Length: {GIB}\r\nExpect: 100-continue", 413, "more than the 1 allowed"),
+        ("Content-Length: -1", 411, "no length"),
+        ("Content-Length: 99999999999999999999999", 411, "no length"),
+        ("Transfer-Encoding: chunked", 411, "no length"),
+        ("X: y", 411, "no length"),
+    ],
+)
+def test_a_body_without_bounds_is_not_read(live: Live, line: str, status: int, told: str) -> None:
+    answer = raw(live, head(live, line))
+    assert answer.startswith(f"HTTP/1.0 {status} ".encode())
+    assert told in answer.decode()
+    honest(live)
+
+
+@pytest.mark.parametrize("data", [b"\0\1\2\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9\r\n\r\n"])
+def test_what_is_not_http_is_refused(live: Live, data: bytes) -> None:
+    assert b'"error"' in raw(live, data)
+    honest(live)
+
+
+def test_a_header_of_a_megabyte_is_refused(live: Live) -> None:
+    try:
+        answer = raw(live, head(live, "X: " + "y" * 2**20))
+    except ConnectionError:
+        answer = b"431"  # it was closed while we still sent
+    assert b"431" in answer
+    honest(live)
+
+
+BOMBS = {
+    "no JSON": b"{",
+    "empty": b"",
+    "deep": b"[" * 100_000,
+    "deep objects": b'{"model":' * 50_000,
+    "long number": b'{"model": ' + b"9" * 10_000 + b"}",
+    "huge number": b'{"model": {"file": "tower.json", "friction": 1e999}}',
+    "not a number": b'{"model": {"file": "tower.json", "friction": NaN}}',
+    "negative friction": b'{"model": {"file": "tower.json", "friction": -0.1}}',
+    "twice": b'{"model": {}, "model": {}}',
+    "list": b"[]",
+    "no model": b"{}",
+    "unknown": b'{"model": {"file": "tower.json"}, "shell": "rm"}',
+    "unknown in model": b'{"model": {"file": "tower.json", "path": "/"}}',
+    "above": b'{"model": {"file": "../secret.json"}}',
+    "absolute": b'{"model": {"file": "/etc/passwd"}}',
+    "link": b'{"model": {"file": "link.json"}}',
+    "not text": b"\xff\xfe",
+    "types": b'{"model": {"file": 7}}',
+    "load": b'{"model": {"file": "tower.json", "loads": 7}}',
+    "wide": b'{"model": {"content": {"blocks": [' + b"{}," * 200_000 + b"{}]}}}",
+}
+
+
+@pytest.mark.parametrize("bomb", BOMBS)
+def test_json_that_cannot_be_used_is_refused_in_words(live: Live, bomb: str) -> None:
+    words(ask(live, "/v1/check", BOMBS[bomb]), 400)
+    honest(live)
+
+
+WISHES = {
+    "negative friction": ({"friction": -0.1}, "zero or more"),
+    "negative gravity": ({"gravity": -1}, "0 to 1000"),
+    "tilt": ({"tilt": 400}, "0 to 180"),
+    "text": ({"tilt": "8"}, "must be a number"),
+    "unknown": ({"colour": 1}, "colour"),
+    "force": ({"pushes": [{"block": "a", "force": [1, 2]}]}, "not 3"),
+    "names": ({"removed": "all"}, "must be a list"),
+}
+
+
+@pytest.mark.parametrize("case", WISHES)
+def test_wishes_that_cannot_be_are_refused_in_words(live: Live, case: str) -> None:
+    wish, told = WISHES[case]
+    body = {"window": "a", "model": 1, "wish": wish}
+    assert told in words(ask(live, "/live/wish", body), 400)
+
+
+def test_wishes_of_windows_models_and_tasks_that_are_not_there(live: Live) -> None:
+    assert "stream" in words(ask(live, "/live/wish", {"window": "none", "model": 1}), 400)
+    words(ask(live, "/live/wish", {"window": "a", "wish": {"removed": ["x" * 300_000]}}), 413)
+    assert "no task" in words(ask(live, "/live/task", {"window": "a", "task": "rm"}), 400)
+    words(ask(live, "/events?window=../a"), 400)
+    window = Window(live, "strange")
+    answer = ask(live, "/live/wish", {"window": "strange", "model": 77})
+    assert "model 77" in words(answer, 400)
+    number = window.wish(removed=["nobody"])
+    assert "nobody" in window.until("error", number)["what"]
+    number = window.wish(removed=["block-0", "block-1", "block-2"])
+    assert "every block" in window.until("error", number)["what"]
+    assert window.answer()["verdict"] == "stable"
+    window.close()
+
+
+def test_connections_that_never_end_give_way(live: Live) -> None:
+    idle = [socket.create_connection(("127.0.0.1", live.port)) for _ in range(200)]
+    for one in idle[::2]:
+        one.sendall(b"POST /v1/check HTTP/1.1\r\nX: ")
+    honest(live)
+    idle[0].settimeout(60)
+    assert b"503" in idle[0].recv(1000)
+    for one in idle:
+        one.close()
+    honest(live)
+
+
+def test_a_request_that_comes_byte_by_byte_is_ended(
+    live: Live, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(web, "PATIENCE", 0.3)
+    with socket.create_connection(("127.0.0.1", live.port)) as slow:
+        slow.settimeout(60)
+        slow.sendall(b"GET / HT")
+        assert b"408" in slow.recv(1000)
+    honest(live)
+
+
+def test_windows_are_bounded(live: Live) -> None:
+    until_closed(live)
+    windows = [Window(live, f"w{i}") for i in range(16)]
+    assert "16 windows" in words(ask(live, "/events?window=more"), 400)
+    for window in windows:
+        window.close()
+    until_closed(live)
+    honest(live)
+
+
+def until_closed(live: Live) -> None:
+    """Wait until the server has seen that every window was closed."""
+    end = time.monotonic() + 300.0
+    while live.desk.windows:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(
+    live: Live, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(helper, "GLANCE", 1e-6)
+    calls = ToolCalls(live.desk.folder, 1e-9)
+    body = json.dumps({"model": {"file": "out.json"}}).encode()
+    try:
+        status, text = calls.call("mend", body)
+        assert (status, "no answer within" in text) == (504, True)
+        calls.seconds = 300.0
+        status, text = calls.call("check", body)
+        assert (status, json.loads(text)["verdict"]) == (200, "unstable")
+    finally:
+        calls.close()
+
+
+def test_a_calculation_that_crashes_is_replaced(live: Live) -> None:
+    window = Window(live, "crash")
+    assert window.answer()["verdict"] == "stable"
+    live.desk.helper._process.kill()
+    assert window.answer(tilt=2)["verdict"] == "stable"
+    window.close()
+
+
+# -- the JSON interface and its client ----------------------------------------------------------
+
+
+def test_the_interface_offers_what_the_tools_are(live: Live) -> None:
+    assert set(ask(live, "/v1")[1]["calls"]) == set(TOOLS)
+
+
+def test_check_limit_plan_and_mend_by_the_client(live: Live) -> None:
+    server = client.Server(live.link)
+    tower_ = {"file": "tower.json"}
+    assert server.check(tower_)["verdict"] == "stable"
+    limit = server.limit(tower_, "tilt", axis="y")
+    assert limit["stands_at"] <= 21.801 <= limit["falls_at"]  # atan 0.4
+    assert server.plan(tower_)["order"]["first"] == ["block-1", "block-2"]
+    assert server.call("files")["count"] == 2
+    mends = server.mend({"file": "out.json"}, kinds=["prop"])["mends"]
+    assert {one["kind"] for one in mends} == {"prop"}
+    with pytest.raises(client.Refused, match="relative path"):
+        server.check({"file": "../secret.json"})
+    with pytest.raises(client.Refused, match="token"):
+        client.Server(live.link + "x").check(tower_)
+    with pytest.raises(client.Refused, match="no server answers"):
+        client.Server("http://127.0.0.1:9/?token=x").check(tower_)
+
+
+def test_the_client_sends_blocks(live: Live) -> None:
+    blocks = [
+        client.block(one.name, one.vertices, one.faces, fixed=i == 0)
+        for i, one in enumerate(arch(0.15, 12).blocks[:1])
+    ]
+    told = client.Server(live.link).check({"content": {"blocks": blocks}})
+    assert told["verdict"] == "stable"
+
+
+def test_the_client_has_no_syntax_that_old_pythons_lack() -> None:
+    assert client.__file__
+    text = Path(client.__file__).read_text("utf-8")
+    tree = ast.parse(text, feature_version=(3, 4))
+    new = (ast.JoinedStr, ast.AnnAssign, ast.AsyncFunctionDef, ast.NamedExpr, ast.Starred)
+    assert not [node for node in ast.walk(tree) if isinstance(node, new)]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            assert not node.args.kwonlyargs
+            assert node.returns is None
+            assert all(one.annotation is None for one in node.args.args)
+        if isinstance(node, ast.Raise):
+            assert node.cause is None
+    assert text.isascii()
+    assert memory.StringIO(text).readline().startswith('"""')

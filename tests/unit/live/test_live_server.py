@@ -1,0 +1,303 @@
+"""The live server: verdicts of wishes, two windows, a file that is watched, nothing left behind."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import io
+from drystone.base.errors import InputError
+from drystone.cli import main
+from drystone.io.jsontext import Field
+from drystone.live import serving
+from drystone.live.computing.python_lines import python_lines
+from drystone.live.computing.wish import Wish, asked
+from drystone.live.serving import Live
+from drystone.live.watching import Watch
+from drystone.models import arch
+from tests.unit.live.live_client import Window, ask, overhang
+
+KEYSTONE = "voussoir-06"
+
+
+def wish_of(**values: object) -> Wish:
+    return Wish.of(Field(values, "", Path("wish")))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("live")
+    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), made / "arch.json")
+    return made
+
+
+@pytest.fixture(scope="module")
+def live(folder: Path) -> Iterator[Live]:
+    with Live(folder / "arch.json", port=0) as made:
+        yield made
+
+
+@pytest.fixture
+def window(live: Live, request: pytest.FixtureRequest) -> Iterator[Window]:
+    made = Window(live, f"window-{abs(hash(request.node.name))}")
+    yield made
+    made.close()
+
+
+def test_a_wish_has_a_quick_answer_and_then_the_verdict(window: Window) -> None:
+    number = window.wish(tilt=2)
+    quick = window.until("quick", number)
+    assert quick["answer"]["headline"].startswith("Stands with uniform stiffness")
+    whole = window.until("whole", number)
+    assert whole["answer"]["verdict"] == "stable"
+    stage = json.loads(whole["picture"])["stage"]
+    lean = np.deg2rad(2.0)
+    assert stage["up"] == pytest.approx([-np.sin(lean), 0.0, np.cos(lean)], abs=1e-12)
+    assert window.answer(tilt=12)["verdict"] == "unstable"
+
+
+def test_the_verdict_is_that_of_check_and_friction_gravity_and_pushes_count(
+    live: Live, window: Window
+) -> None:
+    assert window.answer(friction=0.05)["verdict"] == "unstable"
+    assert window.answer(gravity=1.62)["verdict"] == "stable"
+    push = [{"block": KEYSTONE, "force": [0.0, 0.0, -1e5]}]
+    model = io.read(live.desk.file)
+    load = model.load + drystone.LoadCase.point_load(model.assembly, KEYSTONE, (0, 0, -1e5))
+    assert window.answer(pushes=push)["verdict"] == drystone.check(model, load=load).verdict
+
+
+def test_a_support_holds_and_a_block_can_be_taken_out_and_put_back(window: Window) -> None:
+    names = io.read(window.live.desk.file).assembly.names
+    others = [name for name in names if name != KEYSTONE]
+    assert window.answer(tilt=12)["verdict"] == "unstable"
+    assert window.answer(tilt=12, supports=others)["verdict"] == "stable"
+    number = window.wish(removed=[KEYSTONE])
+    out = window.until("whole", number)
+    assert out["answer"]["verdict"] == "unstable"
+    assert KEYSTONE not in out["answer"]["falling"]
+    assert window.answer()["verdict"] == "stable"
+
+
+def test_the_newest_wish_ends_the_older_ones(window: Window) -> None:
+    numbers = [window.wish(tilt=tilt) for tilt in (1, 2, 3, 4, 5)]
+    window.until("whole", numbers[-1])
+    told = [one["wish"] for one in window.events if one["event"] == "whole"]
+    assert told == numbers[-1:]
+
+
+def test_two_windows_are_both_answered(live: Live, window: Window) -> None:
+    other = Window(live, "other")
+    numbers = window.wish(tilt=2), other.wish(tilt=12)
+    assert other.until("whole", numbers[1])["answer"]["verdict"] == "unstable"
+    assert window.until("whole", numbers[0])["answer"]["verdict"] == "stable"
+    other.close()
+
+
+def test_to_the_edge(window: Window) -> None:
+    found = window.until("limit", window.task("limit", direction=0.0, friction=0.9))
+    assert 8.0 < found["stands"] < found["falls"] < 9.0
+    assert window.answer(tilt=found["stands"])["verdict"] == "stable"
+
+
+def test_load_cases_side_by_side(window: Window) -> None:
+    cases = [{"tilt": 2}, {"tilt": 12}, {"removed": ["nobody"]}]
+    number = window.task("cases", {"cases": cases})
+    window.until("case", number, count=3)
+    told = [one for one in window.events if one["event"] == "case"]
+    assert [one["verdict"] for one in told] == ["STABLE", "UNSTABLE", ""]
+    assert "nobody" in told[2]["headline"]
+
+
+def test_a_plan_is_played_and_its_order_can_be_checked_again(window: Window) -> None:
+    plan = window.until("plan", window.task("plan"))
+    order = plan["plan"]["order"]
+    assert len(order) == len(arch(0.15, 12).free)
+    assert len(json.loads(plan["scene"])["stages"]) > 1
+    again = window.until("plan", window.task("plan", {"order": order}))
+    assert again["plan"]["order"] == order
+
+
+def test_the_model_of_a_wish_can_be_saved(window: Window, tmp_path: Path) -> None:
+    number = window.task("save", friction=0.4, removed=[KEYSTONE])
+    path = tmp_path / "saved.json"
+    path.write_text(window.until("saved", number)["text"])
+    model = io.read(path)
+    assert KEYSTONE not in model.assembly
+    assert set(model.contacts.friction) == {0.4}
+
+
+def test_a_mend_is_shown_made_and_stands(tmp_path: Path) -> None:
+    path = tmp_path / "out.json"
+    io.write(drystone.Model.of(overhang(), friction=0.9), path)
+    with Live(path, port=0) as live:
+        window = Window(live, "mend")
+        assert window.answer()["verdict"] == "unstable"
+        found = window.until("mends", window.task("mends"))
+        assert found["mends"]
+        assert all(len(line) == 6 for one in found["mends"] for line in one["ghost"])
+        number = window.task("apply", {"mend": 0})
+        made = window.until("model", number)
+        assert made["model"] != live.desk.current
+        assert ask(live, f"/model/{made['model']}")[0] == 200
+        window.wish(model=made["model"], **made["state"])
+        assert window.until("whole", window.number)["answer"]["verdict"] == "stable"
+        window.task("apply", {"mend": 99})
+        assert "no such mend" in window.until("error", window.number)["what"]
+        window.close()
+
+
+def test_the_python_lines_give_the_same(
+    live: Live, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    names = io.read("arch.json").assembly.names
+    sent = {
+        "tilt": 3.5, "direction": 30.0, "friction": 0.7, "gravity": 5.0, "removed": [names[5]],
+        "supports": list(names[:2]), "pushes": [{"block": KEYSTONE, "force": [10.0, 5.0, -1.0]}],
+    }  # fmt: skip
+    status, told = ask(live, "/live/python", {"window": "w", "wish": sent})
+    assert status == 200
+    made: dict[str, object] = {"print": lambda *_: None}
+    exec(told["python"], made)
+    model = made["model"]
+    expected = asked(io.read("arch.json"), wish_of(**sent)).part
+    assert isinstance(model, drystone.Model)
+    np.testing.assert_allclose(model.load.wrench, expected.load.wrench, rtol=1e-9, atol=1e-9)
+    assert (model.contacts.friction == expected.contacts.friction).all()
+    assert model.assembly.names == expected.assembly.names
+    assert (model.assembly.fixed == expected.assembly.fixed).all()
+
+
+def test_the_load_case_is_one_of_our_json(folder: Path, tmp_path: Path) -> None:
+    sent = {"tilt": 6.0, "direction": 90.0, "pushes": [{"block": KEYSTONE, "force": [9.0, 0, 0]}]}
+    case = python_lines("arch.json", {}, sent)["case"]
+    content = json.loads((folder / "arch.json").read_text())
+    content["loads"] = [case]
+    (tmp_path / "with.json").write_text(json.dumps(content))
+    read = io.read(tmp_path / "with.json").load
+    expected = asked(io.read(folder / "arch.json"), wish_of(**sent)).part.load
+    np.testing.assert_allclose(read.wrench, expected.wrench, rtol=1e-9, atol=1e-6)
+
+
+def test_a_file_saved_anew_is_read_anew_and_a_broken_one_keeps_the_last_good_one(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "model.json"
+    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
+    with Live(path, port=0) as live:
+        window = Window(live, "watching")
+        before = live.desk.current
+        path.write_text('{"blocks": [\n {"name": "a",,}]}')
+        told = window.until("file", count=2)
+        assert "line 2" in told["broken"]["where"]
+        assert told["model"] == before
+        assert window.answer()["verdict"] == "stable"
+        io.write(drystone.Model.of(arch(0.15, 12), friction=0.05), path)
+        told = window.until("file", count=3)
+        assert (told["broken"], told["model"] > before) == (None, True)
+        assert window.answer()["verdict"] == "unstable"
+        assert window.answer(model=before)["verdict"] == "stable"  # as undo asks for it
+        window.close()
+
+
+def test_a_model_that_cannot_be_read_is_refused_and_nothing_is_left(tmp_path: Path) -> None:
+    path = tmp_path / "broken.json"
+    path.write_text('{"blocks": [')
+    before = {thread.name for thread in threading.enumerate()}
+    with pytest.raises(InputError, match="broken"), Live(path, port=0):
+        pass
+    assert {thread.name for thread in threading.enumerate()} <= before
+    with pytest.raises(InputError, match="no such file"):
+        Live(tmp_path / "none.json")
+
+
+def test_a_taken_port_is_passed_over(live: Live, folder: Path, monkeypatch) -> None:
+    other = Live(folder / "arch.json", port=live.port)
+    try:
+        assert live.port < other.port < live.port + serving.PORTS
+    finally:
+        other.close()
+    monkeypatch.setattr(serving, "PORTS", 1)
+    with pytest.raises(InputError, match="none of the ports"):
+        Live(folder / "arch.json", port=live.port)
+
+
+def test_it_ends_after_its_last_window_was_closed_and_leaves_nothing(folder: Path) -> None:
+    live = Live(folder / "arch.json", port=0)
+    began = threading.Event()
+    ended = threading.Thread(target=lambda: (live.start(), began.set(), live.wait(0.5)))
+    ended.start()
+    assert began.wait(300)
+    window = Window(live, "only")
+    assert window.answer()["verdict"] == "stable"
+    time.sleep(1.0)
+    assert ended.is_alive()  # a window is open
+    window.close()
+    ended.join(60)
+    assert not ended.is_alive()
+    process = live.desk.helper._process
+    live.close()
+    with pytest.raises(ValueError, match="closed"):
+        process.is_alive()
+    with pytest.raises(OSError, match="refused"):
+        ask(live, "/v1")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for child processes in /proc")
+def test_ctrl_c_ends_the_command_and_its_processes(folder: Path) -> None:
+    given = [sys.executable, "-m", "drystone", "live", str(folder / "arch.json"), "--port", "0"]
+    running = subprocess.Popen(
+        [*given, "--no-browser", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(Path(drystone.__file__).parents[1])},
+    )
+    assert running.stdout is not None
+    told = json.loads(running.stdout.readline())
+    assert told["link"] == f"http://127.0.0.1:{told['port']}/?token={told['token']}"
+    with urllib.request.urlopen(told["link"]) as page:
+        assert page.read(15) == b"<!doctype html>"
+    threads = Path(f"/proc/{running.pid}/task").iterdir()  # each knows the children it started
+    children = [one for thread in threads for one in (thread / "children").read_text().split()]
+    assert children
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does
+    rest = running.communicate(timeout=300)
+    assert (running.returncode, *rest) == (0, b"", b"")
+    end = time.monotonic() + 60.0
+    while any(Path(f"/proc/{child}").exists() for child in children):
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def test_a_file_counts_as_saved_once_it_rests(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_text("one")
+    saved = threading.Event()
+    watch = Watch(path, saved.set)
+    time.sleep(0.4)
+    assert not saved.is_set()
+    path.write_text("another")
+    assert saved.wait(60)
+    watch.close()
+
+
+def test_the_command_says_what_is_wrong_and_writes_the_client(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["live"]) == 2
+    assert main(["live", str(tmp_path / "none.json")]) == 2
+    assert "no such file" in capsys.readouterr().err
+    assert main(["live", "--client", str(tmp_path / "client.py")]) == 0
+    compile((tmp_path / "client.py").read_text(), "client.py", "exec")

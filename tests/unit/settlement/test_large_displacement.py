@@ -1,0 +1,234 @@
+"""Loads that grow, supports that move and friction that decays, followed by finite amounts."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import Assembly, InputError, LoadCase, Model
+from drystone.cli import main
+from drystone.models import arch, box, tower
+from drystone.settlement import (
+    Drive,
+    End,
+    LargeDisplacement,
+    SettlementOptions,
+    move_supports,
+    push,
+    reduce_friction,
+)
+
+Capsys = pytest.CaptureFixture[str]
+BASE = box((3.0, 3.0, 1.0), (-1.0, -1.0, -1.0), "base")
+
+
+def stack(count: int, width: float = 1.0, height: float = 2.0, scale: float = 1.0) -> Assembly:
+    """Blocks one upon the other, on a wide base."""
+    blocks = [box((width, 1.0, height), (0.0, 0.0, i * height), f"block-{i}") for i in range(count)]
+    made = [one.transformed(scale * np.eye(3)) for one in (BASE, *blocks)]
+    return Assembly(tuple(made)).with_fixed(["base"])
+
+
+def test_a_block_that_rocks_keeps_the_closed_form() -> None:
+    # about an edge at the angle theta: H / W = tan(alpha - theta), until theta = alpha
+    found = push(stack(1), friction=1.0)
+    alpha = float(np.arctan(0.5))
+    turned = np.array([state.positions[1, 4] for state in found.states])
+    load = np.array([state.load for state in found.states])
+    rocking = turned > 1e-4
+    assert rocking.sum() > 50
+    np.testing.assert_allclose(
+        load[rocking], np.tan(alpha - turned[rocking]), atol=0.01 * np.tan(alpha)
+    )
+    assert found.end is End.SPENT
+    assert found.peak == pytest.approx(0.5, rel=1e-4)
+    assert turned[-1] == pytest.approx(alpha, rel=0.01)
+    # the centroid stands over the edge, half a width on
+    assert found.capacity == pytest.approx(0.5, rel=0.01)
+    assert all(state.hinges == (0,) for state in found.states[-50:])
+
+
+def test_a_block_that_slides_keeps_friction_times_weight() -> None:
+    found = push(stack(1), friction=0.3, to=0.8)
+    assert found.end is End.REACHED
+    assert found.capacity is None
+    slid = found.displacement > 1e-4
+    np.testing.assert_allclose(found.load[slid], 0.3, rtol=1e-4)
+    assert found[-1].sliding == (0,)
+    np.testing.assert_allclose(found[-1].positions[1], [0.8, 0, 0, 0, 0, 0], atol=1e-4)
+
+
+def test_two_blocks_rock_as_one_where_friction_holds_them_together() -> None:
+    found = push(stack(2), friction=1.0)
+    alpha = float(np.arctan(0.25))
+    assert found.peak == pytest.approx(np.tan(alpha), rel=1e-4)
+    assert found.capacity == pytest.approx(0.5, rel=0.01)
+    # the upper one alone would need 0.5
+    assert set(found.events()["joint"]) == {0}
+    turned = np.array([state.positions[1:, 4] for state in found.states])
+    np.testing.assert_allclose(turned[:, 0], turned[:, 1], atol=1e-4)
+
+
+def test_lengths_scale_and_load_factors_stay() -> None:
+    one = push(stack(1), friction=1.0)
+    large = push(stack(1, scale=20.0), friction=1.0)
+    assert large.peak == pytest.approx(one.peak, rel=1e-6)
+    assert large.capacity == pytest.approx(20.0 * one.capacity, rel=1e-3)
+
+
+def test_a_load_on_one_block_has_its_own_displacement() -> None:
+    assembly = stack(1)
+    weight = 2.0 * 2400.0 * 9.81
+    load = LoadCase.point_load(assembly, "block-0", (weight, 0.0, 0.0))
+    found = push(assembly, load, friction=1.0)
+    assert found.peak == pytest.approx(0.5, rel=1e-4)
+    assert found.capacity == pytest.approx(0.5, rel=0.01)
+
+
+def spread(assembly: Assembly, joint: int, motion: float) -> float:
+    """Thrust of an arch on supports that move apart, hinged at the crown and at two joints.
+
+    The crown is a hinge at the extrados, the joints are hinges at the intrados. Between them half
+    an arch is a rigid body. Source: Ochsendorf 2002, chapter 4.
+    """
+    middle = len(assembly) // 2  # the first block right of the crown
+    half = range(middle, middle + joint)
+    crown = max(assembly.blocks[middle].vertices, key=lambda v: (v[2], -v[0]))
+    last = assembly.blocks[middle + joint - 1].vertices
+    after = assembly.blocks[middle + joint].vertices
+    shared = [v for v in last if np.linalg.norm(after - v, axis=1).min() < 1e-9]
+    foot = min(shared, key=lambda v: v[0] ** 2 + v[2] ** 2)
+    mass = assembly.mass[list(half)]
+    centre = mass @ assembly.centroid[list(half)] / mass.sum()
+    run = (foot - crown)[[0, 2]]
+    length = np.linalg.norm(run)
+    across = run[0] + 0.5 * motion
+    now = np.array([across, -np.sqrt(length**2 - across**2)])
+    turn = np.arctan2(now[1], now[0]) - np.arctan2(run[1], run[0])
+    arm = (centre - crown)[[0, 2]]
+    moved = np.cos(turn) * arm[0] - np.sin(turn) * arm[1]
+    return float(mass.sum() * 9.81 * (across - moved) / -now[1])
+
+
+def test_an_arch_on_spreading_supports_turns_about_three_hinges() -> None:
+    assembly = arch(0.2, 16)
+    right = {"springer-right": (1.0, 0.0, 0.0)}
+    found = move_supports(assembly, right, to=0.12, friction=1.5)
+    assert found.drive is Drive.SUPPORTS
+    thrust = {joint: spread(assembly, joint, 0.0) for joint in range(2, 8)}
+    joint = max(thrust, key=lambda one: thrust[one])
+    # crown and two joints as far from it, in the terms of contacts
+    crown = len(assembly) // 2 - 1
+    expected = {crown - joint, crown, crown + joint}
+    held = [s for s in found.states if set(s.hinges) == expected and s.displacement > 1e-3]
+    assert len(held) > 10
+    for state in held:
+        assert state.load == pytest.approx(spread(assembly, joint, state.displacement), rel=0.01)
+    first = found.load[found.displacement > 1e-3][0]
+    assert first == pytest.approx(max(thrust.values()), rel=0.01)
+    assert held[-1].load > 1.2 * first
+
+
+def test_friction_decays_to_the_slope() -> None:
+    # a block on a slope slides where the friction is the slope
+    load = LoadCase.tilt(stack(1), (0.0, 1.0, 0.0), 15.0)
+    found = reduce_friction(Model.of(stack(1), friction=0.6, load=load))
+    assert found.end is End.FALLS
+    assert found.load[-1] * 0.6 == pytest.approx(np.tan(np.deg2rad(15.0)), rel=0.01)
+    still = reduce_friction(tower(2), friction=0.6)
+    assert still.end is End.REACHED
+    assert "without any friction" in still.message
+
+
+def test_it_ends_early_and_says_so() -> None:
+    late = push(stack(1), friction=1.0, time_limit_s=0.0)
+    assert (late.end, late.stopped) == (End.STOPPED, "the time was up")
+    calls = iter(range(10**6))
+    some = push(stack(1), friction=1.0, stop=lambda: next(calls) > 60)
+    assert (some.end, some.stopped) == (End.STOPPED, "it was interrupted")
+    assert 2 < len(some.displacement) < 60
+    few = push(stack(1), friction=1.0, options=SettlementOptions(step_limit=40))
+    assert few.stopped == "40 steps were made"
+    told: list[tuple[str, int, int]] = []
+    push(stack(1), friction=0.3, to=0.01, progress=lambda *one: told.append(one))
+    assert told[-1] == ("pushing", 100, 100)
+
+
+def test_what_does_not_stand_is_not_pushed() -> None:
+    falls = Model.of(stack(1), friction=0.1, load=(1.0, 0.0, -1.0))
+    found = push(falls)
+    assert found.message == "it does not stand without what is to grow"
+    assert found.end is End.FALLS
+
+
+def test_bad_input_is_told() -> None:
+    with pytest.raises(InputError, match="no force on a free block"):
+        push(tower(2), LoadCase.point_load(tower(2), 1, (0.0, 0.0, 0.0)))
+    with pytest.raises(InputError, match="the load that grows is zero"):
+        push(tower(2), (0.0, 0.0, 0.0))
+    with pytest.raises(InputError, match="to is -1"):
+        push(tower(2), to=-1.0)
+    with pytest.raises(InputError, match="no support moves"):
+        move_supports(tower(2))
+    with pytest.raises(InputError, match="'block-1' is not fixed"):
+        move_supports(tower(2), {"block-1": (0.0, 0.0, 1.0)})
+    with pytest.raises(InputError, match="the largest translation 0 m"):
+        move_supports(tower(2), {"block-0": (0, 0, 0, 0, 0, 0.1)}, to=0.1)
+    with pytest.raises(InputError, match="every block is fixed"):
+        reduce_friction(tower(2).with_fixed([0, 1]))
+
+
+@pytest.fixture(scope="module")
+def short() -> LargeDisplacement:
+    return push(stack(1), friction=0.3, to=0.05)
+
+
+def test_it_is_a_table_a_frame_and_plain_values(short: LargeDisplacement, tmp_path: Path) -> None:
+    assert repr(short).startswith("LargeDisplacement(load, ")
+    assert "\n" not in repr(short)
+    assert repr(short[-1]).endswith("load 0.3, 0 hinges, 1 sliding joint)")
+    table = short.table()
+    assert table.headings() == ["displacement [m]", "load"]
+    assert len(short.to_pandas()) == len(short.displacement)
+    told = json.loads(json.dumps(short.to_dict()))
+    assert told["end"] == "as far as asked for"
+    assert told["events"][0]["event"] == "slides"
+    joints = short[-1].joints(short.assembly.names)
+    assert joints["friction_use"][0] == pytest.approx(1.0, rel=1e-6)
+    drystone.view.save_curve(short, tmp_path / "curve.svg")
+    assert (tmp_path / "curve.svg").read_text(encoding="utf-8").startswith("<?xml")
+    drystone.save_page(short, tmp_path / "page.html")
+    assert "Load against displacement" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    path = tmp_path / "block.json"
+    drystone.write(Model.of(stack(1), friction=0.3), path)
+    return str(path)
+
+
+def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, capsys: Capsys) -> None:
+    target = tmp_path / "curve.csv"
+    assert main(["push", file, "--to", "0.01", "--curve", str(target), "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert told["peak"] == pytest.approx(0.3, rel=1e-4)
+    assert target.read_text(encoding="utf-8").startswith("displacement [m],load\n")
+    assert main(["push", file, "block-0:10000,0,0", "--to", "0.01"]) == 1
+    assert "sliding" in capsys.readouterr().out
+    assert main(["push", file, "--lose-friction"]) == 1
+    assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
+    assert main(["push", file, "--lose-friction", "--to", "1"]) == 2
+    assert "contradict" in capsys.readouterr().err
+
+
+def test_settle_follows_supports_to_a_length(file: str, tmp_path: Path, capsys: Capsys) -> None:
+    page = tmp_path / "page.html"
+    asked = ["settle", file, "--move", "base:1,0,0", "--to", "0.01", "--html", str(page)]
+    assert main([*asked, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["curve"]["displacement"][-1] == pytest.approx(0.01)
+    assert told["positions"]["blocks"]["block-0"][-1][0] == pytest.approx(0.01, rel=1e-3)
+    assert page.exists()

@@ -1,0 +1,62 @@
+"""Scenes of blocks that were followed, and pages of very many blocks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone.base.errors import InputError
+from drystone.models import arch, tower
+from drystone.view import Scene, Stage, scene_of
+from drystone.view.scenes.palette import State
+from drystone.view.web import encode as encoding
+from drystone.view.web.encode import LEFT_OUT, encode
+
+
+def test_a_fall_that_was_followed_plays_its_positions():
+    settled = drystone.settle(drystone.Model.of(arch(0.2, 6), friction=0.15))
+    scene = scene_of(settled)
+    assert len(scene.stages) == len(settled.paths)
+    for stage, path in zip(scene.stages, settled.paths, strict=True):
+        assert (stage.headline, stage.plays) == ("Falls", True)
+        assert stage.path is not None
+        assert stage.motion is not None
+        assert np.array_equal(stage.path[-1], stage.motion)
+        factor = np.linalg.norm(stage.motion) / np.linalg.norm(path.displacement)
+        assert np.allclose(stage.motion, factor * path.displacement)
+        falling = np.flatnonzero(stage.state == State.FALLING)
+        assert set(falling.tolist()) == set(path.moving)
+        assert ("times as long" in stage.message) == (factor > 1.0)
+    data = encode(scene)
+    states = len(scene.stages[0].path)  # type: ignore[arg-type]
+    assert data["stages"][0]["path"]["shape"] == [states, len(scene.assembly), 6]
+
+
+def test_what_rests_is_told_to_rest_and_does_not_play():
+    settled = drystone.settle(drystone.Model.of(arch(0.2, 6), friction=0.7))
+    for stage in scene_of(settled).stages:
+        assert (stage.headline, stage.plays) == ("Comes to rest", False)
+        assert "m, drawn" in stage.message
+
+
+def test_a_path_without_a_motion_is_refused():
+    blocks = tower(2)
+    found = drystone.find_contacts(blocks).contacts
+    stage = Stage("a", "", "", np.ones(2, dtype=np.intp), path=np.zeros((3, 2, 6)))
+    with pytest.raises(InputError, match="its path has no motion"):
+        Scene(blocks, found, (stage,))
+
+
+def test_a_page_of_very_many_blocks_says_what_it_leaves_out(monkeypatch):
+    result = drystone.check(drystone.Model.of(tower(3), friction=0.6))
+    whole = encode(scene_of(result))
+    monkeypatch.setattr(encoding, "MANY_BLOCKS", 2)
+    light = encode(scene_of(result))
+    assert "Left out" not in dict(whole["facts"])
+    assert "corner forces" in dict(light["facts"])["Left out"]
+    keys = {layer["key"] for layer in light["stages"][0]["layers"]}
+    assert not keys & LEFT_OUT
+    assert {"joint-force", "network"} <= keys
+    assert light["stages"][0]["force"] is None
+    assert light["stages"][0]["normal"] is not None
