@@ -114,6 +114,12 @@ def values(folder: Path) -> Iterator[object]:
     yield sequence.find_way(Model.of(burr()), "x-low", options=sequence.WayOptions(effort=50))
     yield sequence.WayOptions()
     yield from (sequence.interlocking(stack), sequence.gravity_region(stack, directions=4))
+    yield sequence.Strut("block-1", head=(0.0, 0.0, 1.0))
+    yield sequence.Rope("block-1", anchor=(0.0, 0.0, 9.0))
+    yield sequence.Centring("block-1", face=np.zeros((3, 3)))
+    yield from (sequence.ScaffoldItem("block-1"), sequence.Clamp("block-1"))
+    yield sequence.with_scaffold(stack, [sequence.Clamp("block-1")])
+    yield from (sequence.scaffolding(order), sequence.ScaffoldOptions())
     robots = [sequence.Robot("a"), sequence.Robot("b")]
     yield from (sequence.handling(order, robots), sequence.take_turns(stack, robots=robots))
     yield sequence.Hold(1, "b", "", "c", np.zeros(3), np.zeros(3))

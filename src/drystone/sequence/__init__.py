@@ -26,6 +26,22 @@ from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
+from drystone.sequence.scaffold.scaffold_items import (
+    Centring,
+    Clamp,
+    Rope,
+    ScaffoldedModel,
+    ScaffoldItem,
+    Strut,
+    with_scaffold,
+)
+from drystone.sequence.scaffold.scaffold_plans import (
+    Scaffolding,
+    ScaffoldOptions,
+    Support,
+    compare_scaffolding,
+    scaffolding,
+)
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage
@@ -35,6 +51,8 @@ from drystone.sequence.turns import Turn, Turns, take_turns
 
 __all__ = [
     "Answer",
+    "Centring",
+    "Clamp",
     "Cut",
     "CutDesign",
     "DaskWorkers",
@@ -61,11 +79,18 @@ __all__ = [
     "Prop",
     "RemovalTest",
     "Robot",
+    "Rope",
     "Rules",
+    "ScaffoldItem",
+    "ScaffoldOptions",
+    "ScaffoldedModel",
+    "Scaffolding",
     "Stage",
     "Status",
     "Step",
     "Structure",
+    "Strut",
+    "Support",
     "Trial",
     "Turn",
     "Turns",
@@ -74,6 +99,7 @@ __all__ = [
     "check_both",
     "check_once",
     "check_thoroughly",
+    "compare_scaffolding",
     "cut_block",
     "design_cuts",
     "find_way",
@@ -84,7 +110,9 @@ __all__ = [
     "least_buildable_friction",
     "margins",
     "plan",
+    "scaffolding",
     "sweep_friction",
     "take_turns",
     "tilted_cuts",
+    "with_scaffold",
 ]

@@ -1,0 +1,162 @@
+"""Struts push, ropes pull, clamps do both within limits, centring carries a face."""
+
+import numpy as np
+import pytest
+
+from drystone import Assembly, Model, Verdict, check
+from drystone.base.errors import InputError
+from drystone.models import arch, box
+from drystone.sequence import (
+    Centring,
+    Clamp,
+    PlanOptions,
+    Rope,
+    Rules,
+    ScaffoldOptions,
+    Strut,
+    compare_scaffolding,
+    plan,
+    scaffolding,
+    with_scaffold,
+)
+
+PIER = box((1.0, 1.0, 1.0), name="pier")
+SLAB = box((2.4, 1.0, 0.2), (0.0, 0.0, 1.0), name="slab")
+SLAB_ON_PIER = Model.of(Assembly((PIER, SLAB), [True, False]), friction=0.6)
+WEIGHT = -SLAB_ON_PIER.load.wrench[1, 2]
+END = (2.4, 0.5, 1.0)
+
+
+def held(*items):
+    found = with_scaffold(SLAB_ON_PIER, items)
+    return found, check(found.model)
+
+
+def test_a_strut_pushes_up_by_the_lever_and_a_strut_from_above_does_not_pull():
+    """About the pier's edge at x = 1: F 1.4 is W 0.2 at least."""
+    assert check(SLAB_ON_PIER).verdict is Verdict.UNSTABLE
+    whole, result = held(Strut("slab", head=END, foot=(2.4, 0.5, 0.0)))
+    assert result.stable
+    assert whole.force(result)[0] >= WEIGHT * 0.2 / 1.4 * (1 - 1e-6)
+    assert whole.force(result)[0] <= WEIGHT * 1.2 / 2.4 * (1 + 1e-6)
+    above, fallen = held(Strut("slab", head=(2.4, 0.5, 1.2), foot=(2.4, 0.5, 3.0)))
+    assert fallen.verdict is Verdict.UNSTABLE
+    assert above.model.assembly.names[-1] == "scaffold-000"
+
+
+def test_a_rope_pulls_up_and_a_rope_from_below_does_not_push():
+    whole, result = held(Rope("slab", at=(2.4, 0.5, 1.2), anchor=(2.4, 0.5, 5.0)))
+    assert result.stable
+    assert whole.force(result)[0] >= WEIGHT * 0.2 / 1.4 * (1 - 1e-6)
+    assert held(Rope("slab", at=END, anchor=(2.4, 0.5, 0.0)))[1].verdict is Verdict.UNSTABLE
+
+
+def test_a_limit_that_is_exceeded_is_told():
+    strong = Strut("slab", 1e6, head=END, foot=(2.4, 0.5, 0.0))
+    weak = Strut("slab", 0.1 * WEIGHT, head=END, foot=(2.4, 0.5, 0.0))
+    assert held(strong)[0].overloaded(held(strong)[1]) == ()
+    assert held(weak)[0].overloaded(held(weak)[1]) == (0,)
+
+
+def test_a_clamp_holds_with_limited_force():
+    """A block in the air needs its weight."""
+    alone = Model.of(Assembly((PIER, box((1, 1, 1), (5, 0, 3), "b")), [True, False]), friction=0.6)
+    weight = -alone.load.wrench[1, 2]
+    for share, over in ((1.01, ()), (0.99, (0,))):
+        found = with_scaffold(alone, [Clamp("b", share * weight)])
+        result = check(found.model)
+        assert result.stable
+        assert found.force(result) == pytest.approx([weight])
+        assert found.moment(result) == pytest.approx([0.0], abs=1e-6 * weight)
+        assert found.overloaded(result) == over
+
+
+def test_centring_carries_a_face_by_pressure_and_friction():
+    face = np.array([(2.4, 0.0, 1.0), (1.4, 0.0, 1.0), (1.4, 1.0, 1.0), (2.4, 1.0, 1.0)])
+    whole, result = held(Centring("slab", face=face, friction=0.6))
+    assert result.stable
+    assert whole.model.contacts.frame[-1, 0] == pytest.approx([0.0, 0.0, 1.0])
+
+
+def test_a_strut_on_another_block_loads_it():
+    """The foot stands on a free block, which feels the force."""
+    low = box((0.4, 1.0, 0.4), (2.0, 0.0, 0.0), "low")
+    base = box((4.0, 1.0, 0.2), (0.0, 0.0, -0.2), "base")
+    model = Model.of(Assembly((PIER, SLAB, low, base), [True, False, False, True]), friction=0.6)
+    strut = Strut("slab", head=(2.2, 0.5, 1.0), foot=(2.2, 0.5, 0.4), on="low")
+    whole = with_scaffold(model, [strut])
+    result = check(whole.model)
+    assert result.stable
+    contacts = whole.model.contacts
+    bears = [i for i in range(contacts.count) if set(contacts[i].blocks) == {2, 3}]
+    own = -model.load.wrench[2, 2]
+    carried = result.resultants.normal[bears].sum()
+    assert carried == pytest.approx(own + whole.force(result)[0], rel=1e-6)
+
+
+@pytest.fixture(scope="module")
+def arch_plan():
+    return plan(arch(0.3, 5), friction=0.6, options=PlanOptions(rules=Rules(hands=1)))
+
+
+@pytest.mark.parametrize("support", ["clamp", "centring"])
+def test_an_arch_is_built_with_what_holds_it_sideways(arch_plan, support):
+    assert arch_plan.counts["propped"] > 0
+    found = scaffolding(arch_plan, support)
+    assert found.works
+    assert found.moves == len(arch_plan.props)
+    assert found.peak_force > 0.0
+    assert found.metre_stages == pytest.approx(sum(found.stages["length"]))
+    assert found.cost == pytest.approx(found.metre_stages + found.moves)
+
+
+def test_struts_along_the_load_do_not_hold_a_crown_that_slides_sideways(arch_plan):
+    assert scaffolding(arch_plan, "strut").failed == (2, 3)
+
+
+@pytest.fixture(scope="module")
+def balanced_plan():
+    """A slab that tips until a counterweight is on it."""
+    weight = box((0.5, 1.0, 1.5), (0.0, 0.0, 1.2), "weight")
+    model = Model.of(Assembly((PIER, SLAB, weight), [True, False, False]), friction=0.6)
+    found = plan(model, options=PlanOptions(rules=Rules(hands=1)))
+    assert found.order == ("slab", "weight")
+    assert found.counts["propped"] == 1
+    return found
+
+
+@pytest.mark.parametrize("support", ["strut", "rope", "clamp", "centring"])
+def test_a_slab_waits_for_its_counterweight_on_each_kind(balanced_plan, support):
+    found = scaffolding(balanced_plan, support)
+    assert found.works
+    assert found.moves == 1
+    assert found.peak_force > 0.0
+
+
+def test_weak_struts_fail_and_a_table_compares(balanced_plan):
+    weak = scaffolding(balanced_plan, "strut", options=ScaffoldOptions(limit=1.0))
+    assert weak.failed == (0,)
+    assert weak.stages["overloaded"].tolist() == [4]
+    table = compare_scaffolding([("top", balanced_plan)], ["strut", "clamp"])
+    assert table["support"].tolist() == ["strut", "clamp"]
+    assert table["failed_stages"].tolist() == [0, 0]
+    assert table["cost"] == pytest.approx(table["metre_stages"] + table["moves"])
+
+
+@pytest.mark.parametrize(
+    ("item", "words"),
+    [
+        (Strut("slab", -1.0, head=END, foot=(2.4, 0.5, 0.0)), "its limit is -1.0"),
+        (Strut("slab", head=END, foot=END), "it has no length"),
+        (Rope("nothing", at=END, anchor=(0, 0, 9)), "nothing"),
+        ("a stick", "block"),
+    ],
+)
+def test_bad_items_are_refused(item, words):
+    with pytest.raises((InputError, AttributeError), match=words):
+        with_scaffold(SLAB_ON_PIER, [item])
+
+
+def test_a_kind_that_is_not_known_is_refused(arch_plan):
+    with pytest.raises(InputError, match="'crane' is not known; use strut, rope, clamp, centring"):
+        scaffolding(arch_plan, "crane")
