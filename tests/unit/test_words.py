@@ -13,7 +13,6 @@ EVERYWHERE = {
     # the glossary has another word
     r"heaps?": "soup (faces of a file), pile (loose blocks), queue (of a search)",
     r"(?<!\.)registers?(?!\()": "joggle; a call of a function of this name is left out",
-    r"scaffold\w*": "prop",
     r"eigenstress(es)?": "prestress",
     r"judg(e|es|ed|ing|ement|ements)": "check, verdict, compare with a tolerance",
     r"glanc(e|es|ed|ing)|hast(y|ily)": "the name of a screening level",

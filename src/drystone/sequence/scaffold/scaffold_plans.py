@@ -1,6 +1,6 @@
 """Scaffolding of a plan: the ideal props of its stages replaced by struts, ropes, clamps, centring.
 
-A plan says which blocks are propped at which stages, and believes in props that hold a block in
+A plan says which blocks are propped at which stages, and assumes props that hold a block in
 every direction. Here each of these blocks gets items of one kind, and each stage is checked again
 with them.
 """
