@@ -112,7 +112,7 @@ def thickness(
 
 @command(
     "drystone limit imperfections arch.json --offset 0.01 --draws 10",
-    "drystone limit imperfections arch.json --tolerance 0.002 --order ramp --png share.png",
+    "drystone limit imperfections arch.json --tolerance 0.002 --draws 2 --order ramp",
 )
 def imperfections(
     *,
