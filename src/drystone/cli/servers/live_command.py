@@ -56,7 +56,7 @@ def live(
 
     The verdict follows at once. The model file is watched: saved anew, it is read anew. Programs
     can ask the same server by JSON (docs/json-interface.md). Only this machine is served. It ends
-    with Ctrl-C, or a minute after the last window was closed.
+    with Ctrl-C, or ten seconds after the last window was closed.
     """
     if client is not None:
         text = resources.files("drystone.live").joinpath("client.py").read_bytes()
