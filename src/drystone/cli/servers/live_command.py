@@ -52,7 +52,7 @@ def live(
     ] = 16.0,
     waiting: Waiting,
 ) -> Answer:
-    """Open a page on which a model can be tilted, pushed, supported and mended.
+    """Open a page on which a model can be tilted, pushed and mended, and its supports moved.
 
     The verdict follows at once. The model file is watched: saved anew, it is read anew. Programs
     can ask the same server by JSON (docs/json-interface.md). Only this machine is served. It ends

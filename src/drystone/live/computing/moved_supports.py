@@ -22,6 +22,7 @@ from drystone.view import Stage, stage_of
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
 MOTION = "Motion of the supports"
+FORCE = "force of the blocks on the moving supports, along their motion"
 
 
 def at_once(model: Model) -> Found:
@@ -68,14 +69,14 @@ def _followed(
         return None
     last = found.states[-1]
     verdict = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
+    message = f"{FORCE}: {found.message}"
     result = Result(
-        "settlement", verdict.get(found.end, Verdict.UNDECIDED), found.model, found.message,
+        "settlement", verdict.get(found.end, Verdict.UNDECIDED), found.model, message,
         force=last.force, displacement=last.positions, stopped=found.stopped,
     )  # fmt: skip
     path = np.stack([one.positions for one in found.states])
     stage = _moved(result, last.contacts, path)
-    message = f"{stage.message}; the forces in N are those on the moving supports, along them"
-    return Found(result, replace(stage, headline=_headline(found), message=message), moved=True)
+    return Found(result, replace(stage, headline=_headline(found)), moved=True)
 
 
 def _headline(found: LargeDisplacement) -> str:
@@ -83,9 +84,10 @@ def _headline(found: LargeDisplacement) -> str:
     far = units.quantity(float(found.displacement[-1]), "m")
     if found.end is End.FALLS:
         return f"Falls when the supports have moved by {far}"
-    hinges, slides = counted(len(last.hinges), "hinge"), counted(len(last.sliding), "sliding joint")
     if found.end is End.REACHED:
-        return f"Stands with its supports moved by {far}: {hinges}, {slides}"
+        slides = f" and {counted(len(last.sliding), 'sliding joint')}" if last.sliding else ""
+        hinges = counted(len(last.hinges), "hinge")
+        return f"Stands with its supports moved by {far}: {hinges}{slides}"
     return f"Not decided: followed until the supports had moved by {far}"
 
 

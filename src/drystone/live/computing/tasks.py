@@ -62,10 +62,10 @@ class Work:
     name: str
     mends: list[Mend] = field(default_factory=list)
 
-    @property
-    def unmoved(self) -> str:
-        """What is said where the load case moves supports and the task does not."""
-        return UNMOVED if self.asked.motion is not None else ""
+    def noted(self, message: str) -> str:
+        """A message, and a note where the load case moves supports, which the task does not."""
+        note = UNMOVED if self.asked.motion is not None else ""
+        return "; ".join(one for one in (message, note) if one)
 
 
 def gravity_of(model: Model) -> float:
@@ -83,11 +83,7 @@ def _limit(work: Work) -> Iterator[Event]:
             "direction": work.wish.direction,
             "stands": best.stands,
             "falls": best.falls,
-            "message": "; ".join(
-                one
-                for one in ("" if best.falling is None else best.falling.message, work.unmoved)
-                if one
-            ),
+            "message": work.noted("" if best.falling is None else best.falling.message),
             "sensitive": found.is_sensitive,
             "stopped": found.stopped,
         },
@@ -111,8 +107,8 @@ def _mends(work: Work) -> Iterator[Event]:
     tried = [
         {"blocks": list(blocks), "what": f"{one.kind}: {one.what}"} for blocks, one in found.tried
     ]
-    message = "; ".join(one for one in (found.message, work.unmoved) if one)
-    yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": work.stop()}
+    message, stopped = work.noted(found.message), work.stop()
+    yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": stopped}
 
 
 def _ghost(mend: Mend) -> list[list[float]]:
@@ -175,7 +171,7 @@ def _plan(work: Work) -> Iterator[Event]:
         "order": list(found.order),
         "asked": order,
         "counts": found.counts,
-        "message": "; ".join(one for one in (found.message, work.unmoved) if one),
+        "message": work.noted(found.message),
         "stopped": found.stopped,
         "impossible": {part.assembly.names[b]: why for b, why in found.impossible.items()},
     }

@@ -165,6 +165,7 @@ def asked(model: Model, wish: Wish) -> Asked:
     for block, force in wish.pushes:
         load = load + LoadCase.point_load(model.assembly, block, force)
     name = model.load.name + (", pushed" if wish.pushes else "")
+    name += ", supports moved" if wish.moves or model.load.motion is not None else ""
     model = model.with_load(replace(load, name=name))
     gone = np.zeros(len(model), dtype=bool)
     gone[model.assembly.indices(list(wish.removed))] = True
