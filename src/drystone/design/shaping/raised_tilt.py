@@ -67,7 +67,7 @@ def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:
 
 
 def _stands(search: ShapeSearch, model: Model, tilt: float) -> bool:
-    return _at(search, tilt).stands(model)
+    return replace(search.options.margin, tilt=tilt).stands(model)
 
 
 def _largest(search: ShapeSearch, model: Model) -> float:

@@ -20,7 +20,6 @@ from drystone.design.shaping.vertex_measures import Bodies
 from drystone.design.surgery.changed_model import changed
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.model import Model
-from drystone.stability import CheckOptions, check
 
 HELPED = 1e-4
 """Share of the load on the ground up to which a shape is taken to stand during the search; at least
@@ -58,7 +57,7 @@ class ShapeSearch:
         stand_only = options.aim is ShapeAim.STAND
         best = np.zeros(moves.count) if start is None else start
         now = self.model if start is None else self.made(start) or self.model
-        stands = self.stands(now)
+        stands = self.options.margin.stands(now)
         if stands and stand_only:
             return self.answer(best, now, 0, stands_already(options.margin))
         if not stands and not stand_only:
@@ -83,7 +82,7 @@ class ShapeSearch:
                     continue
                 best, now = following, found
                 gained = before - self.objective(best)[0]
-                if stand_only and self.stands(now):
+                if stand_only and self.options.margin.stands(now):
                     words = "it stands"
                     break
                 if gained <= options.close * abs(before):
@@ -145,13 +144,13 @@ class ShapeSearch:
         if np.array_equal(x, target):
             return x, None
         whole = self.made(target)
-        if whole is not None and (stand_only or self.stands(whole)):
+        if whole is not None and (stand_only or self.options.margin.stands(whole)):
             return target, whole
         low, high, found = 0.0, 1.0, None
         while high - low > CLOSE:
             middle = 0.5 * (low + high)
             tried = self.made(x + middle * (target - x))
-            if tried is not None and (stand_only or self.stands(tried)):
+            if tried is not None and (stand_only or self.options.margin.stands(tried)):
                 low, found = middle, tried
             else:
                 high = middle
@@ -244,14 +243,6 @@ class ShapeSearch:
             gradient = np.sum([one for _, one in both], axis=0) / (2.0 * max(size, 1e-30))
             self.known[key] = size, self.pulled_back(x, gradient)
         return self.known[key]
-
-    def stands(self, model: Model) -> bool:
-        """Whether a model stands at the margin."""
-        margin = self.options.margin
-        options = CheckOptions(settle=not margin.robust)
-        return all(
-            margin.meets(check(one, options=options)) for one in (model, *margin.cases(model))
-        )
 
     def tell(self, rounds: int) -> None:
         """Report the progress."""

@@ -234,14 +234,6 @@ class _Search:
     def late(self) -> bool:
         return self.stop is not None and self.stop()
 
-    def stands(self, model: Model) -> bool:
-        """Whether a model stands at the margin. Settlement is followed only where it counts."""
-        margin = self.options.margin
-        options = CheckOptions(settle=not margin.robust)
-        return all(
-            margin.meets(check(one, options=options)) for one in (model, *margin.cases(model))
-        )
-
     def tell(self, stage: str, done: int, total: int) -> None:
         if self.progress is not None:
             self.progress(stage, done, total)
@@ -261,7 +253,7 @@ class _Search:
             if np.array_equal(sharper, sharpness):
                 return sharpness, number, False
             sharpness = sharper
-            if self.stands(model):
+            if self.options.margin.stands(model):
                 return sharpness, number + 1, True
         return sharpness, most, False
 
@@ -313,7 +305,7 @@ class _Search:
 
         def stands(most: float) -> bool:
             self.tell("taking all wedges back", 0, 1)
-            return self.stands(self.joints.wedged(np.minimum(sharpness, most)))
+            return self.options.margin.stands(self.joints.wedged(np.minimum(sharpness, most)))
 
         high = _least(stands, 0.0, float(sharpness.max()), 0.5 * self.options.close, self.late)
         return np.minimum(sharpness, high)
@@ -324,7 +316,7 @@ class _Search:
         for k in self.in_turn(sharpness):
 
             def stands(value: float, others: Floats = sharpness, k: int = k) -> bool:
-                return self.stands(self.joints.wedged(_with(others, k, value)))
+                return self.options.margin.stands(self.joints.wedged(_with(others, k, value)))
 
             less = max(float(sharpness[k]) - close, 0.0)
             if not stands(less):
