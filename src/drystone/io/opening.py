@@ -21,6 +21,7 @@ from drystone.detection import DetectionOptions, find_overlaps
 from drystone.detection.report.block_overlaps import overlap_lines, require_apart
 from drystone.io.registry import read_file
 from drystone.model import Model, up_of_load
+from drystone.supports import require_supports
 
 UP = {
     "z": np.eye(3),
@@ -206,7 +207,8 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     Raises
     ------
     InputError
-        It is of another type, or ``how`` does not apply to it.
+        It is of another type, or ``how`` does not apply to it; or no block of a file or of an
+        assembly is fixed, or every block is.
     """
     for name in how:
         if name not in How.__annotations__:
@@ -214,10 +216,10 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
             remedy = f"did you mean {close}?" if close else ""
             raise InputError(f"there is no argument '{name}'", remedy=remedy)
     if isinstance(given, str | Path):
-        return read(given, **how)
+        return _supported(read(given, **how), str(given), how)
     if isinstance(given, Assembly):
         _refuse(how, FILE_ONLY, "an assembly")
-        return Model.of(given, **how)  # type: ignore[misc]
+        return _supported(Model.of(given, **how), "", how)  # type: ignore[misc]
     if not isinstance(given, Model):
         raise InputError(
             f"{shortened(repr(given), 60)} cannot be analysed",
@@ -230,6 +232,12 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     if how.get("friction") is not None:
         model = model.with_friction(how["friction"])  # type: ignore[arg-type]
     return model if how.get("load") is None else model.with_load(how["load"])
+
+
+def _supported(model: Model, where: str, how: How) -> Model:
+    """The same model, where some of its blocks are fixed and some are not."""
+    require_supports(model.assembly, model.joints, up=up_of_load(how.get("load")), where=where)
+    return model
 
 
 def _refuse(how: How, names: Sequence[str], what: str) -> None:

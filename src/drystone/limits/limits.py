@@ -7,7 +7,7 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Unpack
@@ -157,7 +157,7 @@ def limit_friction(
 @checked_call
 def limit_load(
     given: Given,
-    live: LoadCase,
+    live: LoadCase | float | Sequence[float],
     *,
     upper: float = 1000.0,
     check: Check | None = None,
@@ -173,6 +173,8 @@ def limit_load(
     Parameters
     ----------
     live
+        A load case; a number, the multiple of gravity along -z; or an acceleration (3,) [m/s2] of
+        all masses.
     upper
         Largest factor of the search.
     options
@@ -180,9 +182,9 @@ def limit_load(
     """
     chosen = LimitOptions.of(options)
     model = as_model(given, **how)
-    of_type(live, LoadCase, "the live load", "give a LoadCase, such as LoadCase.point_load(...)")
-    family = LoadFactor(model, live)
-    if not live.wrench[model.assembly.free].any():
+    case = LoadCase.of(model.assembly, live)
+    family = LoadFactor(model, case)
+    if not case.wrench[model.assembly.free].any():
         raise InputError("the live load is zero on all free blocks", remedy="load a free block")
     last = number(upper, "the largest factor")
     if last <= 0.0:
