@@ -175,9 +175,10 @@ def require_supports(
     up: Sequence[float] = UP,
     where: str = "",
     option: str = "supports",
+    chosen: bool = True,
     remedy: str = "",
 ) -> None:
-    """Refuse an assembly of which no block is fixed, or every block is.
+    """Refuse an assembly of which no block is fixed, or every block by choice.
 
     Parameters
     ----------
@@ -188,6 +189,8 @@ def require_supports(
         Of the model, for errors.
     option
         Name of the option that fixes blocks.
+    chosen
+        Whether the supports were chosen for this analysis.
     remedy
         What else to do where every block is fixed.
 
@@ -200,7 +203,7 @@ def require_supports(
     if not fixed.any():
         told = advice(assembly, up, joints)
         raise InputError("no block is fixed", where=where, remedy=f"{option}: {told}")
-    if fixed.all():
+    if chosen and fixed.all():
         raise InputError(
             f"every block is fixed, all {len(fixed)}: there is nothing to check",
             where=where,

@@ -207,8 +207,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     Raises
     ------
     InputError
-        It is of another type, or ``how`` does not apply to it; or no block of a file or of an
-        assembly is fixed, or every block is.
+        It is of another type, or ``how`` does not apply to it.
     """
     for name in how:
         if name not in How.__annotations__:
@@ -216,10 +215,10 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
             remedy = f"did you mean {close}?" if close else ""
             raise InputError(f"there is no argument '{name}'", remedy=remedy)
     if isinstance(given, str | Path):
-        return _supported(read(given, **how), str(given), how)
+        return read(given, **how)
     if isinstance(given, Assembly):
         _refuse(how, FILE_ONLY, "an assembly")
-        return _supported(Model.of(given, **how), "", how)  # type: ignore[misc]
+        return Model.of(given, **how)  # type: ignore[misc]
     if not isinstance(given, Model):
         raise InputError(
             f"{shortened(repr(given), 60)} cannot be analysed",
@@ -234,9 +233,19 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     return model if how.get("load") is None else model.with_load(how["load"])
 
 
-def _supported(model: Model, where: str, how: How) -> Model:
-    """The same model, where some of its blocks are fixed and some are not."""
-    require_supports(model.assembly, model.joints, up=up_of_load(how.get("load")), where=where)
+def supported_model(given: Given, **how: Unpack[How]) -> Model:
+    """The model for an analysis that needs supports; see :func:`as_model`.
+
+    Raises
+    ------
+    InputError
+        No block of a file or of an assembly is fixed, or ``supports`` fixes every block.
+    """
+    model, where = as_model(given, **how), "" if isinstance(given, Assembly) else str(given)
+    chosen = how.get("supports") is not None
+    if chosen or not isinstance(given, Model):
+        up = up_of_load(how.get("load"))
+        require_supports(model.assembly, model.joints, up=up, where=where, chosen=chosen)
     return model
 
 
@@ -246,4 +255,4 @@ def _refuse(how: How, names: Sequence[str], what: str) -> None:
             raise InputError(f"{what} takes no '{name}'", remedy="it is an argument of read")
 
 
-__all__ = ["Given", "How", "as_model", "read"]
+__all__ = ["Given", "How", "as_model", "read", "supported_model"]

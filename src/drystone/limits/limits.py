@@ -21,7 +21,7 @@ from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
 from drystone.limits.limit_families import (
@@ -99,7 +99,7 @@ def limit_tilt(
     (31.0, 31.0)
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     family = Tilt(model, axis_vector(axis))
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
@@ -144,7 +144,7 @@ def limit_friction(
         The default width is 0.001.
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     family = Friction(model, scaled)
     largest = 1.0 if scaled else float(model.contacts.friction.max(initial=0.0))
     start = largest if upper is None else number(upper, "the largest friction")
@@ -181,7 +181,7 @@ def limit_load(
         The default width is 1e-4 of the limit.
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     case = LoadCase.of(model.assembly, live)
     family = LoadFactor(model, case)
     if not case.wrench[model.assembly.free].any():
@@ -218,7 +218,7 @@ def limit_shrink(
     the required size. The default width is 0.001.
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     family = Shrunk(model)
     return bisected(
         family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop, time_limit_s)

@@ -53,7 +53,7 @@ def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
     Raises
     ------
     InputError
-        Something in it cannot be used, or no block is fixed, or every block is.
+        Something in it cannot be used, or no block is fixed, or all are chosen.
     """
     gravity = subject.get("gravity")
     if isinstance(gravity, int | float):
@@ -67,7 +67,8 @@ def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
             units=subject.get("units"),
             load=gravity,
         )
-    require_supports(model.assembly, model.joints)
+    chosen = subject.get("supports") is not None
+    require_supports(model.assembly, model.joints, chosen=chosen)
     extra = subject.get("loads")
     return replace(model, load=model.load + load_of(extra, model.assembly)) if extra else model
 

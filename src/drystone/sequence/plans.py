@@ -303,7 +303,7 @@ class Plan(Card):
             "blocks": [names[b] for b in step.blocks],
             "status": [self.status[b].value for b in step.blocks],
             "motion": step.motion.tolist(),
-            "directions": [ways.tolist() for ways in self.directions(number)],
+            "directions": [free.tolist() for free in self.directions(number)],
             "propped": [names[b] for b in step.props],
             "verdict": step.answer.verdict,
             "settled": step.answer.settled,
