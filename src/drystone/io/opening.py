@@ -241,7 +241,8 @@ def supported_model(given: Given, **how: Unpack[How]) -> Model:
     InputError
         No block of a file or of an assembly is fixed, or ``supports`` fixes every block.
     """
-    model, where = as_model(given, **how), "" if isinstance(given, Assembly) else str(given)
+    model = as_model(given, **how)
+    where = str(given) if isinstance(given, str | Path) else ""
     chosen = how.get("supports") is not None
     if chosen or not isinstance(given, Model):
         up = up_of_load(how.get("load"))
