@@ -2,8 +2,8 @@
 The deformed state, analysed again (section 6.2.3)
 ==================================================
 
-A wedge in a groove is tilted and comes to rest after it has slid and turned a little. The blocks where
-they rest are a model of their own, which is checked again.
+A wedge in a groove is tilted and comes to rest after it has slid and turned a little. The blocks
+where they rest are a model of their own, which is checked again.
 """
 
 import drystone
