@@ -38,10 +38,12 @@ FALL, REST_WITHIN = 0.05, 0.02
 """Way by a block's size from which on it falls, and up to which it stands."""
 BALANCED = 1e-5
 """Unbalanced force by the load, at rest."""
-RAMP, DRAG = 4.0, 2.0
+RAMP, DRAG = 4.0, 200.0
 """Time in which the load grows, and drag per mass, by the time in which a block accelerates by its
-size under its weight. Contacts vibrate a thousand times as fast."""
-STEPS = 100_000
+size under its weight. Contacts vibrate a thousand times as fast. With less drag the contacts that
+slide excite vibrations that grow (flutter of nonassociated friction): at a drag of 2 and of 10 the
+first wedge falls 4 degrees below the limit, at 50 and 200 it rests there."""
+STEPS = 1_000_000
 SORTED_OUT = 500
 """Steps between two looks at which of the models are at an end."""
 
@@ -279,7 +281,7 @@ class Relaxation:
         unbalanced = np.sqrt(np.bincount(cases, (left**2).sum(axis=1), count))
         load = np.sqrt(np.bincount(cases, (bodies.load**2).sum(axis=1), count))
         rests: Bools = (unbalanced < BALANCED * load) & (np.bincount(cases, loaded, count) > 0)
-        falls: Bools = way > FALL
+        falls: Bools = way > REST_WITHIN
         on = []
         for place, number in enumerate(self.number):
             block, corner = union.of_block == place, union.of_corner == place
@@ -289,7 +291,7 @@ class Relaxation:
             if falls[place]:
                 self.answers[number] = "falls"
             elif rests[place]:
-                self.answers[number] = "rests" if way[place] <= REST_WITHIN else "moved"
+                self.answers[number] = "rests"
             else:
                 on.append(number)
         self.number = np.array(on, dtype=np.intp)
@@ -334,10 +336,13 @@ def main() -> int:
     parser.add_argument("--models", type=int, default=40)
     parser.add_argument("--seed", type=int, default=2026)
     parser.add_argument("--steps", type=int, default=STEPS)
+    parser.add_argument("--number", type=int, help="only this model")
     parser.add_argument("--page", type=Path, help="write the table there")
     given = parser.parse_args()
     began = time.process_time()
     every = trials(given.models, given.seed)
+    if given.number is not None:
+        every = every[2 * given.number : 2 * given.number + 2]
     limits = [settled_limit(trial, 0.25) for trial in every]
     print(f"{len(every)} limits of settlement, {time.process_time() - began:.0f} CPU s", flush=True)
     asked = [
@@ -354,8 +359,8 @@ def main() -> int:
     for number, (trial, limit) in enumerate(zip(every, limits, strict=True)):
         below, above = ends[2 * number], ends[2 * number + 1]
         never = limit >= HIGHEST
-        held = below == "rests" and (never or above in ("falls", "moved"))
-        held |= limit < APART and above in ("falls", "moved")
+        held = below == "rests" and (never or above == "falls")
+        held |= limit < APART and above == "falls"
         agree += held
         lines.append(
             f"| {trial.name} | {trial.carrier.value} | {limit:.1f} | {below} | {above} "
