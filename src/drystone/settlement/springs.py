@@ -13,10 +13,13 @@ from scipy.spatial.transform import Rotation
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
+from drystone.settlement.corners import slid
 from drystone.solvers.multifrontal import BlockOrdering
 
 DENSE = 24
 """Largest number of free blocks with a dense tangent matrix: from timings."""
+OUT_OF_REACH = 1.0
+"""Gap of a corner that slid off a face, by the mean size of a block: it carries nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +61,8 @@ class Placed(NamedTuple):
 def place_corners(bodies: Bodies, pose: Pose) -> Placed:
     """Corners on the moved faces.
 
-    The corner slides over the face of a with the share T of the slide of b; the gap is that of the
-    face of b there.
+    The corner slides over the face of a by x(s), where s is the slide of b; the gap is that of the
+    face of b there. A corner that is no longer on both faces is out of reach.
     """
     a, b = bodies.block_a, bodies.block_b
     turn_a, turn_b = pose.turn[a], pose.turn[b]
@@ -69,9 +72,10 @@ def place_corners(bodies: Bodies, pose: Pose) -> Placed:
     local = np.einsum("kij,kj->ki", frame, on_b - on_a)
     normal_b = np.einsum("kij,kj->ki", frame, np.einsum("kij,kj->ki", turn_b, bodies.frame[:, 0]))
     slide, lean = local[:, 1:], normal_b[:, 1:]
-    carried = np.einsum("kij,kj->ki", bodies.share, slide)
+    carried, tangent, on = slid(bodies.ends, slide)
     gap = normal_b[:, 0] * local[:, 0] + (lean * (slide - carried)).sum(axis=1)
-    left = lean - np.einsum("kji,kj->ki", bodies.share, lean)
+    gap = np.where(on, gap, OUT_OF_REACH)
+    left = lean - np.einsum("kji,kj->ki", tangent, lean)
     axes = _orthonormal(frame, normal_b[:, 0], left)
     point = on_a + np.einsum("ki,kij->kj", carried, frame[:, 1:])
     return Placed(point, axes, gap)
