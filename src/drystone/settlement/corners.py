@@ -198,7 +198,7 @@ class _FaceSides:
 
 
 def _to_the_end(at: Floats, outward: Floats, segments: Floats) -> Floats:
-    """(c,) distance from points (c, 2) along directions (c, 2) to the first of segments (e, 2, 2)."""
+    """(c,) distance from points (c, 2) along directions (c, 2) to one of segments (e, 2, 2)."""
     run = segments[:, 1] - segments[:, 0]
     arm = segments[None, :, 0] - at[:, None]
     turn = outward[:, None, 0] * run[None, :, 1] - outward[:, None, 1] * run[None, :, 0]
