@@ -52,8 +52,9 @@ class Ends(NamedTuple):
     Attributes
     ----------
     outward : (k, 2, 2) normals m, local u and v
-    inverse : (k, 2, 2) of ``outward``
     share : (k, 2) w
+    tangent : (k, 2, 2) x by s, before a face ends
+    sense : (k, 2) sign of ``m . s`` towards the end of the other face
     reach : (k, 2) r [m]
     joint : (k,) interface of each corner
     after : (k,) corner that follows around its interface
@@ -61,8 +62,9 @@ class Ends(NamedTuple):
     """
 
     outward: Floats
-    inverse: Floats
     share: Floats
+    tangent: Floats
+    sense: Floats
     reach: Floats
     joint: Ints
     after: Ints
@@ -97,7 +99,9 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier) -> Ends
     limit[~bent] = np.inf
     axes = contacts.frame[joint, 1:]
     place = np.einsum("kij,kj->ki", axes, contacts.point - contacts.point[contacts.start[joint]])
-    return Ends(edges, np.linalg.inv(edges), weight, limit, joint, after, place)
+    tangent = np.linalg.solve(edges, weight[:, :, None] * edges)
+    sense = (weight == 1.0).astype(np.float64) - (weight == 0.0)
+    return Ends(edges, weight, tangent, sense, limit, joint, after, place)
 
 
 def flush_ends(assembly: Assembly, contacts: Contacts) -> bool:
@@ -113,15 +117,17 @@ def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
 
     Returns the motion x (k, 2), its derivative (k, 2, 2), and which are still on both faces (k,).
     """
-    along = np.einsum("kij,kj->ki", ends.outward, slide)
-    of_b, of_a = ends.share == 1.0, ends.share == 0.0
-    beyond = np.where(of_b, along > ends.reach, of_a & (along < -ends.reach))
+    along = (ends.outward @ slide[:, :, None])[:, :, 0]
+    beyond = ends.sense * along > ends.reach
+    if not beyond.any():
+        carried = (ends.tangent @ slide[:, :, None])[:, :, 0]
+        return carried, ends.tangent, np.ones(len(along), dtype=bool)
     weight = np.where(beyond, 1.0 - ends.share, ends.share)
-    shift = np.where(beyond, np.where(of_b, ends.reach, along + ends.reach), weight * along)
-    carried = np.einsum("kij,kj->ki", ends.inverse, shift)
-    tangent = ends.inverse @ (weight[:, :, None] * ends.outward)
-    on = np.ones(len(along), dtype=bool) if not beyond.any() else _on_both(ends, carried)
-    return carried, tangent, on
+    # of b: r beyond the end of the face of a; of a: s + r beyond the end of that of b
+    shift = weight * along + np.where(beyond, ends.reach, 0.0)
+    carried = np.linalg.solve(ends.outward, shift[:, :, None])[:, :, 0]
+    tangent = np.linalg.solve(ends.outward, weight[:, :, None] * ends.outward)
+    return carried, tangent, _on_both(ends, carried)
 
 
 def _on_both(ends: Ends, carried: Floats) -> Bools:
