@@ -99,7 +99,9 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier) -> Ends
     limit[~bent] = np.inf
     axes = contacts.frame[joint, 1:]
     place = np.einsum("kij,kj->ki", axes, contacts.point - contacts.point[contacts.start[joint]])
-    tangent = np.linalg.solve(edges, weight[:, :, None] * edges)
+    tangent: Floats = np.asarray(
+        np.linalg.solve(edges, weight[:, :, None] * edges), dtype=np.float64
+    )
     sense = (weight == 1.0).astype(np.float64) - (weight == 0.0)
     return Ends(edges, weight, tangent, sense, limit, joint, after, place)
 
@@ -125,9 +127,10 @@ def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
     weight = np.where(beyond, 1.0 - ends.share, ends.share)
     # of b: r beyond the end of the face of a; of a: s + r beyond the end of that of b
     shift = weight * along + np.where(beyond, ends.reach, 0.0)
-    carried = np.linalg.solve(ends.outward, shift[:, :, None])[:, :, 0]
-    tangent = np.linalg.solve(ends.outward, weight[:, :, None] * ends.outward)
-    return carried, tangent, _on_both(ends, carried)
+    right = np.concatenate([shift[:, :, None], weight[:, :, None] * ends.outward], axis=2)
+    solved: Floats = np.asarray(np.linalg.solve(ends.outward, right), dtype=np.float64)
+    carried = solved[:, :, 0]
+    return carried, solved[:, :, 1:], _on_both(ends, carried)
 
 
 def _on_both(ends: Ends, carried: Floats) -> Bools:
