@@ -1,6 +1,6 @@
 """Settlement by implicit steps against an explicit dynamic relaxation.
 
-``python -m benchmarks.relaxation [--models 40] [--page FILE]``
+``python -m benchmarks.relaxation [--first 0] [--models 40] [--page FILE]``
 
 Random wedges in grooves, keystones and hooked planks, each with random friction about a random
 axis, and with the ends of the joints carried by either block. The tilt limit of settlement is
@@ -28,9 +28,12 @@ from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.bodies import Bodies, build_bodies
+from drystone.settlement.corners import Ends
 from drystone.settlement.springs import Pose, place_corners, respond, rotations
 
-OVERLAP, TANGENTIAL = 1e-6, 0.2
+OVERLAP, TANGENTIAL = 1e-5, 0.2
+"""Those of both schemes. The overlap is ten times the default one: the number of explicit steps
+until a fall grows with its inverse."""
 APART = 1.5
 """Degrees from the limit at which the relaxation is asked."""
 HIGHEST = 175.0
@@ -38,10 +41,14 @@ FALL, REST_WITHIN = 0.05, 0.02
 """Way by a block's size from which on it falls, and up to which it stands."""
 BALANCED = 1e-5
 """Unbalanced force by the load, at rest."""
-RAMP, DRAG = 4.0, 2.0
+RAMP, DRAG = 4.0, 60.0
 """Time in which the load grows, and drag per mass, by the time in which a block accelerates by its
-size under its weight. Contacts vibrate a thousand times as fast."""
-STEPS = 100_000
+size under its weight. Contacts vibrate some 300 times as fast. With less drag contacts that slide
+excite vibrations that grow: nonassociated friction has no potential, and its stiffness is not
+symmetric. With an overlap of 1e-6 the first wedge falls 4 degrees below the limit at a drag of 2
+and of 10, whatever the time step, and rests there at 50 and 200, with the same way as by implicit
+steps to four digits."""
+STEPS = 200_000
 SORTED_OUT = 500
 """Steps between two looks at which of the models are at an end."""
 
@@ -178,15 +185,26 @@ def joined(parts: Sequence[Bodies]) -> Union:
             shifted.get(field.name) or [getattr(one, field.name) for one in parts]
         )
         for field in dataclasses.fields(Bodies)
-        if field.name not in ("overlap", "length_unit", "force_unit")
+        if field.name not in ("ends", "overlap", "length_unit", "force_unit")
     }
+    ends = _joined_ends([one.ends for one in parts])
     case = np.arange(len(parts))
     return Union(
-        Bodies(**same, overlap=parts[0].overlap, length_unit=1.0, force_unit=1.0),
+        Bodies(**same, ends=ends, overlap=parts[0].overlap, length_unit=1.0, force_unit=1.0),
         np.repeat(case, blocks),
         np.repeat(case, corners),
         np.repeat(case, frees),
     )
+
+
+def _joined_ends(parts: Sequence[Ends]) -> Ends:
+    corners = np.cumsum([0, *(len(one.joint) for one in parts)])
+    joints = np.cumsum([0, *(int(one.joint.max(initial=-1)) + 1 for one in parts)])
+    shifted = [
+        one._replace(joint=one.joint + joint, after=one.after + corner)
+        for one, joint, corner in zip(parts, joints[:-1], corners[:-1], strict=True)
+    ]
+    return Ends(*(np.concatenate(arrays) for arrays in zip(*shifted, strict=True)))
 
 
 class Relaxation:
@@ -279,7 +297,7 @@ class Relaxation:
         unbalanced = np.sqrt(np.bincount(cases, (left**2).sum(axis=1), count))
         load = np.sqrt(np.bincount(cases, (bodies.load**2).sum(axis=1), count))
         rests: Bools = (unbalanced < BALANCED * load) & (np.bincount(cases, loaded, count) > 0)
-        falls: Bools = way > FALL
+        falls: Bools = way > REST_WITHIN
         on = []
         for place, number in enumerate(self.number):
             block, corner = union.of_block == place, union.of_corner == place
@@ -289,7 +307,7 @@ class Relaxation:
             if falls[place]:
                 self.answers[number] = "falls"
             elif rests[place]:
-                self.answers[number] = "rests" if way[place] <= REST_WITHIN else "moved"
+                self.answers[number] = "rests"
             else:
                 on.append(number)
         self.number = np.array(on, dtype=np.intp)
@@ -334,10 +352,11 @@ def main() -> int:
     parser.add_argument("--models", type=int, default=40)
     parser.add_argument("--seed", type=int, default=2026)
     parser.add_argument("--steps", type=int, default=STEPS)
+    parser.add_argument("--first", type=int, default=0, help="leave out this many at the beginning")
     parser.add_argument("--page", type=Path, help="write the table there")
     given = parser.parse_args()
     began = time.process_time()
-    every = trials(given.models, given.seed)
+    every = trials(given.models, given.seed)[2 * given.first :]
     limits = [settled_limit(trial, 0.25) for trial in every]
     print(f"{len(every)} limits of settlement, {time.process_time() - began:.0f} CPU s", flush=True)
     asked = [
@@ -354,8 +373,8 @@ def main() -> int:
     for number, (trial, limit) in enumerate(zip(every, limits, strict=True)):
         below, above = ends[2 * number], ends[2 * number + 1]
         never = limit >= HIGHEST
-        held = below == "rests" and (never or above in ("falls", "moved"))
-        held |= limit < APART and above in ("falls", "moved")
+        held = below == "rests" and (never or above == "falls")
+        held |= limit < APART and above == "falls"
         agree += held
         lines.append(
             f"| {trial.name} | {trial.carrier.value} | {limit:.1f} | {below} | {above} "

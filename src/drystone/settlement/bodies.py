@@ -17,7 +17,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, cross
 from drystone.geometry.body.polyhedron import fan_triangles
 from drystone.model import Model
-from drystone.settlement.corners import Carrier, shares
+from drystone.settlement.corners import Carrier, Ends, joint_ends
 
 LEAST_AREA = 0.05
 """Least tributary area of a corner, as a share of the mean of its interface: slivers would make the
@@ -40,7 +40,7 @@ class Bodies:
     block_a, block_b : (k,) positions of the blocks
     arm_a, arm_b : (k, 3) from the centroid to the corner, before the motion
     frame : (k, 3, 3) rows n, u, v, before the motion
-    share : (k, 2, 2) T of :mod:`drystone.settlement.corners`
+    ends : where the corners are when blocks slide
     friction : (k,)
     normal, tangential : (k,) stiffness
     overlap : of a corner under the mean load
@@ -60,7 +60,7 @@ class Bodies:
     arm_a: Floats
     arm_b: Floats
     frame: Floats
-    share: Floats
+    ends: Ends
     friction: Floats
     normal: Floats
     tangential: Floats
@@ -98,6 +98,7 @@ def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: 
     a, b = contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
     point = (contacts.point - origin) / length
     mass = assembly.mass[free]
+    ends = joint_ends(assembly, contacts, carrier)
     stiffness = _weights(contacts.tributary, contacts.interface)
     if len(stiffness):
         # all corners together carry the whole load at the overlap
@@ -115,7 +116,7 @@ def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: 
         arm_a=point - centroid[a],
         arm_b=point - centroid[b],
         frame=contacts.frame[contacts.interface],
-        share=shares(assembly, contacts, carrier),
+        ends=ends._replace(reach=ends.reach / length, place=ends.place / length),
         friction=contacts.friction[contacts.interface],
         normal=stiffness,
         tangential=tangential * stiffness,

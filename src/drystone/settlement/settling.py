@@ -17,7 +17,7 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.corners import Carrier, shares
+from drystone.settlement.corners import Carrier, flush_ends
 from drystone.settlement.follow import Follower, Track
 from drystone.settlement.loading_order import earlier_loads
 from drystone.settlement.proof import PROVEN, rest_residuals
@@ -129,9 +129,8 @@ def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
     if chosen.carrier is not None:
         return (chosen.carrier,)
     contacts = model.contacts.select(model.active)
-    moving, resting = (shares(model.assembly, contacts, one) for one in Carrier)
-    alike = np.allclose(moving, resting, atol=1e-9)
-    return (Carrier.MOVING,) if alike else (Carrier.MOVING, Carrier.RESTING)
+    flush = flush_ends(model.assembly, contacts)
+    return (Carrier.MOVING, Carrier.RESTING) if flush else (Carrier.MOVING,)
 
 
 def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:

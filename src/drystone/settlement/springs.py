@@ -14,10 +14,13 @@ from scipy.spatial.transform import Rotation
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
+from drystone.settlement.corners import slid
 from drystone.solvers.multifrontal import BlockOrdering
 
 DENSE = 24
 """Largest number of free blocks with a dense tangent matrix: from timings."""
+OUT_OF_REACH = 1.0
+"""Gap of a corner that slid off a face, by the mean size of a block: it carries nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +62,8 @@ class Placed(NamedTuple):
 def place_corners(bodies: Bodies, pose: Pose) -> Placed:
     """Corners on the moved faces.
 
-    The corner slides over the face of a with the share T of the slide of b; the gap is that of the
-    face of b there.
+    The corner slides over the face of a by x(s), where s is the slide of b; the gap is that of the
+    face of b there. A corner that is no longer on both faces is out of reach.
     """
     a, b = bodies.block_a, bodies.block_b
     turn_a, turn_b = pose.turn[a], pose.turn[b]
@@ -71,10 +74,12 @@ def place_corners(bodies: Bodies, pose: Pose) -> Placed:
     frame = bodies.frame @ turn_a.transpose(0, 2, 1)
     local = frame @ world
     slide, lean = local[:, 1:, 0], local[:, 1:, 1]
-    carried = (bodies.share @ slide[:, :, None])[:, :, 0]
+    carried, tangent, on = slid(bodies.ends, slide)
     normal = local[:, :, 1].copy()
-    normal[:, 1:] -= (lean[:, None] @ bodies.share)[:, 0]
-    gap = normal[:, 0] * local[:, 0, 0] + normal[:, 1] * slide[:, 0] + normal[:, 2] * slide[:, 1]
+    normal[:, 1:] -= (lean[:, None] @ tangent)[:, 0]
+    left = slide - carried
+    gap = normal[:, 0] * local[:, 0, 0] + lean[:, 0] * left[:, 0] + lean[:, 1] * left[:, 1]
+    gap = np.where(on, gap, OUT_OF_REACH)
     point = on_a + (carried[:, None] @ frame[:, 1:])[:, 0]
     return Placed(point, _inclined(normal) @ frame, gap)
 

@@ -213,3 +213,20 @@ def test_motions_that_cannot_be_used_are_refused(
 ) -> None:
     with pytest.raises(InputError, match=words):
         drystone.settle(tower(2), motion)
+
+
+def test_a_block_slides_over_the_edge_of_a_table_and_tips_where_its_weight_leaves_it() -> None:
+    # the table ends 0.1 beyond the block: its weight passes the edge after 0.1 + 0.5 (1 - tan 17.5)
+    table, block = box((4, 3, 1), (-2.9, -1, -1), "table"), box((1, 1, 1), name="block")
+    on_the_table = Assembly((table, block), np.array([True, False]))
+    far = SettlementOptions(carrier="moving", fall=0.6)  # type: ignore[arg-type]
+    for one in (on_the_table, on_the_table.transformed(rotation_about((0.0, 0.0, 1.0), 180.0))):
+        way_down = Y if one is on_the_table else (0.0, -1.0, 0.0)
+        settled = tilted(one, way_down, 17.5, friction=0.3, options=far)
+        assert settled.outcome is Outcome.FALLS
+        motion = settled.path.positions[:, 1]
+        gone, turned = np.abs(motion[:, 0]), np.linalg.norm(motion[:, 3:], axis=1)
+        edge = 0.1 + 0.5 * (1.0 - np.tan(np.deg2rad(17.5)))
+        assert turned[gone < edge - 0.01].max() < 1e-4
+        assert turned[-1] > 0.01
+        assert gone[turned > 1e-3].min() == pytest.approx(edge, abs=0.02)
