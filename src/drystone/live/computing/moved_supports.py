@@ -96,10 +96,11 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> Stage:
     model = result.model
     there = moved_assembly(model.assembly, path[-1])
     placed = replace(model, assembly=there, contacts=contacts)
-    stage = stage_of(replace(result, model=placed), "live")
+    # staged as one that stands: where it falls later, the forces are those before it falls
+    stage = stage_of(replace(result, model=placed, verdict=Verdict.STABLE), "live")
     return replace(
-        stage, motion=path[-1], path=path if len(path) > 1 else None, motion_name=MOTION,
-        plays=False,
+        stage, verdict=result.verdict, motion=path[-1], path=path if len(path) > 1 else None,
+        motion_name=MOTION,
     )  # fmt: skip
 
 
