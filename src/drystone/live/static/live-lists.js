@@ -123,7 +123,7 @@ function showMend(mend, number) {
     showGhostOf(null);
     task("apply", { mend: number });
   }, { title: `cost ${Number(mend.cost.toPrecision(3))}; ${mend.blocks.join(", ")}` });
-  made.append(element("small", `for ${someOf(mend.blocks)}`));
+  made.append(" ", element("small", `for ${someOf(mend.blocks)}`));
   for (const event of ["pointerenter", "focus"]) made.addEventListener(event, () => showGhostOf(mend.ghost));
   for (const event of ["pointerleave", "blur"]) made.addEventListener(event, () => showGhostOf(null));
   byId("mends").append(made);
