@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from drystone import io
 from drystone.live.serving import Live
 from drystone.models import arch, box, tower
 from tests.page.browser import Browser, Tab, executable, running
+from tests.page.live_steps import choose, leave, verdict
 
 PROGRAM = executable()
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
@@ -45,26 +45,6 @@ def tab(browser: Browser, live: Live) -> Iterator[Tab]:
     verdict(made, "STABLE")
     yield made
     leave(made, live)
-
-
-def leave(tab: Tab, live: Live) -> None:
-    """Nothing was complained about, and nobody but the server was asked."""
-    assert tab.complaints() == []
-    assert all(url.startswith(f"http://127.0.0.1:{live.port}/") for url in tab.requests())
-    tab.close()
-
-
-def verdict(tab: Tab, wanted: str) -> str:
-    """Wait for the whole verdict; the sentence that the page then says."""
-    tab.until(f"document.getElementById('headline').className === '{wanted}'")
-    return tab.text("h1")
-
-
-def choose(tab: Tab, name: str) -> None:
-    """Open the card of a block by its name."""
-    tab.run(f"document.getElementById('name').value = {json.dumps(name)}")
-    tab.run("document.getElementById('find').requestSubmit()")
-    tab.frames()
 
 
 def test_the_arch_stands_at_8_degrees_and_falls_at_9(tab: Tab) -> None:
@@ -147,13 +127,14 @@ def test_what_cannot_be_is_refused_in_words_and_the_next_wish_is_answered(browse
     tab.close()
 
 
-def test_load_cases_the_edge_a_plan_and_the_python_lines(tab: Tab) -> None:
+def test_load_cases_side_by_side_and_the_edge(tab: Tab) -> None:
     tab.slide("#tilt", 9)
     verdict(tab, "UNSTABLE")
     tab.run("document.getElementById('cases-box').open = true")
     tab.run("document.getElementById('case-name').value = 'quake'")
     tab.run("document.getElementById('case-form').requestSubmit()")
     tab.until("document.querySelector('#cases .UNSTABLE') !== null")
+    assert "tilt 9° towards 0°" in tab.text("#cases")
     tab.click("#reset")
     verdict(tab, "STABLE")
     tab.click("#cases button")
@@ -164,17 +145,6 @@ def test_load_cases_the_edge_a_plan_and_the_python_lines(tab: Tab) -> None:
     tab.until("document.getElementById('edge-answer').textContent.includes('stands up to')")
     assert "Towards 90" in tab.text("#edge-answer")
     verdict(tab, "STABLE")
-
-    tab.click("#reset")
-    tab.click("#plan-find")
-    tab.until("document.querySelectorAll('#plan li').length === 12")
-    assert not tab.run("document.getElementById('stage-box').hidden")
-    tab.click("#plan-leave")
-    verdict(tab, "STABLE")
-
-    tab.slide("#friction", 0.5)
-    tab.click("#save-python")
-    tab.until("document.getElementById('python').value.includes('with_friction(0.5)')")
 
 
 def test_the_file_is_watched_and_names_stay_text(browser: Browser, tmp_path: Path) -> None:

@@ -1,12 +1,16 @@
 """What is no honest request is refused in words, and the next honest one is answered."""
 
 import ast
+import contextlib
 import io as memory
 import json
+import os
 import socket
+import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from shutil import which
 from typing import Any
 
 import pytest
@@ -19,8 +23,8 @@ from drystone.live.requests import web
 from drystone.live.serving import Live
 from drystone.live.tool_calls import ToolCalls
 from drystone.mcp.answers import TOOLS
-from drystone.models import arch, tower
-from tests.unit.live.live_client import Window, ask, overhang, raw
+from drystone.models import arch, tower, vault
+from tests.unit.live.live_client import PATIENCE, Window, ask, overhang, raw
 
 GIB = 2**30
 
@@ -31,6 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("served")
     io.write(drystone.Model.of(tower(3), friction=0.4), made / "tower.json")
     io.write(drystone.Model.of(overhang(), friction=0.9), made / "out.json")
+    io.write(drystone.Model.of(vault(), friction=0.2), made / "vault.json")
     io.write(tower(2), outside / "secret.json")
     (made / "link.json").symlink_to(outside / "secret.json")
     return made
@@ -94,7 +99,15 @@ def test_our_own_page_is_no_other_site(live: Live) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["/../../etc/passwd", "/model/../1", "/model/99999", "/static/page.css", "/v2"]
+    "path",
+    [
+        "/../../etc/passwd",
+        "/%2e%2e/%2e%2e/etc/passwd",
+        "/model/../1",
+        "/model/99999",
+        "/static/page.css",
+        "/v2",
+    ],
 )
 def test_there_is_nothing_at_other_addresses(live: Live, path: str) -> None:
     words(ask(live, path), 404)
@@ -162,6 +175,8 @@ BOMBS = {
     "unknown": b'{"model": {"file": "tower.json"}, "shell": "rm"}',
     "unknown in model": b'{"model": {"file": "tower.json", "path": "/"}}',
     "above": b'{"model": {"file": "../secret.json"}}',
+    "above in a folder": b'{"model": {"file": "a/../../secret.json"}}',
+    "above on Windows": rb'{"model": {"file": "..\\secret.json"}}',
     "absolute": b'{"model": {"file": "/etc/passwd"}}',
     "link": b'{"model": {"file": "link.json"}}',
     "not text": b"\xff\xfe",
@@ -183,6 +198,7 @@ WISHES = {
     "tilt": ({"tilt": 400}, "0 to 180"),
     "text": ({"tilt": "8"}, "must be a number"),
     "unknown": ({"colour": 1}, "colour"),
+    "move": ({"moves": [{"block": "a", "by": [1, 2]}]}, "not 3"),
     "force": ({"pushes": [{"block": "a", "force": [1, 2]}]}, "not 3"),
     "names": ({"removed": "all"}, "must be a list"),
 }
@@ -268,6 +284,42 @@ def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(
         calls.close()
 
 
+def test_a_model_that_takes_minutes_ends_in_words_and_the_next_call_is_answered(
+    live: Live, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live.calls, "seconds", 1.0)  # its mends take minutes
+    status, told = ask(live, "/v1/mend", {"model": {"file": "vault.json"}})
+    if status == 200:
+        assert told["stopped"]
+    else:
+        assert "no answer within" in words((status, told), 504)
+    monkeypatch.setattr(live.calls, "seconds", 300.0)
+    assert ask(live, "/v1/check", {"model": {"file": "out.json"}})[1]["verdict"] == "unstable"
+
+
+def test_a_search_that_takes_minutes_gives_way_to_a_wish(live: Live, folder: Path) -> None:
+    with Live(folder / "vault.json", port=0) as slow:
+        window = Window(slow, "slow")
+        number = window.task("mends", tilt=20)
+        window.until("progress")
+        window.wish(removed=[io.read(folder / "vault.json").assembly.names[-1]])
+        window.until("quick", window.number)
+        assert not [one for one in window.events if one["event"] == "mends"]
+        assert window.number == number + 1
+        honest(slow)
+        window.close()
+
+
+def test_a_gigabyte_is_not_waited_for(live: Live) -> None:
+    with socket.create_connection(("127.0.0.1", live.port), timeout=PATIENCE) as connection:
+        connection.sendall(head(live, f"Content-Length: {GIB}"))
+        with contextlib.suppress(ConnectionError):  # it is closed while we still send
+            for _ in range(64):  # MiB, of which one is read
+                connection.sendall(bytes(2**20))
+            pytest.fail("64 MiB of a refused body were read")
+    honest(live)
+
+
 def test_a_calculation_that_crashes_is_replaced(live: Live) -> None:
     window = Window(live, "crash")
     assert window.answer()["verdict"] == "stable"
@@ -290,7 +342,7 @@ def test_check_limit_plan_and_mend_by_the_client(live: Live) -> None:
     limit = server.limit(tower_, "tilt", axis="y")
     assert limit["stands_at"] <= 21.801 <= limit["falls_at"]  # atan 0.4
     assert server.plan(tower_)["order"]["first"] == ["block-1", "block-2"]
-    assert server.call("files")["count"] == 2
+    assert server.call("files")["count"] == 3
     mends = server.mend({"file": "out.json"}, kinds=["prop"])["mends"]
     assert {one["kind"] for one in mends} == {"prop"}
     with pytest.raises(client.Refused, match="relative path"):
@@ -325,3 +377,49 @@ def test_the_client_has_no_syntax_that_old_pythons_lack() -> None:
             assert node.cause is None
     assert text.isascii()
     assert memory.StringIO(text).readline().startswith('"""')
+
+
+def old_pythons() -> list[str]:
+    """Interpreters of this machine that are older than the one that drystone needs."""
+    named = [found for name in ("python2.7", "python3.6", "python3.8") if (found := which(name))]
+    kept = Path.home().glob(".pyenv/versions/*/bin/python")
+    asked = "import sys; print('%d.%d' % sys.version_info[:2])"
+    found: dict[str, str] = {}
+    for program in [*named, *map(str, sorted(kept))]:
+        told = subprocess.run([program, "-c", asked], capture_output=True, text=True, check=False)
+        version = told.stdout.strip()
+        if told.returncode == 0 and version in ("2.7", "3.6", "3.8"):
+            found.setdefault(version, program)
+    return list(found.values())
+
+
+def test_the_client_runs_in_old_pythons(live: Live, tmp_path: Path) -> None:
+    programs = old_pythons()
+    if not programs:
+        pytest.skip("no older Python on this machine")
+    script = (
+        "import sys, drystone_client\n"
+        "server = drystone_client.Server(sys.argv[1], 600.0)\n"
+        "cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]\n"
+        "faces = [[0,1,3,2], [4,6,7,5], [0,4,5,1], [2,3,7,6], [0,2,6,4], [1,5,7,3]]\n"
+        "top = [[x, y, z + 1] for x, y, z in cube]\n"
+        "blocks = [drystone_client.block('base', cube, faces, True),\n"
+        "          drystone_client.block('top', top, faces)]\n"
+        "print(server.check({'content': {'blocks': blocks}, 'friction': 0.6})['verdict'])\n"
+        "try:\n"
+        "    server.check({'file': 'none.json'})\n"
+        "except drystone_client.Refused as error:\n"
+        "    print(error)\n"
+    )
+    assert client.__file__
+    (tmp_path / "drystone_client.py").write_bytes(Path(client.__file__).read_bytes())
+    (tmp_path / "ask.py").write_text(script)
+    for program in programs:
+        told = subprocess.run(
+            [program, "ask.py", live.link], cwd=tmp_path, capture_output=True, text=True,
+            timeout=PATIENCE, check=False, env={"PATH": os.environ["PATH"]},
+        )  # fmt: skip
+        assert told.returncode == 0, (program, told.stderr)
+        verdict, refusal = told.stdout.splitlines()
+        assert verdict == "stable", program
+        assert "no such file" in refusal

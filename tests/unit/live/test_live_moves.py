@@ -159,6 +159,17 @@ def test_a_block_on_one_support_moves_with_it() -> None:
         np.testing.assert_allclose(found.stage.motion[1], [0, 0, -0.1, 0, 0, 0], atol=1e-4)
 
 
+def test_of_many_blocks_the_supports_are_shown_at_once() -> None:
+    model = drystone.Model.of(tower(60), friction=0.5)
+    name = model.assembly.names[0]
+    made = asked(model, wish_of(moves=[{"block": name, "by": [0.0, 0.0, -0.1]}]))
+    found = at_once(made.moving)
+    assert found.stage.headline == "Supports moved by 100 mm: the blocks are being followed"
+    assert found.stage.verdict is None
+    np.testing.assert_allclose(found.stage.motion[0], [0, 0, -0.1, 0, 0, 0])
+    assert not found.stage.motion[1:].any()
+
+
 def test_a_motion_of_zero_is_none() -> None:
     model = drystone.Model.of(tower(2), friction=0.5)
     name = model.assembly.names[0]

@@ -149,6 +149,11 @@ def test_a_mend_is_shown_made_saved_and_stands(
         assert window.answer(tilt=1.0)["verdict"] == "unstable"
         found = window.until("mends", window.task("mends", tilt=1.0))
         assert found["mends"]
+        told = [one for one in window.events if one["event"] == "mend"]  # as they were found
+        assert [one["number"] for one in told] == list(range(len(told)))
+        assert {one["number"]: one["what"] for one in found["mends"]} == {
+            one["number"]: one["mend"]["what"] for one in told
+        }
         assert all(len(line) == 6 for one in found["mends"] for line in one["ghost"])
         number = window.task("apply", {"mend": 0}, tilt=1.0)
         made = window.until("model", number)

@@ -183,6 +183,7 @@ def find_mends(
     regions: int | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    found_one: Callable[[Mend], None] | None = None,
     **how: Unpack[How],
 ) -> Mends:
     """Search for changes that make a structure stand.
@@ -201,6 +202,8 @@ def find_mends(
     progress
     stop
         Called between two changes; True ends the search with the results so far.
+    found_one
+        Called with each change as soon as it was checked on the whole structure.
 
     Raises
     ------
@@ -233,6 +236,8 @@ def find_mends(
                 made = _verified(model, bench, candidate, held, chosen.margin)
                 if made is not None:
                     own.append(made)
+                    if found_one is not None:
+                        found_one(made)
         mends += sorted(own, key=lambda one: one.cost)
         names = tuple(model.assembly.names[i] for i in region.blocks)
         tried += [(names, one) for one in bench.tried]

@@ -207,7 +207,7 @@ def _task(self: Calculator, message: Mapping[str, Any]) -> None:
     extra = Field(message["extra"], "", Path("wish"))
     work = tasks.Work(
         self.models[message["model"]], wish, made, extra, self.until(message["seconds"]),
-        self.progress, message["name"],
+        self.progress, message["name"], self.tell,
     )  # fmt: skip
     if self.mends[0] == message["window"]:
         work.mends = self.mends[1]

@@ -21,12 +21,20 @@ from drystone.stability import check
 from drystone.view import Stage, stage_of
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
+MOST_AT_ONCE = 50
+"""Blocks of which the answer to first order is given at once. Measured: 0.04 s for an arch of 30
+blocks, 7 s for a vault of 97."""
 MOTION = "Motion of the supports"
 FORCE = "force of the blocks on the moving supports, along their motion"
 
 
 def at_once(model: Model) -> Found:
-    """The answer to first order; the load of the model moves supports."""
+    """The answer to first order; of many blocks, where the supports are.
+
+    The load of the model moves supports.
+    """
+    if len(model) > MOST_AT_ONCE:
+        return _supports_alone(model)
     found = support_response(model)
     result, size = found.result, units.quantity(found.size, "m")
     if result.displacement is None:
@@ -37,6 +45,16 @@ def at_once(model: Model) -> Found:
     contacts = _carried(model, result.displacement)
     made = _moved(result, contacts, result.displacement[None])
     return Found(result, replace(made, headline=headline, verdict=None), moved=True)
+
+
+def _supports_alone(model: Model) -> Found:
+    motion = np.zeros((len(model), 6)) if model.load.motion is None else model.load.motion
+    size = units.quantity(float(np.linalg.norm(motion[:, :3], axis=1).max()), "m")
+    result = Result("settlement", Verdict.UNDECIDED, model, "the blocks are being followed")
+    headline = f"Supports moved by {size}: the blocks are being followed"
+    stage = replace(stage_of(result, "live"), headline=headline, verdict=None, motion=motion,
+                    motion_name=MOTION)  # fmt: skip
+    return Found(result, stage, moved=True)
 
 
 def verdict_of(
@@ -96,10 +114,11 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> Stage:
     model = result.model
     there = moved_assembly(model.assembly, path[-1])
     placed = replace(model, assembly=there, contacts=contacts)
-    stage = stage_of(replace(result, model=placed), "live")
+    # staged as one that stands: where it falls later, the forces are those before it falls
+    stage = stage_of(replace(result, model=placed, verdict=Verdict.STABLE), "live")
     return replace(
-        stage, motion=path[-1], path=path if len(path) > 1 else None, motion_name=MOTION,
-        plays=False,
+        stage, verdict=result.verdict, motion=path[-1], path=path if len(path) > 1 else None,
+        motion_name=MOTION,
     )  # fmt: skip
 
 

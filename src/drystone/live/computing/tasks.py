@@ -49,6 +49,8 @@ class Work:
     stop, progress
     name
         Of the file.
+    tell
+        Sends an event before the task has ended.
     mends
         Those that were found last for the window.
     """
@@ -60,6 +62,7 @@ class Work:
     stop: Callable[[], bool]
     progress: Progress
     name: str
+    tell: Callable[..., None]
     mends: list[Mend] = field(default_factory=list)
 
     def noted(self, message: str) -> str:
@@ -92,23 +95,29 @@ def _limit(work: Work) -> Iterator[Event]:
 
 def _mends(work: Work) -> Iterator[Event]:
     """Changes with which what falls would stand."""
-    found = find_mends(work.asked.part, stop=work.stop, progress=work.progress)
-    work.mends[:] = found.mends
-    told = [
-        {
-            "kind": one.kind,
-            "blocks": list(one.blocks),
-            "what": one.description,
-            "cost": one.cost,
-            "ghost": _ghost(one),
-        }
-        for one in found.mends
-    ]
+    work.mends.clear()
+
+    def found_one(mend: Mend) -> None:
+        work.tell("mend", number=len(work.mends), mend=_told(mend))
+        work.mends.append(mend)
+
+    found = find_mends(work.asked.part, stop=work.stop, progress=work.progress, found_one=found_one)
+    told = [{"number": work.mends.index(one), **_told(one)} for one in found.mends]
     tried = [
         {"blocks": list(blocks), "what": f"{one.kind}: {one.what}"} for blocks, one in found.tried
     ]
     message, stopped = work.noted(found.message), work.stop()
     yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": stopped}
+
+
+def _told(mend: Mend) -> dict[str, Any]:
+    return {
+        "kind": mend.kind,
+        "blocks": list(mend.blocks),
+        "what": mend.description,
+        "cost": mend.cost,
+        "ghost": _ghost(mend),
+    }
 
 
 def _ghost(mend: Mend) -> list[list[float]]:

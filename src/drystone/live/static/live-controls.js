@@ -109,6 +109,7 @@ const HEAR = {
     busy(false);
     showEdge(event);
   },
+  mend: ({ mend, number }) => showMend(mend, number),
   mends: (event) => {
     busy(false);
     showMends(event);
@@ -148,7 +149,10 @@ function connectStrip() {
     leavePlan();
     task("limit", {}, { ...now, direction: lookingTowards() });
   });
-  onClick("mends-find", () => task("mends"));
+  onClick("mends-find", () => {
+    byId("mends").replaceChildren();
+    return task("mends");
+  });
   onClick("plan-find", () => task("plan"));
   onClick("plan-leave", leavePlan);
   onClick("task-stop", () => {

@@ -117,19 +117,24 @@ function hearCase({ number, headline, verdict }) {
   showCases();
 }
 
+// A mend that stands, while others are being looked for.
+function showMend(mend, number) {
+  const made = button(mend.what, () => {
+    showGhostOf(null);
+    task("apply", { mend: number });
+  }, { title: `cost ${Number(mend.cost.toPrecision(3))}; ${mend.blocks.join(", ")}` });
+  made.append(" ", element("small", `for ${someOf(mend.blocks)}`));
+  for (const event of ["pointerenter", "focus"]) made.addEventListener(event, () => showGhostOf(mend.ghost));
+  for (const event of ["pointerleave", "blur"]) made.addEventListener(event, () => showGhostOf(null));
+  byId("mends").append(made);
+}
+
+// All of them, the cheapest of a region first.
 function showMends({ mends, tried, message, stopped }) {
   const box = byId("mends");
+  showGhostOf(null);
   box.replaceChildren();
-  mends.forEach((mend, number) => {
-    const made = button(mend.what, () => {
-      showGhostOf(null);
-      task("apply", { mend: number });
-    }, { title: `cost ${Number(mend.cost.toPrecision(3))}; ${mend.blocks.join(", ")}` });
-    made.append(element("small", `for ${someOf(mend.blocks)}`));
-    for (const event of ["pointerenter", "focus"]) made.addEventListener(event, () => showGhostOf(mend.ghost));
-    for (const event of ["pointerleave", "blur"]) made.addEventListener(event, () => showGhostOf(null));
-    box.append(made);
-  });
+  for (const mend of mends) showMend(mend, mend.number);
   const words = [message, stopped ? "the search was stopped before all was tried" : ""].filter(Boolean);
   if (!mends.length && !words.length) words.push("no mend was found");
   for (const text of words) box.append(element("p", text));

@@ -1,0 +1,184 @@
+"""The live page in a real browser: moved supports, mends, plans, files, windows, the end."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import parse_qs
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import io
+from drystone.live.serving import Live
+from drystone.models import arch
+from tests.page.browser import Browser, Tab, executable, running
+from tests.page.live_steps import leave, says, verdict
+from tests.unit.live.live_client import overhang
+
+PROGRAM = executable()
+
+pytestmark = [pytest.mark.skipif(PROGRAM is None, reason="no Chromium on this machine")]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    assert PROGRAM is not None
+    with running(PROGRAM) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
+    path = tmp_path_factory.mktemp("live") / "arch.json"
+    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
+    with Live(path, port=0) as made:
+        yield made
+
+
+@pytest.fixture
+def tab(browser: Browser, live: Live) -> Iterator[Tab]:
+    made = browser.open(live.link, size=(760, 480))
+    verdict(made, "STABLE")
+    yield made
+    leave(made, live)
+
+
+def seen_from_the_front(tab: Tab, point: np.ndarray) -> tuple[float, float]:
+    """Where a point, relative to the middle of the model [m], is in the window."""
+    tab.key("1")
+    tab.click("#link")
+    view = parse_qs(str(tab.run("document.getElementById('address').value")).split("#")[1])
+    distance, x, _, z = (float(one) for one in view["v"][0].split(",")[2:])
+    left, top, wide, high = tab.run("""(() => {
+      const box = document.getElementById('view').getBoundingClientRect();
+      return [box.x, box.y, box.width, box.height];
+    })()""")
+    by_metre = high / (2.0 * distance * math.tan(math.radians(14.0)))  # the field of view is 28
+    return left + 0.5 * wide + by_metre * (point[0] - x), top + 0.5 * high - by_metre * (
+        point[2] - z
+    )
+
+
+def test_a_support_is_dragged_and_the_blocks_follow(tab: Tab, live: Live) -> None:
+    tab.click("[data-mode=move]")
+    blocks = io.read(live.desk.file).assembly
+    middle = 0.5 * (blocks.bounds[:, 0].min(axis=0) + blocks.bounds[:, 1].max(axis=0))
+    x, y = seen_from_the_front(tab, blocks.centroid[blocks.index("springer-right")] - middle)
+    tab.mouse("mousePressed", x, y, button="left", clickCount=1)
+    tab.mouse("mouseMoved", x + 12, y, button="left", buttons=1)
+    words = tab.text("#push-arrow text")
+    tab.mouse("mouseReleased", x + 12, y, button="left", clickCount=1)
+    assert words.endswith(" mm")
+    says(tab, "headline", "Stands with its supports")
+    told = verdict(tab, "STABLE")
+    assert told.startswith(f"Stands with its supports moved by {words}: 3 hinges")
+    assert "springer-right moved by" in tab.text("#live-changes")
+    assert tab.text("#motion-name") == "Motion of the supports"
+    assert tab.run("Number(document.getElementById('motion').value)") == 1.0
+
+    way = "document.querySelector('#live-changes .way input')"
+    assert tab.run(f"Number({way}.value)") > 0.0
+    tab.run(f"{way}.value = 500; {way}.dispatchEvent(new Event('change'))")
+    assert verdict(tab, "UNSTABLE").startswith("Falls when the supports have moved by ")
+    tab.click("#undo")
+    says(tab, "headline", told)
+    verdict(tab, "STABLE")
+    tab.click("#undo")
+    says(tab, "headline", "whichever")
+    assert tab.text("#live-changes") == ""
+
+
+def test_a_plan_is_played_its_order_changed_and_checked_again(tab: Tab) -> None:
+    tab.click("#plan-find")
+    tab.until("document.querySelectorAll('#plan li').length === 12")
+    tab.until("Number(document.getElementById('stage').value) > 0")  # it plays
+    names = "[...document.querySelectorAll('#plan li .name')].map((one) => one.textContent)"
+    before = tab.run(names)
+    tab.run("document.querySelectorAll('#plan li')[10].querySelectorAll('button')[1].click()")
+    wanted = [*before[:10], before[11], before[10]]
+    assert tab.run(names) == wanted
+    tab.run("[...document.querySelectorAll('#plan > button')].at(-1).click()")
+    tab.until("document.getElementById('task-stop').hidden")
+    assert tab.run(names) == wanted
+    tab.click("#plan-leave")
+    verdict(tab, "STABLE")
+    assert tab.run("document.getElementById('stage-box').hidden")
+
+
+def test_what_is_saved_gives_the_same(
+    tab: Tab, live: Live, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tab.browser.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
+    tab.slide("#friction", 0.5)
+    tab.slide("#tilt", 3)
+    says(tab, "asked", "tilt 3 deg")
+    verdict(tab, "STABLE")
+    for button in ("model", "case", "picture"):
+        tab.click(f"#save-{button}")
+    wanted = ("arch-model.json", "arch-case.json")
+    end = time.monotonic() + 120.0
+    while not (all((tmp_path / one).exists() for one in wanted) and list(tmp_path.glob("*.png"))):
+        assert time.monotonic() < end, list(tmp_path.iterdir())
+        time.sleep(0.05)
+    model = io.read(tmp_path / "arch-model.json")
+    assert set(model.contacts.friction) == {0.5}
+    case = json.loads((tmp_path / "arch-case.json").read_text())
+    assert case["name"] == "tilt 3 deg"
+    picture = next(tmp_path.glob("*.png")).read_bytes()
+    assert picture.startswith(b"\x89PNG")
+    assert len(picture) > 10_000
+
+    tab.click("#save-python")
+    tab.until("document.getElementById('python').value.includes('with_friction(0.5)')")
+    monkeypatch.chdir(live.desk.file.parent)
+    printed: list[drystone.Result] = []
+    exec(tab.run("document.getElementById('python').value"), {"print": printed.append})
+    assert printed[0].verdict is drystone.check(model).verdict is drystone.Verdict.STABLE
+
+
+def test_two_windows_are_both_true(browser: Browser, live: Live, tab: Tab) -> None:
+    other = browser.open(live.link, size=(400, 300))
+    other.slide("#tilt", 12)
+    tab.send("Page.bringToFront")  # a tab behind another one draws nothing
+    tab.slide("#tilt", 2)
+    says(tab, "asked", "tilt 2 deg")
+    assert verdict(other, "UNSTABLE").startswith("Falls")
+    assert verdict(tab, "STABLE").startswith("Stands")
+    says(other, "asked", "tilt 12 deg")
+    leave(other, live)
+
+
+def test_a_mend_is_seen_made_and_undone_and_the_end_is_told(
+    browser: Browser, tmp_path: Path
+) -> None:
+    path = tmp_path / "out.json"
+    io.write(drystone.Model.of(overhang(), friction=0.9), path)
+    with Live(path, port=0) as live:
+        tab = browser.open(live.link, size=(760, 480))
+        verdict(tab, "UNSTABLE")
+        tab.run("document.getElementById('mends-box').open = true")
+        without = tab.picture("#view")
+        tab.click("#mends-find")
+        tab.until("document.getElementById('task-stop').hidden")
+        assert "for out" in tab.text("#mends button")
+        tab.run("[...document.querySelectorAll('#mends button')]"
+                ".find((one) => one.textContent.includes('prop')).focus()")  # fmt: skip
+        says(tab, "legend", "the mend")
+        tab.frames()
+        assert tab.picture("#view") != without
+        tab.run("document.activeElement.click()")
+        says(tab, "mends", "made: ")
+        verdict(tab, "STABLE")
+        assert "3 blocks" in tab.text("#asked")
+        assert tab.run("document.getElementById('task-stop').hidden")
+        tab.click("#undo")
+        verdict(tab, "UNSTABLE")
+        assert "2 blocks" in tab.text("#asked")
+        assert tab.complaints() == []
+    says(tab, "live-trouble", "the server has ended")
+    tab.close()
