@@ -18,7 +18,7 @@ from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
-    from drystone.design import DesignMargin, Diagnosis
+    from drystone.design import DesignMargin, Diagnosis, Mends
     from drystone.model import Model
     from drystone.results import Result
     from drystone.view import Scene
@@ -27,7 +27,7 @@ SHORT = 3
 """Regions that ``check`` tells; ``mend`` tells all."""
 
 
-KIND = "support, prop, friction, turn, wedge, let-in, thicker, ballast or glue"
+KIND = "support, prop, tie, friction, turn, wedge, let-in, thicker, ballast, glue or merge"
 
 
 Margin: TypeAlias = Annotated[
@@ -80,6 +80,15 @@ def mend(
         Path | None,
         Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
     ] = None,
+    pages: Annotated[
+        Path | None,
+        Option(
+            "Folder for a page of each mend: the mended model, with edges of what it was.",
+            OUTPUT,
+            metavar="FOLDER",
+            expert=True,
+        ),
+    ] = None,
     time_limit: options.TimeLimit = None,
     wanted: Pictures,
     waiting: Waiting,
@@ -93,6 +102,10 @@ def mend(
     130: Ctrl-C ended the search; what was known by then is the answer.
     """
     _refuse(diagnose, auto, apply, out)
+    if pages is not None and (diagnose or auto):
+        raise InputError(
+            "is for the list of mends", where="--pages", remedy="leave out --diagnose and --auto"
+        )
     asked = margins(margin)
     model = subject.prepared(waiting, finding, seismic)
     from drystone import design  # work is imported when there is some
@@ -137,7 +150,21 @@ def mend(
         data |= {"applied": {**one.to_dict(), "verdict": result.verdict.value}}
         files = partial(files_after, model, result, one.model, wanted, out)
         code = verdict.exit_code(result, strict=False)
+    if pages is not None:
+        files = partial(_with_pages, files, mends, pages)
     return Answer(data, partial(_show, data), code, model.notes, files)
+
+
+def _with_pages(others: Any, mends: Mends, folder: Path) -> Files:
+    """The other files, and a page of each mend."""
+    from drystone import view  # as above
+
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs, notes = others()
+    for number, one in enumerate(mends.mends, 1):
+        scene = mended_scene(one.before, one.result, one.description)
+        jobs.append((folder / f"mend-{number:02d}.html", partial(view.save_page, scene)))
+    return jobs, notes
 
 
 def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> None:
@@ -201,7 +228,7 @@ def files_after(
     return jobs, []
 
 
-def mended_scene(before: Model, result: Result) -> Scene:
+def mended_scene(before: Model, result: Result, what: str = "mended") -> Scene:
     """A mended model, with the edges of blocks that changed as they were."""
     from dataclasses import replace
 
@@ -216,7 +243,7 @@ def mended_scene(before: Model, result: Result) -> Scene:
         for block in before.assembly.blocks
         if id(block) not in kept
     ]
-    stage = view.stage_of(result, "mended")
+    stage = view.stage_of(result, what)
     if lines:
         ends = np.concatenate(lines)
         ghost = view.Layer(
@@ -224,7 +251,7 @@ def mended_scene(before: Model, result: Result) -> Scene:
             ends[:, 1] - ends[:, 0],
         )  # fmt: skip
         stage = replace(stage, layers=(*stage.layers, ghost))
-    return view.Scene(result.assembly, result.contacts, (stage,), "drystone: mended")
+    return view.Scene(result.assembly, result.contacts, (stage,), f"drystone: {what}")
 
 
 def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:

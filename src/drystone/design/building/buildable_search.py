@@ -1,0 +1,275 @@
+"""Wedges deepened course by course until a shell can be built with the least help.
+
+Source: Kao 2023, section 7.3: wedges where a plan needs help, as shallow as they can be, since
+sharp corners break.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.base.arrays import Ints
+from drystone.base.errors import InputError
+from drystone.base.progress import Progress
+from drystone.base.settings import checked_call
+from drystone.design.building.buildable import (
+    Buildable,
+    BuildableOptions,
+    BuildNeeds,
+    TriedLayout,
+    message_of,
+)
+from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
+from drystone.shells import Body, Layout, Shape, Shell, build_shell
+
+NONE = BuildNeeds(0, 0)
+
+
+@checked_call
+def make_buildable(
+    shape: Shape,
+    layouts: Layout | Sequence[Layout],
+    body: Body | None = None,
+    *,
+    options: BuildableOptions | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Buildable:
+    """Search the layout and the wedges with which the fewest blocks are propped, then held.
+
+    Each layout is planned with the shallowest wedges. Those that need least help are then gone
+    through course by course from the springing. The bed line below a course that needs help is made
+    deeper, step by step, until it needs none; the plan is made again from the course below that
+    line on, the first one that changes. The whole shell is planned at the end.
+
+    Parameters
+    ----------
+    shape
+    layouts
+        One or several; their own wedges are not used.
+    body
+    options
+    progress
+    stop
+        Asked often; True ends the search with the best so far.
+
+    Raises
+    ------
+    InputError
+        No layout can be built, or it was stopped before the first one was planned.
+
+    Examples
+    --------
+    >>> from drystone.shells import Body, Layout, barrel_vault
+    >>> layout, body = Layout(courses=5, blocks=2), Body(thickness=0.6)
+    >>> found = make_buildable(barrel_vault(6.0, 6.0), layout, body)
+    >>> found.needs.cost <= found.before.cost
+    True
+    """
+    chosen = BuildableOptions.of(options)
+    several = [layouts] if isinstance(layouts, Layout) else list(layouts)
+    search = _Search(shape, body or Body(), chosen, progress, stop)
+    return search.run(several)
+
+
+class _Search:
+    """The search over layouts, and over the wedges of each."""
+
+    def __init__(
+        self,
+        shape: Shape,
+        body: Body,
+        options: BuildableOptions,
+        progress: Progress | None,
+        stop: Callable[[], bool] | None,
+    ) -> None:
+        self.shape, self.body, self.options = shape, body, options
+        self.progress, self.stop = progress, stop
+
+    def run(self, layouts: list[Layout]) -> Buildable:
+        """The best of all layouts."""
+        shallow = self.options.wedges[0]
+        tried: list[TriedLayout] = []
+        starts: list[tuple[int, Layout, Shell, Plan]] = []
+        for number, layout in enumerate(layouts):
+            if self.late():
+                break
+            self.tell("planning layouts", number, len(layouts))
+            try:
+                shell = self.built(layout, [shallow] * self.lines(layout))
+                first = self.planned(shell)
+            except InputError as error:
+                tried.append(TriedLayout(layout, 0, None, message=str(error)))
+                continue
+            if first is None:
+                break
+            tried.append(TriedLayout(layout, len(shell.voussoirs), needs_of(first)))
+            starts.append((len(tried) - 1, layout, shell, first))
+        if not starts:
+            why = tried[0].message if tried else "the search was stopped before the first plan"
+            raise InputError(f"no layout was planned: {why}", remedy="try other courses or blocks")
+        starts.sort(key=lambda one: needs_of(one[3]).cost)
+        best: Buildable | None = None
+        for at, layout, shell, first in starts[: self.options.deepened]:
+            found = self.deepened(layout, shell, first)
+            tried[at] = replace(tried[at], deepened=found.needs)
+            if best is None or _rank(found) < _rank(best):
+                best = found
+            if best.needs == NONE or self.late():
+                break
+        assert best is not None
+        return replace(best, tried=tuple(tried))
+
+    def late(self) -> bool:
+        return self.stop is not None and self.stop()
+
+    def tell(self, stage: str, done: int, total: int) -> None:
+        if self.progress is not None:
+            self.progress(stage, done, total)
+
+    def lines(self, layout: Layout) -> int:
+        """Number of bed lines between two courses."""
+        return int(course_of(self.built(layout, self.options.wedges[0])).max())
+
+    def built(self, layout: Layout, wedges: float | Sequence[float]) -> Shell:
+        return build_shell(self.shape, replace(layout, wedge=wedges), self.body)
+
+    # -- plans ----------------------------------------------------------------------------------
+    def planned(self, shell: Shell, low: int = 0, high: int | None = None) -> Plan | None:
+        """The plan from a course on, of the courses up to another one; ``None`` if stopped.
+
+        The courses below are in place; those above are left out.
+        """
+        course = course_of(shell)
+        names = np.array(shell.assembly.names)
+        model = shell.model(friction=self.options.friction)
+        if high is not None:
+            model = model.subset(np.flatnonzero(course <= high).tolist())
+        free = ~shell.assembly.fixed
+        rules = Rules(
+            hands=self.options.hands,
+            order=Order.COURSE,
+            placed=tuple(names[free & (course < low)].tolist()),
+        )
+        options = PlanOptions(rules=rules, anyway=True)
+        found = plan(model, options=options, stop=self.stop)
+        return None if found.stopped else found
+
+    def course_needs(self, shell: Shell, course: int, low: int) -> BuildNeeds | None:
+        """The help that two courses need, planned from ``low`` on, with nothing above them."""
+        made = self.planned(shell, low, course)
+        return None if made is None else needs_of(made)
+
+    # -- wedges ---------------------------------------------------------------------------------
+    def deepened(self, layout: Layout, shell: Shell, first: Plan) -> Buildable:
+        """The wedges of one layout, from the shallowest, and the plan of the whole."""
+        ladder = self.options.wedges
+        wedges = [ladder[0]] * int(course_of(shell).max())
+        before = needs_of(first)
+        best = shell, first, list(wedges)
+        if before != NONE:
+            wedges, shell = self.course_by_course(layout, wedges, shell)
+            whole = None if wedges == best[2] else self.planned(shell)
+            if whole is not None and needs_of(whole).cost < before.cost:
+                best = shell, whole, wedges
+            best = self.remaining(layout, *best)
+        shell, made, wedges = best
+        deeper = [i + 1 for i, one in enumerate(wedges) if one != ladder[0]]
+        words = message_of(needs_of(made), before, deeper, self.late())
+        layout = replace(layout, wedge=tuple(wedges))
+        return Buildable(shell, made, layout, needs_of(made), before, (), words)
+
+    def course_by_course(
+        self, layout: Layout, wedges: list[float], shell: Shell
+    ) -> tuple[list[float], Shell]:
+        """The shallowest wedges with which each course needs the least help on those below."""
+        total = len(wedges) + 1
+        for course in range(1, total):
+            self.tell("planning courses", course, total)
+            line, low = course - 1, max(course - 1, 0)
+            now = self.course_needs(shell, course, course)
+            if now is None:
+                break
+            if now == NONE:
+                continue
+            # the course below changes with the line, and counts from here on
+            least = self.course_needs(shell, course, low)
+            for deeper in self.options.wedges[1:]:
+                if least is None or self.late():
+                    break
+                trial = [*wedges[:line], deeper, *wedges[line + 1 :]]
+                try:
+                    tried = self.built(layout, trial)
+                except InputError:
+                    break
+                needs = self.course_needs(tried, course, low)
+                if needs is not None and needs.cost < least.cost:
+                    least, shell, wedges = needs, tried, trial
+                if least == NONE:
+                    break
+        return wedges, shell
+
+    def remaining(
+        self, layout: Layout, shell: Shell, made: Plan, wedges: list[float]
+    ) -> tuple[Shell, Plan, list[float]]:
+        """Lines deepened one step further where the plan of the whole still needs help."""
+        ladder = self.options.wedges
+        done: set[int] = set()
+        while needs_of(made) != NONE and not self.late():
+            course = course_of(shell)[: len(made.model.assembly)]
+            helped = sorted({int(course[b]) for b in helped_blocks(made)} - {0} - done)
+            if not helped:
+                break
+            line = helped[0] - 1
+            place = ladder.index(wedges[line])
+            better = None
+            for deeper in ladder[place + 1 :]:
+                trial = [*wedges[:line], deeper, *wedges[line + 1 :]]
+                self.tell("planning the whole", len(done), len(wedges))
+                try:
+                    tried = self.built(layout, trial)
+                except InputError:
+                    break
+                whole = self.planned(tried)
+                if whole is None:
+                    break
+                if needs_of(whole).cost < needs_of(made).cost:
+                    better = tried, whole, trial
+                    break
+            if better is None:
+                done.add(helped[0])
+            else:
+                shell, made, wedges = better
+        return shell, made, wedges
+
+
+def course_of(shell: Shell) -> Ints:
+    """Course (n,) of each block; -1 of ground blocks."""
+    course = [int(block.metadata.get("course", -1)) for block in shell.assembly.blocks]
+    out = np.array(course, dtype=np.intp)
+    out[shell.ground] = -1
+    return out
+
+
+def helped_blocks(made: Plan) -> list[int]:
+    """Blocks that are propped or held."""
+    helped = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
+    return [block for block, status in enumerate(made.status) if status in helped]
+
+
+def needs_of(made: Plan) -> BuildNeeds:
+    """The help that a plan needs; a block that cannot be put in counts as propped."""
+    counts = made.counts
+    propped = counts[Status.PROPPED.value] + counts[Status.IMPOSSIBLE.value]
+    return BuildNeeds(propped, counts[Status.HELD.value])
+
+
+def _rank(found: Buildable) -> tuple[int, int, float]:
+    """Fewest props, then fewest held blocks, then the shallowest wedges."""
+    return (*found.needs.cost, sum(abs(one) for one in found.wedges))
+
+
+__all__ = ["course_of", "make_buildable", "needs_of"]
