@@ -103,7 +103,9 @@ def shape(
             model, moves, options=chosen, progress=waiting, stop=lambda: stop() or clock.late()
         )
     data: dict[str, Any] = {"model": subject.model, "aim": aim, **found.to_dict()}
-    files = partial(files_after, model, found.result, found.model, wanted, out)
+    files = partial(
+        files_after, model, found.result, found.model, wanted, out, subject.model, found.message
+    )
     return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 
