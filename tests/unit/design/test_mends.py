@@ -118,7 +118,7 @@ def test_a_tie_carries_what_keeps_two_blocks_from_turning_apart(tmp_path: Path) 
     model = Model.of(Assembly((base, *sides)).with_fixed([0]), friction=0.6)
     weight = 9.81 * float(model.assembly.mass[1])
     (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
-    assert found.value == pytest.approx(0.1 * weight / 0.25, rel=0.1)
+    assert found.value == pytest.approx(0.1 * weight / 0.25, rel=0.01)
     assert found.added == 1
     assert again(found.model, tmp_path).stable
 
@@ -192,7 +192,7 @@ def test_the_command_writes_a_model_that_stands_and_a_page_with_what_it_was(
     overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, page = tmp_path / "stands.json", tmp_path / "after.html"
-    arguments = ["--auto", "--only", "glue", "--out", str(out), "--html", str(page)]
+    arguments = ["--auto", "--only", "merge", "--out", str(out), "--html", str(page)]
     assert main(["mend", overhang, *arguments]) == 0
     assert "STABLE" in capsys.readouterr().out
     assert drystone.check(out).stable
@@ -205,15 +205,15 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     arguments = ["--only", "prop", "--only", "glue", "--margin", "friction=0.9x", "--json"]
     assert main(["mend", overhang, *arguments]) == 1
     told = json.loads(capsys.readouterr().out)
-    assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
+    assert [one["kind"] for one in told["mends"]] == ["glue", "prop"]
     folder = tmp_path / "pages"
     assert main(["mend", overhang, *arguments, "--pages", str(folder)]) == 1
     capsys.readouterr()
     pages = sorted(folder.iterdir())
     assert [page.name for page in pages] == ["mend-01.html", "mend-02.html"]
-    assert "a prop of" in pages[0].read_text(encoding="utf-8")
+    assert "a prop of" in pages[1].read_text(encoding="utf-8")
     out = tmp_path / "propped.json"
-    assert main(["mend", overhang, *arguments, "--apply", "1", "--out", str(out)]) == 0
+    assert main(["mend", overhang, *arguments, "--apply", "2", "--out", str(out)]) == 0
     assert json.loads(capsys.readouterr().out)["applied"]["verdict"] == "stable"
     assert drystone.check(out).stable
 

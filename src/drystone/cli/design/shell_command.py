@@ -136,14 +136,14 @@ def shell(
     )
     waiting.stage("read", "building the shell")
     base = surface_of(wanted)
-    one = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
+    shift = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
     layout = Layout(
         courses=COURSES if courses is None and course_height is None else courses,
         height=course_height,
         partial=partial,
         blocks=blocks,
         width=base.width if blocks is None and width is None else width,
-        wedge=0.0 if wedge is None and not straight else one,
+        wedge=0.0 if wedge is None and not straight else shift,
     )
     told = None
     if buildable:

@@ -39,6 +39,9 @@ PROPS = 40
 """Largest number of blocks of a region that is held by several props, chosen: each prop is checked
 once."""
 
+POINT = 0.01
+"""Size of the corners of a tie by its own, chosen."""
+
 
 def support_mends(bench: Bench) -> Iterator[Candidate]:
     """A block below that fits between a block of the region and another one."""
@@ -173,14 +176,14 @@ def tie_mends(bench: Bench) -> Iterator[Candidate]:
 def tied(model: Model, block: int, other: int) -> Model:
     """The model with a tie from the centroid of a block to that of another one.
 
-    It is a joint without friction that presses the block towards the other one, through a small
-    plate at its centroid.
+    It is a joint without friction that presses the block towards the other one. It has the area of
+    the head of a prop, drawn together to a point at the centroid, so that it resists no turn.
     """
     centroid = model.assembly.centroid
     along = centroid[other] - centroid[block]
     frame = frames_from_normals((along / np.linalg.norm(along))[None])
     half = 0.5 * HEAD * float(model.assembly.size[block])
-    square = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    square = POINT * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     plate = Contacts(
         np.array([other]),
         np.array([block]),
