@@ -80,7 +80,7 @@ def mend(
         Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
     ] = None,
     pages: Annotated[
-        Path | None,
+        str | None,
         Option(
             "Folder for a page of each mend: the mended model, with edges of what it was.",
             OUTPUT,
@@ -154,7 +154,7 @@ def mend(
         )
         code = verdict.exit_code(result, strict=False)
     if pages is not None:
-        files = partial(_with_pages, files, mends, pages, subject.model)
+        files = partial(_with_pages, files, mends, Path(pages), subject.model)
     return Answer(data, partial(_show, data), code, model.notes, files)
 
 

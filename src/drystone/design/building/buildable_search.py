@@ -6,12 +6,12 @@ sharp corners break.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from drystone.base.arrays import Ints
+from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
@@ -23,6 +23,9 @@ from drystone.design.building.buildable import (
     message_of,
 )
 from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
+from drystone.sequence.rules import courses
+from drystone.sequence.stage.stage_checks import check_both
+from drystone.sequence.stage.structure import Structure
 from drystone.shells import Body, Layout, Shape, Shell, build_shell
 
 NONE = BuildNeeds(0, 0)
@@ -41,9 +44,10 @@ def make_buildable(
     """Search the layout and the wedges with which the fewest blocks are propped, then held.
 
     Each layout is planned with the shallowest wedges. Those that need least help are then gone
-    through course by course from the springing. The bed line below a course that needs help is made
-    deeper, step by step, until it needs none; the plan is made again from the course below that
-    line on, the first one that changes. The whole shell is planned at the end.
+    through course by course from the springing, or from both springings where the courses close
+    between them. The bed line below a course that needs help is made deeper, step by step, until it
+    needs none; the plan is made again from the course below that line on, the first one that
+    changes. The whole shell is planned at the end.
 
     Parameters
     ----------
@@ -63,9 +67,9 @@ def make_buildable(
 
     Examples
     --------
-    >>> from drystone.shells import Body, Layout, barrel_vault
-    >>> layout, body = Layout(courses=5, blocks=2), Body(thickness=0.6)
-    >>> found = make_buildable(barrel_vault(6.0, 6.0), layout, body)
+    >>> from drystone.shells import Body, Layout, dome
+    >>> layout, body = Layout(courses=2, blocks=6), Body(thickness=0.5)
+    >>> found = make_buildable(dome(3.0, 2.0), layout, body)
     >>> found.needs.cost <= found.before.cost
     True
     """
@@ -138,30 +142,23 @@ class _Search:
         return build_shell(self.shape, replace(layout, wedge=wedges), self.body)
 
     # -- plans ----------------------------------------------------------------------------------
-    def planned(self, shell: Shell, low: int = 0, high: int | None = None) -> Plan | None:
-        """The plan from a course on, of the courses up to another one; ``None`` if stopped.
+    def planned(self, shell: Shell, low: float = 0.0, high: float = np.inf) -> Plan | None:
+        """The plan of the blocks from one level to another one; ``None`` if stopped.
 
-        The courses below are in place; those above are left out.
+        The blocks below are in place; those above are left out.
         """
-        course = course_of(shell)
+        level = levels_of(shell)
         names = np.array(shell.assembly.names)
         model = shell.model(friction=self.options.friction)
-        if high is not None:
-            model = model.subset(np.flatnonzero(course <= high).tolist())
+        model = model.subset(np.flatnonzero(level <= high).tolist())
         free = ~shell.assembly.fixed
         rules = Rules(
             hands=self.options.hands,
             order=Order.COURSE,
-            placed=tuple(names[free & (course < low)].tolist()),
+            placed=tuple(names[free & (level < low)].tolist()),
         )
-        options = PlanOptions(rules=rules, anyway=True)
-        found = plan(model, options=options, stop=self.stop)
+        found = plan(model, options=PlanOptions(rules=rules, anyway=True), stop=self.stop)
         return None if found.stopped else found
-
-    def course_needs(self, shell: Shell, course: int, low: int) -> BuildNeeds | None:
-        """The help that two courses need, planned from ``low`` on, with nothing above them."""
-        made = self.planned(shell, low, course)
-        return None if made is None else needs_of(made)
 
     # -- wedges ---------------------------------------------------------------------------------
     def deepened(self, layout: Layout, shell: Shell, first: Plan) -> Buildable:
@@ -171,7 +168,7 @@ class _Search:
         before = needs_of(first)
         best = shell, first, list(wedges)
         if before != NONE:
-            wedges, shell = self.course_by_course(layout, wedges, shell)
+            wedges, shell = self.level_by_level(layout, wedges, shell)
             whole = None if wedges == best[2] else self.planned(shell)
             if whole is not None and needs_of(whole).cost < before.cost:
                 best = shell, whole, wedges
@@ -182,51 +179,49 @@ class _Search:
         layout = replace(layout, wedge=tuple(wedges))
         return Buildable(shell, made, layout, needs_of(made), before, (), words)
 
-    def course_by_course(
+    def level_by_level(
         self, layout: Layout, wedges: list[float], shell: Shell
     ) -> tuple[list[float], Shell]:
-        """The shallowest wedges with which each course needs the least help on those below."""
-        total = len(wedges) + 1
-        for course in range(1, total):
-            self.tell("planning courses", course, total)
-            line, low = course - 1, max(course - 1, 0)
-            now = self.course_needs(shell, course, course)
+        """The shallowest wedges with which each level needs the least help on those below."""
+        level = levels_of(shell)
+        last = int(level[~shell.ground].max())
+        for high in range(int(level[~shell.ground].min()) + 1, last + 1):
+            self.tell("planning courses", high, last)
+            now = self.planned(shell, high, high)
             if now is None:
                 break
-            if now == NONE:
+            lines = lines_below(shell, helped_courses(shell, now))
+            if needs_of(now) == NONE or not lines:
                 continue
-            # the course below changes with the line, and counts from here on
-            least = self.course_needs(shell, course, low)
+            # the courses below change with the lines, and count from here on
+            made = self.planned(shell, high - 1, high)
             for deeper in self.options.wedges[1:]:
-                if least is None or self.late():
+                if made is None or needs_of(made) == NONE or self.late():
                     break
-                trial = [*wedges[:line], deeper, *wedges[line + 1 :]]
+                trial = [deeper if i in lines else one for i, one in enumerate(wedges)]
                 try:
                     tried = self.built(layout, trial)
                 except InputError:
                     break
-                needs = self.course_needs(tried, course, low)
-                if needs is not None and needs.cost < least.cost:
-                    least, shell, wedges = needs, tried, trial
-                if least == NONE:
-                    break
+                found = self.planned(tried, high - 1, high)
+                if found is not None and needs_of(found).cost < needs_of(made).cost:
+                    made, shell, wedges = found, tried, trial
         return wedges, shell
 
     def remaining(
         self, layout: Layout, shell: Shell, made: Plan, wedges: list[float]
     ) -> tuple[Shell, Plan, list[float]]:
-        """Lines deepened one step further where the plan of the whole still needs help."""
+        """Lines deepened where the plan of the whole still needs help, the lowest course first."""
         ladder = self.options.wedges
         done: set[int] = set()
         while needs_of(made) != NONE and not self.late():
-            course = course_of(shell)[: len(made.model.assembly)]
-            helped = sorted({int(course[b]) for b in helped_blocks(made)} - {0} - done)
-            if not helped:
+            lines = [one for one in lines_below(shell, helped_courses(shell, made))
+                     if one not in done]  # fmt: skip
+            if not lines:
                 break
-            line = helped[0] - 1
-            place = ladder.index(wedges[line])
-            better = None
-            for deeper in ladder[place + 1 :]:
+            line = lines[0]
+            done.add(line)
+            for deeper in ladder[ladder.index(wedges[line]) + 1 :]:
                 trial = [*wedges[:line], deeper, *wedges[line + 1 :]]
                 self.tell("planning the whole", len(done), len(wedges))
                 try:
@@ -237,13 +232,45 @@ class _Search:
                 if whole is None:
                     break
                 if needs_of(whole).cost < needs_of(made).cost:
-                    better = tried, whole, trial
+                    shell, made, wedges = tried, whole, trial
+                    done.discard(line)
                     break
-            if better is None:
-                done.add(helped[0])
-            else:
-                shell, made, wedges = better
         return shell, made, wedges
+
+
+def levels_of(shell: Shell) -> Floats:
+    """Level (n,) of each block in the order of assembly, as :class:`drystone.sequence.Order` has it.
+
+    The course; or the number of joints to a support, where courses close between two supports.
+    Ground blocks have none, and come first.
+    """
+    level = courses(Structure(shell.model(), check_both)).astype(np.float64)
+    level[shell.ground] = -1.0
+    return level
+
+
+def lines_below(shell: Shell, wanted: Collection[int]) -> list[int]:
+    """The bed lines between some courses and those of lower levels, the lowest first.
+
+    Line i is between the courses i and i + 1.
+    """
+    course, level = course_of(shell), levels_of(shell)
+    of_course = [float(level[course == c].min()) for c in range(int(course.max()) + 1)]
+    lines = []
+    for c in sorted(wanted, key=lambda c: of_course[c]):
+        if c > 0 and of_course[c - 1] < of_course[c]:
+            lines.append(c - 1)
+        if c + 1 < len(of_course) and of_course[c + 1] < of_course[c]:
+            lines.append(c)
+    return list(dict.fromkeys(lines))
+
+
+def helped_courses(shell: Shell, made: Plan) -> set[int]:
+    """The courses with blocks that are propped, held, or cannot be put in."""
+    helped = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
+    course = dict(zip(shell.assembly.names, course_of(shell).tolist(), strict=True))
+    names = made.model.assembly.names
+    return {course[names[b]] for b, status in enumerate(made.status) if status in helped}
 
 
 def course_of(shell: Shell) -> Ints:
@@ -252,12 +279,6 @@ def course_of(shell: Shell) -> Ints:
     out = np.array(course, dtype=np.intp)
     out[shell.ground] = -1
     return out
-
-
-def helped_blocks(made: Plan) -> list[int]:
-    """Blocks that are propped or held."""
-    helped = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
-    return [block for block, status in enumerate(made.status) if status in helped]
 
 
 def needs_of(made: Plan) -> BuildNeeds:
