@@ -239,7 +239,7 @@ class _Search:
 
 
 def levels_of(shell: Shell) -> Floats:
-    """Level (n,) of each block in the order of assembly, as :class:`drystone.sequence.Order` has it.
+    """Level (n,) of each block in :attr:`drystone.sequence.Order.COURSE`.
 
     The course; or the number of joints to a support, where courses close between two supports.
     Ground blocks have none, and come first.
