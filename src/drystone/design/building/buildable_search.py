@@ -172,7 +172,7 @@ class _Search:
             whole = None if wedges == best[2] else self.planned(shell)
             if whole is not None and needs_of(whole).cost < before.cost:
                 best = shell, whole, wedges
-            best = self.remaining(layout, *best)
+            best = self.shallower(layout, *self.remaining(layout, *best))
         shell, made, wedges = best
         deeper = [i + 1 for i, one in enumerate(wedges) if one != ladder[0]]
         words = message_of(needs_of(made), before, deeper, self.late())
@@ -234,6 +234,24 @@ class _Search:
                 if needs_of(whole).cost < needs_of(made).cost:
                     shell, made, wedges = tried, whole, trial
                     done.discard(line)
+                    break
+        return shell, made, wedges
+
+    def shallower(
+        self, layout: Layout, shell: Shell, made: Plan, wedges: list[float]
+    ) -> tuple[Shell, Plan, list[float]]:
+        """Each line as shallow as the plan of the whole allows, the highest course first."""
+        ladder = self.options.wedges
+        for line in reversed(range(len(wedges))):
+            for shallow in ladder[: ladder.index(wedges[line])]:
+                if self.late():
+                    return shell, made, wedges
+                self.tell("taking wedges back", len(wedges) - line, len(wedges))
+                trial = [*wedges[:line], shallow, *wedges[line + 1 :]]
+                tried = self.built(layout, trial)
+                whole = self.planned(tried)
+                if whole is not None and needs_of(whole).cost <= needs_of(made).cost:
+                    shell, made, wedges = tried, whole, trial
                     break
         return shell, made, wedges
 
