@@ -46,7 +46,6 @@ def _wedges(text: str) -> tuple[float, ...]:
 @command(
     "drystone shell barrel --courses 5 --blocks 2 --thickness 0.6 --out barrel.json",
     "drystone shell dome --courses 4 --blocks 8 --thickness 0.4 --html dome.html",
-    "drystone shell dome --courses 3 --blocks 8 --eye 2 --thickness 0.5 --buildable",
 )
 def shell(
     *,

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 @command(
     "drystone tune arch --vary thickness_ratio=0.05:0.3 --friction 0.8",
     "drystone tune tower --vary edge=0.5:2 --vary count=2:6 --least volume --most height",
-    "drystone tune barrel-shell --vary thickness=0.2:0.6 --vary wedge=0:0.3 --props 0",
 )
 def tune(
     *,
