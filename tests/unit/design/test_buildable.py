@@ -30,7 +30,7 @@ def vault() -> Buildable:
 
 
 def test_the_vault_needs_no_help_with_deeper_wedges_below_some_courses(vault: Buildable) -> None:
-    assert vault.before.propped > 0
+    assert vault.before.cost > (0, 0)
     assert vault.needs == BuildNeeds(0, 0)
     assert 0 < len(vault.deepened(0.02)) < len(vault.wedges)
 
