@@ -1,5 +1,12 @@
 """Stability-aware design: why a structure falls, and which changes make it stand."""
 
+from drystone.design.building.buildable import (
+    Buildable,
+    BuildableOptions,
+    BuildNeeds,
+    TriedLayout,
+)
+from drystone.design.building.buildable_search import make_buildable
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose
 from drystone.design.causes.joint_motion import JointMotion, JointState
@@ -19,6 +26,9 @@ from drystone.design.wedges.sharpening import Sharpened, SharpenOptions, sharpen
 
 __all__ = [
     "Ballast",
+    "BuildNeeds",
+    "Buildable",
+    "BuildableOptions",
     "DesignMargin",
     "Diagnosis",
     "DiagnosisOptions",
@@ -41,6 +51,7 @@ __all__ = [
     "SharpenOptions",
     "Sharpened",
     "Tried",
+    "TriedLayout",
     "TuneOptions",
     "TuneTrial",
     "Tuned",
@@ -48,6 +59,7 @@ __all__ = [
     "diagnose",
     "find_mends",
     "free_vertices",
+    "make_buildable",
     "mend",
     "shape",
     "sharpen",

@@ -156,8 +156,8 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
         kinds: Annotated[
             list[str] | None,
             Field(
-                description="Kinds that are tried; left out, all: support, prop, friction, turn, "
-                "wedge, let-in, thicker, ballast, glue."
+                description="Kinds that are tried; left out, all: support, prop, tie, friction, "
+                "turn, wedge, let-in, thicker, ballast, glue, merge."
             ),
         ] = None,
         keep: Annotated[

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -94,8 +95,8 @@ def shells() -> Case:
     return Case("7.5", "Shells", lines, pictures)
 
 
-def niche(wedge: float) -> Assembly:
-    """A vault of 37 voussoirs in five courses, held by a wall on three sides, open at the top."""
+def niche_shape() -> Shape:
+    """A quarter of a sphere, held by a wall on three sides, open at the top."""
     top, radius = math.radians(72.0), 3.0
 
     def point(u: Floats, v: Floats) -> Floats:
@@ -107,9 +108,17 @@ def niche(wedge: float) -> Assembly:
         )
 
     supports = (Edge(0, Side.BOTTOM), Edge(0, Side.LEFT), Edge(0, Side.RIGHT))
-    shape = Shape((Patch(point, name="niche"),), supports=supports, name="niche")
-    layout = Layout(courses=5, blocks=7, wedge=wedge)
-    return build_shell(shape, layout, Body(thickness=0.35)).assembly
+    return Shape((Patch(point, name="niche"),), supports=supports, name="niche")
+
+
+NICHE = Layout(courses=5, blocks=7), Body(thickness=0.35)
+"""Courses and blocks of the vault, and their thickness."""
+
+
+def niche(wedge: float) -> Assembly:
+    """A vault of 37 voussoirs in five courses, held by a wall on three sides, open at the top."""
+    layout, body = NICHE
+    return build_shell(niche_shape(), replace(layout, wedge=wedge), body).assembly
 
 
 def ring_dome() -> Assembly:

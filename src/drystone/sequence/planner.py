@@ -225,7 +225,7 @@ class _Planner:
             steps.append(replace(step, why=self.why(step, *props)) if told else step)
             if self.progress is not None:
                 self.progress("verifying stages", number, len(path) - 1)
-        impossible = {b: self.bound.reasons[b] for b in members(self.bound.core)}
+        impossible = dict(self.bound.reasons)
         return Plan(
             self.model,
             complete,

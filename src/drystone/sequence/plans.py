@@ -207,10 +207,10 @@ class Plan(Card):
         held = {b for step in self.steps if len(step.blocks) > 1 for b in step.blocks}
 
         def of(block: int) -> Status:
-            if fixed[block]:
-                return Status.SUPPORT
             if block in self.impossible:
                 return Status.IMPOSSIBLE
+            if fixed[block] or block not in self.step_of:  # in place from the beginning
+                return Status.SUPPORT
             if block in propped:
                 return Status.PROPPED
             return Status.HELD if block in held else Status.FREE

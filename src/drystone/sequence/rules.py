@@ -57,6 +57,8 @@ class Rules(Options):
     order
         Or a list of names in the order of assembly, which is followed where possible. Other blocks
         are placed first.
+    placed
+        Names of blocks that are in place before the plan begins, though they are not fixed.
     """
 
     hands: int = 2
@@ -65,6 +67,7 @@ class Rules(Options):
     reach: Sequence[Sequence[str]] = ()
     order: Order | Sequence[str] = Order.TOP
     robots: Sequence[Robot] = ()
+    placed: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,18 +239,19 @@ def _locked(
 
     With fewer blocks in place fewer motions are blocked, so the order does not matter.
     """
+    placed = mask_of(model.assembly.indices(list(rules.placed)).tolist())
     left = model.everything
-    waiting = left
+    waiting = left & ~placed
     while waiting:
         block = next(members(waiting))
         waiting &= ~(1 << block)
         if lifters[block] > hands or after[block] & left or not removal.free(block, left):
             continue
         left &= ~(1 << block)
-        waiting |= left & model.neighbours[block]
-        waiting |= mask_of(b for b in members(left) if after[b] >> block & 1)
+        waiting |= left & model.neighbours[block] & ~placed
+        waiting |= mask_of(b for b in members(left & ~placed) if after[b] >> block & 1)
     reasons = {}
-    for block in members(left):
+    for block in members(left & ~placed):
         if lifters[block] > hands and rules.robots:
             body = model.assembly.blocks[block]
             reasons[block] = why_not(rules.robots, body.name, body.centroid, body.mass)

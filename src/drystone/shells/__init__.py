@@ -3,6 +3,7 @@
 from drystone.shells.blocks.extent import shape_volume
 from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.samples import SAMPLES, sample_shell
+from drystone.shells.shell_by_name import shell_by_name
 from drystone.shells.shell_of_blocks import Shell, build_shell
 from drystone.shells.shell_options import Body, FormOptions, Ground, Intrados, Layout
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
@@ -68,6 +69,7 @@ __all__ = [
     "sample_shell",
     "schedule",
     "shape_volume",
+    "shell_by_name",
     "three_legged_plan",
     "write_blocks",
     "write_schedule",

@@ -3,6 +3,7 @@
 from drystone.view.cad.save_cad import save_cad
 from drystone.view.paper.curve_figure import save_curve
 from drystone.view.paper.figure import save_figure
+from drystone.view.paper.front_figure import save_front
 from drystone.view.paper.gravity_figure import save_gravity
 from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
@@ -35,6 +36,7 @@ __all__ = [
     "save_cad",
     "save_curve",
     "save_figure",
+    "save_front",
     "save_gravity",
     "save_inspection",
     "save_page",

@@ -99,6 +99,50 @@ def test_the_friction_for_a_margin_of_tilt_is_its_tangent() -> None:
     assert found.value >= np.tan(np.deg2rad(35.0))
 
 
+def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
+    """The inner half of the joint carries half of the pull, 0.3 m from the edge it turns about."""
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
+    weight = 9.81 * float(model.assembly.mass[1])
+    (found,) = find_mends(model, options=MendOptions(kinds=("glue",))).mends
+    assert found.value == pytest.approx(0.2 * weight / (0.5 * 0.3), abs=0.015 * weight)
+    assert "between" in found.description
+    assert again(found.model, tmp_path).stable
+
+
+def test_a_tie_carries_what_keeps_two_blocks_from_turning_apart(tmp_path: Path) -> None:
+    """Each block turns about an edge 0.1 m inside its centroid; the tie is 0.25 m above."""
+    base = box((1.0, 1.0, 1.0), (0.0, 0.0, -1.0), "base")
+    sides = (box((1.2, 1.0, 0.5), (-0.7, 0.0, 0.0), "left"),
+             box((1.2, 1.0, 0.5), (0.5, 0.0, 0.0), "right"))  # fmt: skip
+    model = Model.of(Assembly((base, *sides)).with_fixed([0]), friction=0.6)
+    weight = 9.81 * float(model.assembly.mass[1])
+    (found,) = find_mends(model, options=MendOptions(kinds=("tie",))).mends
+    assert found.value == pytest.approx(0.1 * weight / 0.25, rel=0.01)
+    assert found.added == 1
+    assert again(found.model, tmp_path).stable
+
+
+def test_two_blocks_that_nothing_presses_need_two_props(tmp_path: Path) -> None:
+    walls = box((1.0, 1.0, 3.0), name="left"), box((1.0, 1.0, 3.0), (3.0, 0.0, 0.0), "right")
+    loose = (box((1.0, 1.0, 1.0), (1.0, 0.0, 1.0), "one"),
+             box((1.0, 1.0, 1.0), (2.0, 0.0, 1.0), "two"))  # fmt: skip
+    model = Model.of(Assembly((*walls, *loose)).with_fixed([0, 1]), friction=0.6)
+    (found,) = find_mends(model, options=MendOptions(kinds=("prop",))).mends
+    assert found.added == 2
+    assert found.value == pytest.approx(9.81 * float(model.assembly.mass[2:].sum()), rel=1e-3)
+    assert found.description.startswith("2 props: ")
+    assert again(found.model, tmp_path).stable
+
+
+def test_two_blocks_made_one_stand(tmp_path: Path) -> None:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
+    (found,) = find_mends(model, options=MendOptions(kinds=("merge",))).mends
+    assert len(found.model) == 1
+    assert again(found.model, tmp_path).stable
+
+
 def test_what_stands_already_is_said_to_stand() -> None:
     found = find_mends(tower(2), friction=0.6)
     assert found.mends == ()
@@ -148,7 +192,7 @@ def test_the_command_writes_a_model_that_stands_and_a_page_with_what_it_was(
     overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     out, page = tmp_path / "stands.json", tmp_path / "after.html"
-    arguments = ["--auto", "--only", "glue", "--out", str(out), "--html", str(page)]
+    arguments = ["--auto", "--only", "merge", "--out", str(out), "--html", str(page)]
     assert main(["mend", overhang, *arguments]) == 0
     assert "STABLE" in capsys.readouterr().out
     assert drystone.check(out).stable
@@ -161,9 +205,15 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     arguments = ["--only", "prop", "--only", "glue", "--margin", "friction=0.9x", "--json"]
     assert main(["mend", overhang, *arguments]) == 1
     told = json.loads(capsys.readouterr().out)
-    assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
+    assert [one["kind"] for one in told["mends"]] == ["glue", "prop"]
+    folder = tmp_path / "pages"
+    assert main(["mend", overhang, *arguments, "--pages", str(folder)]) == 1
+    capsys.readouterr()
+    pages = sorted(folder.iterdir())
+    assert [page.name for page in pages] == ["mend-01.html", "mend-02.html"]
+    assert "a prop of" in pages[1].read_text(encoding="utf-8")
     out = tmp_path / "propped.json"
-    assert main(["mend", overhang, *arguments, "--apply", "1", "--out", str(out)]) == 0
+    assert main(["mend", overhang, *arguments, "--apply", "2", "--out", str(out)]) == 0
     assert json.loads(capsys.readouterr().out)["applied"]["verdict"] == "stable"
     assert drystone.check(out).stable
 
@@ -172,6 +222,7 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     ("arguments", "said"),
     [
         (["--auto", "--diagnose"], "ask for different things"),
+        (["--auto", "--pages", "folder"], "is for the list of mends"),
         (["--out", "x.json"], "no mend is made"),
         (["--margin", "tilt=steep"], "has no number"),
         (["--margin", "wind=3"], "is no margin"),

@@ -1,6 +1,7 @@
 """Parameters by search: known optima, the same answer with one worker and two, and after an end."""
 
 import json
+import os
 from functools import partial
 from pathlib import Path
 
@@ -9,7 +10,8 @@ import pytest
 import drystone
 from drystone import Assembly, InputError
 from drystone.cli import main
-from drystone.design import Parameter, TuneOptions, tune
+from drystone.design import DesignMargin, Parameter, TuneOptions, tune
+from drystone.design.tuning.tune_goals import Wanted, outcome_of, planned_counts
 from drystone.models import arch, box, tower
 
 pytest.importorskip("optuna")
@@ -84,6 +86,51 @@ def test_a_search_that_was_ended_goes_on_to_the_same_answer(tmp_path: Path) -> N
         tune(STACK, [Parameter("edge", 0.5, 3.0)], store=store, options=options)
 
 
+def mortal(marker: Path, parent: int, edge: float) -> Assembly:
+    """A tower. Kills the first other process that builds one."""
+    if os.getpid() != parent and not marker.exists():
+        marker.touch()
+        os._exit(13)
+    return tower(2, edge)
+
+
+def test_a_killed_worker_does_not_change_what_is_found(tmp_path: Path) -> None:
+    marker = tmp_path / "died"
+    build = partial(mortal, marker, os.getpid())
+    edge = Parameter("edge", 0.5, 2.0)
+    killed = tune(build, [edge], options=TuneOptions(trials=4, batch=4, workers=2))
+    alone = tune(build, [edge], options=TuneOptions(trials=4, batch=4))
+    assert marker.exists()
+    assert [one.goals for one in killed.trials] == [one.goals for one in alone.trials]
+    assert all(one.stands for one in killed.trials)
+
+
+def test_the_help_that_a_shell_needs_is_a_goal(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, png = tmp_path / "shell.json", tmp_path / "front.png"
+    words = ["tune", "dome-shell", "--vary", "thickness=0.4:0.6", "--vary", "wedge=0:0.3"]
+    words += ["--set", "courses=2", "--set", "blocks=6", "--set", "eye=2"]
+    words += ["--least", "props", "--least", "held", "--props", "12", "--trials", "3"]
+    code = main([*words, "--friction", "0.7", "--out", str(out), "--png", str(png), "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert code == 0
+    model = drystone.read(out)
+    assert drystone.check(model).stable
+    counts = planned_counts(model)[0]
+    assert told["front"][0]["goals"] == [counts["propped"], counts["held"]]
+
+
+def test_a_structure_that_needs_too_many_props_is_told_as_such() -> None:
+    wanted = Wanted(("props", "held"), DesignMargin(), 0)
+    goals, good, why = outcome_of(partial(arch, 0.3), {"friction": 0.4}, wanted, {"voussoirs": 5})
+    assert not good
+    assert goals[0] > 0.0
+    assert "need a prop" in why
+    assert outcome_of(tower, {}, wanted, {"count": 3}) == ((0.0, 0.0), True, "")
+
+
 def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(InputError, match="are empty"):
         Parameter("edge", 1.0, 1.0)
@@ -95,6 +142,8 @@ def test_what_makes_no_sense_is_refused() -> None:
         tune(tower, [])
     with pytest.raises(InputError, match="trials is 0"):
         TuneOptions(trials=0)
+    with pytest.raises(InputError, match="props is -1"):
+        TuneOptions(props=-1)
 
 
 def test_the_command_writes_the_best_model(

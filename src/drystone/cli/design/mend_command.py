@@ -18,7 +18,7 @@ from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
-    from drystone.design import DesignMargin, Diagnosis
+    from drystone.design import DesignMargin, Diagnosis, Mends
     from drystone.model import Model
     from drystone.results import Result
 
@@ -26,7 +26,7 @@ SHORT = 3
 """Regions that ``check`` tells; ``mend`` tells all."""
 
 
-KIND = "support, prop, friction, turn, wedge, let-in, thicker, ballast or glue"
+KIND = "support, prop, tie, friction, turn, wedge, let-in, thicker, ballast, glue or merge"
 
 
 Margin: TypeAlias = Annotated[
@@ -79,6 +79,15 @@ def mend(
         Path | None,
         Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
     ] = None,
+    pages: Annotated[
+        str | None,
+        Option(
+            "Folder for a page of each mend: the mended model, with edges of what it was.",
+            OUTPUT,
+            metavar="FOLDER",
+            expert=True,
+        ),
+    ] = None,
     time_limit: options.TimeLimit = None,
     wanted: Pictures,
     waiting: Waiting,
@@ -92,6 +101,10 @@ def mend(
     130: Ctrl-C ended the search; what was known by then is the answer.
     """
     _refuse(diagnose, auto, apply, out)
+    if pages is not None and (diagnose or auto):
+        raise InputError(
+            "is for the list of mends", where="--pages", remedy="leave out --diagnose and --auto"
+        )
     asked = margins(margin)
     model = subject.prepared(waiting, finding, seismic)
     from drystone import design  # work is imported when there is some
@@ -140,7 +153,21 @@ def mend(
             files_after, model, result, one.model, wanted, out, subject.model, one.description
         )
         code = verdict.exit_code(result, strict=False)
+    if pages is not None:
+        files = partial(_with_pages, files, mends, Path(pages), subject.model)
     return Answer(data, partial(_show, data), code, model.notes, files)
+
+
+def _with_pages(others: Any, mends: Mends, folder: Path, source: str) -> Files:
+    """The other files, and a page of each mend."""
+    from drystone import view  # as above
+
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs, notes = others()
+    for number, one in enumerate(mends.mends, 1):
+        scene = view.mended_scene(one.before, one.result, source, one.description)
+        jobs.append((folder / f"mend-{number:02d}.html", partial(view.save_page, scene)))
+    return jobs, notes
 
 
 def _refuse(diagnose: bool, auto: bool, apply: int | None, out: Path | None) -> None:

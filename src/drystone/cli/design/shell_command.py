@@ -14,6 +14,7 @@ from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
+from drystone.cli.design.buildable_answer import Asked, find_buildable, show_buildable
 from drystone.cli.inputs import options
 from drystone.cli.inputs.surfaces import Wanted, surface_of
 
@@ -33,6 +34,13 @@ def _count_or_auto(text: str) -> int | None:
         return int(text)
     except ValueError as error:
         raise InputError(f"is '{text}'", remedy="give a number or auto") from error
+
+
+def _wedges(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError(f"is '{text}'", remedy="give numbers, by commas") from error
 
 
 @command(
@@ -55,13 +63,21 @@ def shell(
     blocks: Annotated[int | None, Option("Blocks in each course.")] = None,
     width: Annotated[float | None, Option("Or their width in m (an eighth of the span).")] = None,
     wedge: Annotated[
-        float | None,
+        tuple[float, ...] | None,
         Option(
             "Shift of bed joints, by the height of a course: -0.45 to 0.45 (0; with --straight "
-            "what the curvatures ask for).",
+            "what the curvatures ask for). One value, or one for each bed line between courses.",
+            kind=kinds.Kind("WEDGE[,WEDGE...]", _wedges),
             expert=True,
         ),
     ] = None,
+    buildable: Annotated[
+        bool,
+        Option(
+            "Search courses, width and stagger, where they are not given, and a wedge for each "
+            "course, so that the fewest blocks are propped, then held, while it is built."
+        ),
+    ] = False,
     joggle: Annotated[
         float,
         Option(
@@ -110,6 +126,7 @@ def shell(
             "is for --block-files", where="--block-format", remedy="name a folder with that"
         )
     from drystone.shells import Body, Intrados, Layout, build_shell, write_blocks
+    from drystone.shells.shell_by_name import COURSES
 
     body = Body(
         thickness=wanted.thickness,
@@ -118,15 +135,23 @@ def shell(
     )
     waiting.stage("read", "building the shell")
     base = surface_of(wanted)
+    shift = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
     layout = Layout(
-        courses=12 if courses is None and course_height is None else courses,
+        courses=COURSES if courses is None and course_height is None else courses,
         height=course_height,
         partial=partial,
         blocks=blocks,
         width=base.width if blocks is None and width is None else width,
-        wedge=0.0 if wedge is None and not straight else wedge,
+        wedge=0.0 if wedge is None and not straight else shift,
     )
-    made = build_shell(base.shape, layout, body, progress=waiting)
+    told = None
+    if buildable:
+        asked = Asked(wedge, courses is None and course_height is None,
+                      blocks is None and width is None, straight)  # fmt: skip
+        told = find_buildable(base.shape, layout, body, asked, friction, waiting, time_limit)
+        made = told.shell
+    else:
+        made = build_shell(base.shape, layout, body, progress=waiting)
     model = made.model() if friction is None else made.model(friction=friction)
     model = replace(model, notes=(*base.notes, *made.notes))
     result = verdict.solve(model, waiting, time_limit)
@@ -136,6 +161,8 @@ def shell(
     files = bound(_files, made, out, schedule, unrolled, pictures.of(result)[0])
     answer = verdict.answer(result, waiting, base.shape.name, files)
     answer.data["shell"] = summary(made)
+    if told is not None:
+        answer.data["buildable"] = told.to_dict()
     show = bound(_show, answer)
     return replace(answer, show=show, written=waiting.wrote)
 
@@ -175,6 +202,8 @@ def summary(made: Shell) -> dict[str, Any]:
 def _show(answer: Answer, screen: Screen) -> None:
     answer.show(screen)
     told = answer.data["shell"]
+    if "buildable" in answer.data:
+        show_buildable(answer.data["buildable"], screen)
     screen.line(
         f"{told['voussoirs']} voussoirs in {told['courses']} courses, {told['ground_blocks']} "
         f"ground blocks, {told['volume']:.2f} m3"

@@ -16,7 +16,8 @@ from drystone.cli.design.mend_command import Margin, margins
 from drystone.cli.inputs import families, options
 
 if TYPE_CHECKING:
-    from drystone.design import Parameter
+    from drystone.cli.base.answer import Files
+    from drystone.design import Parameter, Tuned
 
 
 @command(
@@ -25,7 +26,14 @@ if TYPE_CHECKING:
 )
 def tune(
     *,
-    family: Annotated[str, Argument("FAMILY", "A parametric family; 'drystone models' lists all.")],
+    family: Annotated[
+        str,
+        Argument(
+            "FAMILY",
+            "A parametric family; 'drystone models' lists all. Or a shell: barrel-shell, "
+            "dome-shell, free-edge-shell and others.",
+        ),
+    ],
     vary: Annotated[
         tuple[str, ...],
         Option(
@@ -39,11 +47,17 @@ def tune(
     least: Annotated[
         tuple[str, ...],
         Option(
-            "What is to be least: volume, blocks, height or a parameter (volume).", metavar="GOAL"
+            "What is to be least: volume, blocks, height, reach, props, held or a parameter "
+            "(volume).",
+            metavar="GOAL",
         ),
     ] = (),
     most: Annotated[tuple[str, ...], Option("What is to be most.", metavar="GOAL")] = (),
     margin: Margin = (),
+    props: Annotated[
+        int | None,
+        Option("Most blocks that may need a prop while it is built, course by course."),
+    ] = None,
     trials: Annotated[int, Option("Structures that are built and checked (100).")] = 100,
     workers: Annotated[int, Option("Processes (1).")] = 1,
     seed: Annotated[int, Option("Of the search (0).", expert=True)] = 0,
@@ -55,6 +69,14 @@ def tune(
         Path | None,
         Option("Write the best model by the first goal.", OUTPUT, kind=kinds.target(".json")),
     ] = None,
+    png: Annotated[
+        Path | None,
+        Option(
+            "Draw the trials and the front: .png, .svg or .pdf.",
+            OUTPUT,
+            kind=kinds.target(".png", ".svg", ".pdf"),
+        ),
+    ] = None,
     time_limit: options.TimeLimit = None,
     waiting: Waiting,
 ) -> Answer:
@@ -65,7 +87,7 @@ def tune(
     Exit code 0: some structure stands. 1: none does. 2: bad input. 130: Ctrl-C ended the search;
     the trials so far are the answer.
     """
-    build, known = families.family(family)
+    build, known = families.shell_family(family) or families.family(family)
     if not vary:
         raise InputError("nothing is varied", where="--vary", remedy="write --vary NAME=LOW:HIGH")
     given = dict(families.setting(text, known) for text in set)
@@ -75,7 +97,9 @@ def tune(
     from drystone.base.progress import Clock
 
     goals = (*least, *(f"-{goal}" for goal in most)) or ("volume",)
-    chosen = design.TuneOptions(trials=trials, workers=workers, seed=seed, margin=stands_at)
+    chosen = design.TuneOptions(
+        trials=trials, workers=workers, seed=seed, margin=stands_at, props=props
+    )
     clock = Clock(float("inf") if time_limit is None else time_limit)
     how: dict[str, Any] = {} if friction is None else {"friction": friction}
     made = partial(build, **given)
@@ -92,17 +116,23 @@ def tune(
             stop=lambda: stop() or clock.late(),
         )
     data = {"family": family, "message": found._summary(), **found.to_dict()}
-    files = None
-    if out is not None and found.front:
-        from drystone import io
-        from drystone.model import Model
-
-        best = Model.of(made(**found.front[0].values), **how)
-        files = partial(_files, [(out, partial(io.write, best))])
+    files = partial(_files, found, made, how, out, png)
     return Answer(data, partial(_show, data), 0 if found.front else 1, (), files)
 
 
-def _files(jobs: list[Any]) -> tuple[list[Any], list[str]]:
+def _files(
+    found: Tuned, build: Any, how: dict[str, Any], out: Path | None, png: Path | None
+) -> Files:
+    jobs: list[Any] = []
+    if out is not None and found.front:
+        from drystone import io
+        from drystone.design.tuning.tune_goals import model_of
+
+        jobs.append((out, partial(io.write, model_of(build(**found.front[0].values), how))))
+    if png is not None:
+        from drystone.view import save_front  # as above
+
+        jobs.append((png, partial(save_front, found)))
     return jobs, []
 
 

@@ -6,6 +6,7 @@ import difflib
 import inspect
 import types
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union, get_args, get_origin
 
 from drystone.base.errors import InputError
@@ -22,6 +23,9 @@ Settings: TypeAlias = Annotated[
         metavar="NAME=VALUE",
     ),
 ]
+SHELL = "-shell"
+"""What the name of a family of shells ends with, after the name of its surface."""
+
 Parameters: TypeAlias = Mapping[str, inspect.Parameter]
 
 
@@ -53,6 +57,19 @@ def family(name: str) -> tuple[Callable[..., Assembly], Parameters]:
         raise InputError(f"there is no family '{name}'", where="FAMILY", remedy=remedy)
     build: Callable[..., Assembly] = getattr(models, name.replace("-", "_"))
     return build, inspect.signature(build, eval_str=True).parameters
+
+
+def shell_family(name: str) -> tuple[Callable[..., Any], Parameters] | None:
+    """The function of a family of shells, such as ``dome-shell``, and its parameters."""
+    surface = name.removesuffix(SHELL)
+    if surface == name:
+        return None
+    from drystone.shells import shell_by_name
+
+    build = partial(shell_by_name, surface)
+    known = dict(inspect.signature(shell_by_name, eval_str=True).parameters)
+    del known["surface"]
+    return build, known
 
 
 def refuse_unknown(name: str, known: Parameters, where: str) -> None:

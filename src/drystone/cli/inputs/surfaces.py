@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,32 +15,18 @@ from drystone.cli.base.command import MODEL, Argument, Option
 if TYPE_CHECKING:
     from drystone.shells import Patch, Shape, Side
 
-SPAN, EYE = 6.0, 1.0
-"""[m] Where none is given."""
-
 FOOT = 0.02
 """A side of a mesh is taken for its foot where none of it is higher above the lowest point, by the
 size of the mesh, chosen."""
 
 
-class Kind(enum.Enum):
-    """Surfaces that the command knows besides mesh files."""
-
-    BARREL = "barrel"
-    CROSS = "cross"
-    PAVILION = "pavilion"
-    DOME = "dome"
-    FREE_EDGE = "free-edge"
-    THREE_VAULTS = "three-vaults"
-
-
 USED = {
-    Kind.BARREL: {"--span", "--length", "--rise"},
-    Kind.CROSS: {"--span"},
-    Kind.PAVILION: {"--span", "--eye", "--keystone"},
-    Kind.DOME: {"--span", "--eye", "--keystone"},
-    Kind.FREE_EDGE: {"--span", "--length", "--rise"},
-    Kind.THREE_VAULTS: {"--span", "--rise"},
+    "barrel": {"--span", "--length", "--rise"},
+    "cross": {"--span"},
+    "pavilion": {"--span", "--eye", "--keystone"},
+    "dome": {"--span", "--eye", "--keystone"},
+    "free-edge": {"--span", "--length", "--rise"},
+    "three-vaults": {"--span", "--rise"},
     None: {"--supports", "--units"},
 }
 """Options of the surface that each kind has; None is a mesh file."""
@@ -126,8 +111,10 @@ def surface_of(wanted: Wanted) -> Surface:
     InputError
         A surface that is not known, or an option that it does not have.
     """
-    known = [kind.value for kind in Kind]
-    kind = Kind(wanted.surface) if wanted.surface in known else None
+    from drystone.shells.shell_by_name import EYE, SHARE, SPAN, SurfaceKind, shape_by_name
+
+    known = [kind.value for kind in SurfaceKind]
+    kind = wanted.surface if wanted.surface in known else None
     if kind is None and not Path(wanted.surface).suffix:
         raise InputError(
             f"surface '{wanted.surface}' is not known",
@@ -137,11 +124,19 @@ def surface_of(wanted: Wanted) -> Surface:
     if kind is None:
         return _from_mesh(wanted.surface, wanted.supports, wanted.units)
     span = SPAN if wanted.span is None else wanted.span
-    shape, notes = _by_name(kind, wanted, span)
-    return Surface(shape, span / 8.0, notes)
+    shape, notes = shape_by_name(
+        SurfaceKind(kind),
+        span=span,
+        length=wanted.length,
+        rise=wanted.rise,
+        eye=EYE if wanted.eye is None else wanted.eye,
+        keystone=wanted.keystone,
+        thickness=wanted.thickness,
+    )
+    return Surface(shape, span / SHARE, notes)
 
 
-def _refuse_unused(wanted: Wanted, kind: Kind | None) -> None:
+def _refuse_unused(wanted: Wanted, kind: str | None) -> None:
     for option, value in (
         ("--span", wanted.span),
         ("--length", wanted.length),
@@ -154,37 +149,12 @@ def _refuse_unused(wanted: Wanted, kind: Kind | None) -> None:
     _refuse("--units", wanted.units is not None, kind)
 
 
-def _refuse(option: str, given: bool, kind: Kind | None) -> None:
+def _refuse(option: str, given: bool, kind: str | None) -> None:
     if not given or option in USED[kind]:
         return
-    users = [
-        k.value if k is not None else "mesh files" for k, used in USED.items() if option in used
-    ]
-    what = "a mesh file" if kind is None else f"'{kind.value}'"
+    users = [one or "mesh files" for one, used in USED.items() if option in used]
+    what = "a mesh file" if kind is None else f"'{kind}'"
     raise InputError(f"is for {', '.join(users)}", where=option, remedy=f"leave it out for {what}")
-
-
-def _by_name(kind: Kind, wanted: Wanted, span: float) -> tuple[Shape, tuple[str, ...]]:
-    from drystone import shells
-
-    eye = EYE if wanted.eye is None else wanted.eye
-    length, rise = wanted.length, wanted.rise
-    if kind is Kind.BARREL:
-        return shells.barrel_vault(span, span if length is None else length, rise), ()
-    if kind is Kind.CROSS:
-        return shells.cross_vault(span), ()
-    if kind is Kind.PAVILION:
-        return shells.pavilion_vault(span, eye, keystone=wanted.keystone), ()
-    if kind is Kind.DOME:
-        return shells.dome(0.5 * span, 0.5 * eye, keystone=wanted.keystone), ()
-    if kind is Kind.FREE_EDGE:
-        plan = shells.rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
-    else:
-        plan = shells.three_legged_plan(span, span * 2.5 / 6.0, span * 0.4)
-    form = shells.find_form(
-        plan, height=0.3 * span if rise is None else rise, thickness=wanted.thickness
-    )
-    return form.shape, (f"form found in {form.rounds} rounds, {form.height:.3f} m high",)
 
 
 def _from_mesh(path: str, supports: str | None, units: str | None) -> Surface:

@@ -14,8 +14,9 @@ from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
 from drystone.design.causes.diagnosed import Diagnosis
 from drystone.design.causes.diagnosis import diagnose
-from drystone.design.mends.bench import KINDS, Bench, Candidate, Tried, volume_changed
+from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
+from drystone.design.mends.mend_kinds import KINDS, MAKERS
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
@@ -232,7 +233,7 @@ def find_mends(
                 break
             if progress is not None:
                 progress(f"mends of region {number + 1}", chosen.kinds.index(kind), len(KINDS))
-            for candidate in bench.candidates([kind]):
+            for candidate in MAKERS[kind](bench):
                 made = _verified(model, bench, candidate, held, chosen.margin)
                 if made is not None:
                     own.append(made)

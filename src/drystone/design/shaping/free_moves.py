@@ -19,6 +19,9 @@ from drystone.model import Model
 TOGETHER = 1e-6
 """Vertices are at the same place when they are nearer than this share of the size of the model."""
 
+LISTED = 6
+"""Blocks that a message names."""
+
 AXES = {"x": 0, "y": 1, "z": 2}
 
 
@@ -126,7 +129,13 @@ def free_vertices(
                 values += [turn if place != one else 1.0] * len(some)
             count += 1
     if not count:
-        raise InputError("no vertex may move", remedy="keep fewer blocks, or allow more directions")
+        names = [model.assembly.names[i] for i in np.flatnonzero(kept)]
+        stay = f": the blocks {', '.join(names[:LISTED])} stay" if names else ""
+        more = f", and {len(names) - LISTED} more" if len(names) > LISTED else ""
+        raise InputError(
+            f"no vertex may move{stay}{more}",
+            remedy="keep fewer blocks, or allow more directions",
+        )
     matrix = sparse.csr_matrix((values, (rows, columns)), shape=(vertex.size, count))
     return Moves(matrix, _largest(most, count))
 

@@ -19,22 +19,13 @@ from drystone.base.errors import InputError, MissingDependency
 from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
 from drystone.design.mends.margin import DesignMargin
+from drystone.design.tuning.tune_goals import MEASURES, PLANNED, Outcome, Wanted, outcome_of
 from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
-from drystone.io.opening import as_model
-from drystone.model import Model
 from drystone.sequence import LocalWorkers
 
 STUDY = "drystone"
 SETTINGS = "settings"
 FALLS = "falls"
-
-MEASURES: dict[str, Callable[[Model], float]] = {
-    "volume": lambda model: float(model.assembly.volume[model.assembly.free].sum()),
-    "blocks": lambda model: float(len(model.assembly.free)),
-    "height": lambda model: float(model.assembly.bounds[:, 1, 2].max()),
-}
-"""What can be least or most, beside the parameters themselves: of the free blocks [m3], their
-number, and the highest point [m]."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +44,9 @@ class TuneOptions(Options):
     seed
     margin
         How far from falling each structure has to stand.
+    props
+        Largest number of blocks that need a prop while it is built course by course. Left out, no
+        structure is planned unless a goal needs its plan.
     """
 
     trials: int = 100
@@ -60,18 +54,16 @@ class TuneOptions(Options):
     workers: int = 1
     seed: int = 0
     margin: DesignMargin = field(default_factory=DesignMargin)
+    props: int | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in ("trials", "batch", "workers"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}", remedy="give 1 or more")
-        if self.seed < 0:
-            raise InputError(f"the seed is {self.seed}", remedy="give 0 or more")
-
-
-Outcome = tuple[tuple[float, ...], bool, str]
-"""Goals, whether it stands, and why not."""
+        for name in ("seed", "props"):
+            if (getattr(self, name) or 0) < 0:
+                raise InputError(f"{name} is {getattr(self, name)}", remedy="give 0 or more")
 
 
 @checked_call
@@ -91,12 +83,13 @@ def tune(
     Parameters
     ----------
     build
-        Makes a model or an assembly of the parameters, by their names. With several workers it must
-        be a function that another process can import.
+        Makes a model, an assembly or a shell of the parameters, by their names. With several
+        workers it must be a function that another process can import.
     parameters
     goals
-        What is to be least: ``volume`` [m3], ``blocks`` or ``height`` [m] of the free blocks, or a
-        parameter; with a minus before it, what is to be most. Several give a Pareto front.
+        What is to be least: ``volume`` [m3], ``blocks``, ``height`` or ``reach`` along x [m] of the
+        free blocks; ``props`` or ``held``, the blocks that need a prop or a hand while it is built;
+        or a parameter. With a minus before it, what is to be most. Several give a Pareto front.
     how
         Of an assembly: friction, supports and so on, as :func:`drystone.check` takes them.
     store
@@ -129,7 +122,7 @@ def tune(
             "no parameter is varied" if not names else "a parameter is given twice",
             remedy="give each parameter once",
         )
-    known = [*MEASURES, *(one.name for one in parameters if not one.choices)]
+    known = [*MEASURES, *PLANNED, *(one.name for one in parameters if not one.choices)]
     for goal in asked:
         if goal.removeprefix("-") not in known:
             raise InputError(f"'{goal}' is no goal", remedy=f"use {', '.join(known)}")
@@ -137,30 +130,9 @@ def tune(
         raise InputError(
             "the goals contradict each other, or there is none", remedy="name each once"
         )
-    evaluate = partial(outcome_of, build, dict(how or {}), chosen.margin, asked)
+    wanted = Wanted(asked, chosen.margin, chosen.props)
+    evaluate = partial(outcome_of, build, dict(how or {}), wanted)
     return _Search(parameters, asked, evaluate, store, chosen, progress, stop).run()
-
-
-def outcome_of(
-    build: Callable[..., Any],
-    how: Mapping[str, Any],
-    margin: DesignMargin,
-    goals: Sequence[str],
-    values: Mapping[str, Any],
-) -> Outcome:
-    """Build one structure and check it."""
-    try:
-        made = build(**values)
-        model = made if isinstance(made, Model) else as_model(made, **how)
-        result = margin.holds(model)
-    except InputError as error:
-        return (), False, str(error)
-    found = []
-    for goal in goals:
-        name = goal.removeprefix("-")
-        found.append(float(values[name]) if name in values else MEASURES[name](model))
-    stands = margin.meets(result)
-    return tuple(found), stands, "" if stands else result.message
 
 
 class _Search:
@@ -212,6 +184,8 @@ class _Search:
             {
                 "parameters": [[one.name, *self.range_of(one)] for one in self.parameters],
                 "goals": self.goals,
+                "margin": str(self.options.margin),
+                "props": self.options.props,
                 "seed": self.options.seed,
                 "batch": self.options.batch,
             },
@@ -220,7 +194,7 @@ class _Search:
         before = study.user_attrs.get(SETTINGS, settings)
         if before != settings:
             raise InputError(
-                "keeps another search: its parameters, bounds, goals, seed or batch differ",
+                "keeps another search: what is varied or asked for, the seed or the batch differ",
                 where=str(store),
                 remedy="name another file",
             )
@@ -328,4 +302,4 @@ class _Search:
                 )
 
 
-__all__ = ["Parameter", "TuneOptions", "TuneTrial", "Tuned", "outcome_of", "tune"]
+__all__ = ["Parameter", "TuneOptions", "TuneTrial", "Tuned", "tune"]

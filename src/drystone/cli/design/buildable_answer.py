@@ -1,0 +1,126 @@
+"""``drystone shell --buildable``: the layouts that are tried, the search, and what it tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from drystone.base.errors import InputError
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+
+if TYPE_CHECKING:
+    from drystone.design import Buildable
+    from drystone.shells import Body, Layout, Shape
+
+SIZES = (1.0, 0.75, 1.25)
+"""Courses and widths that are tried, by those that are used otherwise. Chosen."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What was asked for on the command line.
+
+    Attributes
+    ----------
+    wedge
+        The shallowest wedge, if one is given.
+    any_courses, any_width
+        Whether the courses, and the width of blocks, are searched.
+    straight
+    """
+
+    wedge: tuple[float, ...] | None
+    any_courses: bool
+    any_width: bool
+    straight: bool
+
+
+def layouts_to_try(layout: Layout, asked: Asked) -> list[Layout]:
+    """The layout as it is, others of other sizes, and the first one without stagger."""
+    courses = SIZES if asked.any_courses else (1.0,)
+    widths = SIZES if asked.any_width else (1.0,)
+    found = []
+    for share in courses:
+        for width in widths:
+            one = layout
+            if asked.any_courses and layout.courses is not None:
+                one = replace(one, courses=round(share * layout.courses))
+            if asked.any_width and layout.width is not None:
+                one = replace(one, width=width * layout.width)
+            found.append(one)
+    return [*found, replace(layout, staggered=False)]
+
+
+def find_buildable(
+    shape: Shape,
+    layout: Layout,
+    body: Body,
+    asked: Asked,
+    friction: float | None,
+    waiting: Waiting,
+    time_limit: float | None,
+) -> Buildable:
+    """The shell that needs the least help while it is built.
+
+    Raises
+    ------
+    InputError
+        Options contradict each other, or no layout can be built.
+    """
+    if asked.straight:
+        raise InputError(
+            "ask for different wedges",
+            where="--buildable and --straight",
+            remedy="give one of them",
+        )
+    if asked.wedge is not None and len(asked.wedge) > 1:
+        raise InputError(
+            "searches a wedge for each course", where="--buildable",
+            remedy="give --wedge one value, the shallowest",
+        )  # fmt: skip
+    from drystone import design  # work is imported when there is some
+    from drystone.base.progress import Clock
+    from drystone.design.building.buildable import WEDGES
+
+    least = WEDGES[0] if asked.wedge is None else asked.wedge[0]
+    sign = -1.0 if least < 0.0 else 1.0
+    wedges = (least, *(sign * one for one in WEDGES if one > abs(least)))
+    given: dict[str, Any] = {} if friction is None else {"friction": friction}
+    clock = Clock(float("inf") if time_limit is None else time_limit)
+    waiting.stage("build", "searching what can be built")
+    with waiting.stoppable() as stop:
+        return design.make_buildable(
+            shape,
+            layouts_to_try(layout, asked),
+            body,
+            options=design.BuildableOptions(wedges=wedges, **given),
+            progress=waiting,
+            stop=lambda: stop() or clock.late(),
+        )
+
+
+def show_buildable(data: dict[str, Any], screen: Screen) -> None:
+    """What was found, and the layouts that were tried."""
+    screen.line(data["message"], "BUILT COURSE BY COURSE", "bold")
+    wedges = ", ".join(f"{one:g}" for one in data["wedges"])
+    screen.line(f"wedges of the bed lines from the springing: {wedges}")
+    for one in data["tried"] if len(data["tried"]) > 1 else ():
+        screen.line(f"tried: {_layout(one)}")
+
+
+def _layout(one: dict[str, Any]) -> str:
+    size = f"{one['courses']} courses" if one["courses"] is not None else "courses by height"
+    width = f"{one['width']:.3g} m wide" if one["width"] is not None else f"{one['blocks']} blocks"
+    bond = "" if one["staggered"] else ", not staggered"
+    if one["shallow"] is None:
+        return f"{size}, {width}{bond}: {one['message']}"
+    needs = one["deepened"] or one["shallow"]
+    kind = "" if one["deepened"] else " with the shallowest wedges"
+    return (
+        f"{size}, {width}{bond}: {one['voussoirs']} voussoirs, {needs['propped']} propped, "
+        f"{needs['held']} held{kind}"
+    )
+
+
+__all__ = ["Asked", "find_buildable", "layouts_to_try", "show_buildable"]

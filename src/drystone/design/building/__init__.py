@@ -1,0 +1,1 @@
+"""Shells changed until they can be built with less help."""

@@ -1,0 +1,221 @@
+"""Mends that add something to a region: a support, props, a tie, ballast."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+from drystone.contacts import Contacts
+from drystone.design.causes.diagnosis_words import names_of, newtons, place
+from drystone.design.causes.missing import HEAVIEST, ballasted
+from drystone.design.causes.prop_forces import (
+    HEAD,
+    QUICK,
+    SHARES,
+    PropSeat,
+    least_prop,
+    propped,
+    seats,
+)
+from drystone.design.mends.bench import MANY, Bench, Candidate
+from drystone.design.surgery.changed_model import joined_contacts
+from drystone.design.surgery.joint_changes import with_block
+from drystone.design.surgery.struts import struts
+from drystone.geometry.frames import frames_from_normals
+from drystone.model import Model
+from drystone.stability import check
+
+STRUTS = 6
+"""Number of struts of one block that are tried, the shortest first."""
+
+TIES = 6
+"""Number of pairs of blocks between which a tie is tried, those that move apart fastest first."""
+
+PROPS = 40
+"""Largest number of blocks of a region that is held by several props, chosen: each prop is checked
+once."""
+
+POINT = 0.01
+"""Size of the corners of a tie by its own, chosen."""
+
+
+def support_mends(bench: Bench) -> Iterator[Candidate]:
+    """A block below that fits between a block of the region and another one."""
+    if len(bench.own) > MANY:
+        bench.fail("support", f"not tried on a region of more than {MANY} blocks")
+        return
+    number = 0
+    for i in bench.own:
+        whole = bench.region.blocks[i]
+        for strut in struts(bench.model, whole, bench.motion[whole])[:STRUTS]:
+            number += 1
+
+            make = partial(with_block, strut.body)
+            if strut.on in bench.blocks:
+                stands = bench.stands(make)
+            else:  # it stands on a block that the region does not touch
+                wide = bench.model.subset([*bench.blocks.tolist(), strut.on])
+                wide = wide.with_supports(list(range(len(bench.own), len(wide))))
+                result = bench.margin.holds(with_block(strut.body, wide), quick=True)
+                stands = bench.margin.meets(result)
+            if stands:
+                on = names_of(bench.model, [strut.on])
+                size = strut.body.volume
+                yield Candidate.single(
+                    "support",
+                    f"a block of {size:.3g} m3, {strut.length:.3g} m long, between {on} and "
+                    f"{names_of(bench.model, [whole])}",
+                    strut.length,
+                    make,
+                    joints=0,
+                    added=1,
+                )
+                return
+    bench.fail("support", f"{number} blocks that fit were tried, the shortest first")
+
+
+def prop_mends(bench: Bench) -> Iterator[Candidate]:
+    """One prop on a free face, with the least force; else the fewest props that hold the region."""
+    motion = bench.motion[bench.blocks]
+    held = least_prop(bench.local, bench.own[:MANY], motion)
+    chosen = [held[0]] if held is not None else fewest_props(bench.local, bench.own, motion)
+    if not chosen:
+        bench.fail("prop", "no prop on a free face holds it, nor one under each of its blocks")
+        return
+    make = partial(_with_props, chosen)
+    if not bench.stands(make):
+        bench.fail("prop", "the best props do not keep the margin")
+        return
+    made = make(bench.local, np.arange(len(bench.blocks)), np.arange(0))
+    found = check(made, options=QUICK).resultants
+    told, force = [], 0.0
+    for number, seat in enumerate(chosen, made.contacts.count - len(chosen)):
+        size = float(np.linalg.norm(found.force[number]))
+        force += size
+        name = names_of(bench.local, [seat.block])
+        told.append(f"{newtons(size)} against {name} at {place(found.position[number])}")
+    kind = "a prop of " if len(chosen) == 1 else f"{len(chosen)} props: "
+    yield Candidate.single("prop", kind + ", ".join(told), force, make, added=len(chosen))
+
+
+def _with_props(chosen: Sequence[PropSeat], model: Model, blocks: Ints, _: Ints) -> Model:
+    for seat in chosen:
+        model = propped(model, replace(seat, block=int(blocks[seat.block])))[0]
+    return model
+
+
+def fewest_props(model: Model, blocks: Sequence[int], motion: Floats) -> list[PropSeat]:
+    """Props that hold a model, none of which can be left out; empty where none hold it.
+
+    One prop under each block, then each one that is not needed is taken away.
+
+    Parameters
+    ----------
+    model
+    blocks
+        That may be propped.
+    motion : (n, 6)
+        First motion of the blocks.
+    """
+    if len(blocks) > PROPS:
+        return []
+    found = [next(seats(model, int(i), motion[i], SHARES[:1]), None) for i in blocks]
+    chosen = [seat for seat in found if seat is not None]
+
+    def stands(some: Sequence[PropSeat]) -> bool:
+        made = _with_props(some, model, np.arange(len(model)), np.arange(0))
+        return check(made, options=QUICK).stable
+
+    if not chosen or not stands(chosen):
+        return []
+    for seat in list(chosen):
+        fewer = [one for one in chosen if one is not seat]
+        if fewer and stands(fewer):
+            chosen = fewer
+    return chosen
+
+
+def tie_mends(bench: Bench) -> Iterator[Candidate]:
+    """A tie between the centroids of two blocks that move apart: it pulls, and never presses."""
+    centroid, velocity = bench.local.assembly.centroid, bench.motion[bench.blocks, :3]
+    fixed = bench.local.assembly.fixed
+    apart = []
+    for i in bench.own:
+        for j in range(len(bench.blocks)):
+            if j == i or (j in bench.own and j < i):
+                continue
+            along = centroid[j] - centroid[i]
+            other = np.zeros(3) if fixed[j] else velocity[j]
+            rate = float((other - velocity[i]) @ along / np.linalg.norm(along))
+            apart.append((rate, i, j))
+    fastest = sorted((one for one in apart if one[0] > 0.0), reverse=True)[:TIES]
+    for _, i, j in fastest:
+
+        def make(model: Model, blocks: Ints, _: Ints, one: int = i, other: int = j) -> Model:
+            return tied(model, int(blocks[one]), int(blocks[other]))
+
+        if bench.stands(make):
+            made = tied(bench.local, i, j)
+            force = check(made, options=QUICK).resultants.force[made.contacts.count - 1]
+            size = float(np.linalg.norm(force))
+            yield Candidate.single(
+                "tie",
+                f"a tie that pulls {newtons(size)} between {names_of(bench.local, [i, j])}",
+                size,
+                make,
+                added=1,
+            )
+            return
+    bench.fail("tie", f"{len(fastest)} pairs of blocks that move apart were tried")
+
+
+def tied(model: Model, block: int, other: int) -> Model:
+    """The model with a tie from the centroid of a block to that of another one.
+
+    It is a joint without friction that presses the block towards the other one. It has the area of
+    the head of a prop, drawn together to a point at the centroid, so that it resists no turn.
+    """
+    centroid = model.assembly.centroid
+    along = centroid[other] - centroid[block]
+    frame = frames_from_normals((along / np.linalg.norm(along))[None])
+    half = 0.5 * HEAD * float(model.assembly.size[block])
+    square = POINT * half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    plate = Contacts(
+        np.array([other]),
+        np.array([block]),
+        frame,
+        np.array([4.0 * half**2]),
+        np.zeros(1),
+        centroid[block] + square @ frame[0, 1:],
+        np.zeros(4, dtype=np.intp),
+    )
+    return model.with_contacts(joined_contacts(model.contacts, plate))
+
+
+def ballast_mends(bench: Bench) -> Iterator[Candidate]:
+    """The least weight on one block."""
+    ballast = bench.region.needs.ballast
+    if ballast is None:
+        what = f"no weight up to {HEAVIEST:g} times its own on one block holds it"
+        bench.fail("ballast", what)
+        return
+    at = bench.region.blocks.index(ballast.block)
+
+    def make(model: Model, blocks: Ints, _: Ints) -> Model:
+        return ballasted(model, int(blocks[at]), ballast.force)
+
+    if bench.stands(make):
+        name = names_of(bench.model, [ballast.block])
+        yield Candidate.single(
+            "ballast", f"a weight of {newtons(ballast.force)} on {name}", ballast.force, make,
+            added=1,
+        )  # fmt: skip
+    else:
+        bench.fail("ballast", "the least weight does not keep the margin")
+
+
+__all__ = ["ballast_mends", "fewest_props", "prop_mends", "support_mends", "tie_mends", "tied"]

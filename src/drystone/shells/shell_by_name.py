@@ -1,0 +1,142 @@
+"""Shells by the name of their surface, as functions of plain numbers."""
+
+from __future__ import annotations
+
+import enum
+
+from drystone.base.errors import InputError
+from drystone.shells.shell_of_blocks import Shell, build_shell
+from drystone.shells.shell_options import Body, Layout
+from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
+from drystone.shells.surface.formfinding import find_form
+from drystone.shells.surface.shape import Shape
+from drystone.shells.surface.shell_families import barrel_vault, cross_vault, dome, pavilion_vault
+
+SPAN, EYE = 6.0, 1.0
+"""[m] Where none is given."""
+
+COURSES = 12
+"""Courses where neither their number nor their height is given."""
+
+SHARE = 8.0
+"""The width of blocks is the span divided by this where none is given."""
+
+
+class SurfaceKind(enum.Enum):
+    """Surfaces that are known by name."""
+
+    BARREL = "barrel"
+    CROSS = "cross"
+    PAVILION = "pavilion"
+    DOME = "dome"
+    FREE_EDGE = "free-edge"
+    THREE_VAULTS = "three-vaults"
+
+
+def shape_by_name(
+    kind: SurfaceKind,
+    *,
+    span: float = SPAN,
+    length: float | None = None,
+    rise: float | None = None,
+    eye: float = EYE,
+    keystone: bool = False,
+    thickness: float | None = None,
+) -> tuple[Shape, tuple[str, ...]]:
+    """A surface by its name, and notes on how it was found.
+
+    Parameters
+    ----------
+    kind
+    span : [m]
+        Or diameter.
+    length : [m]
+        Of a barrel, depth of a free-edge plan.
+    rise : [m]
+        Of a barrel, height of a form that is found.
+    eye : [m]
+        Diameter of the opening of a dome or pavilion vault.
+    keystone
+        Close the opening with one block.
+    thickness : [m]
+        With which a form is found.
+    """
+    if kind is SurfaceKind.BARREL:
+        return barrel_vault(span, span if length is None else length, rise), ()
+    if kind is SurfaceKind.CROSS:
+        return cross_vault(span), ()
+    if kind is SurfaceKind.PAVILION:
+        return pavilion_vault(span, eye, keystone=keystone), ()
+    if kind is SurfaceKind.DOME:
+        return dome(0.5 * span, 0.5 * eye, keystone=keystone), ()
+    if kind is SurfaceKind.FREE_EDGE:
+        plan = rectangular_plan(span, span * 5.0 / 6.0 if length is None else length)
+    else:
+        plan = three_legged_plan(span, span * 2.5 / 6.0, span * 0.4)
+    form = find_form(plan, height=0.3 * span if rise is None else rise, thickness=thickness)
+    return form.shape, (f"form found in {form.rounds} rounds, {form.height:.3f} m high",)
+
+
+def shell_by_name(
+    surface: str,
+    span: float = SPAN,
+    length: float | None = None,
+    rise: float | None = None,
+    thickness: float | None = None,
+    eye: float = EYE,
+    keystone: bool = False,
+    courses: int = COURSES,
+    blocks: int | None = None,
+    width: float | None = None,
+    wedge: float = 0.0,
+    joggle: float = 0.0,
+) -> Shell:
+    """A shell of blocks on a surface that is known by name.
+
+    Parameters
+    ----------
+    surface
+        barrel, cross, pavilion, dome, free-edge or three-vaults.
+    span, length, rise, eye, keystone
+        See :func:`shape_by_name`.
+    thickness : [m]
+    courses
+    blocks
+        In each course; or their ``width`` [m], an eighth of the span when left out.
+    wedge
+        See :class:`drystone.shells.Layout`.
+    joggle : [degrees]
+        See :class:`drystone.shells.Body`.
+
+    Raises
+    ------
+    InputError
+        The surface is not known, or the blocks cannot be built.
+
+    Examples
+    --------
+    >>> shell_by_name("barrel", courses=6, blocks=4, thickness=0.4)
+    <Shell 'barrel vault', 27 voussoirs, <Assembly 36 blocks, 9 fixed>>
+    """
+    known = [kind.value for kind in SurfaceKind]
+    if surface not in known:
+        raise InputError(f"surface '{surface}' is not known", remedy=f"use {', '.join(known)}")
+    shape, _ = shape_by_name(
+        SurfaceKind(surface),
+        span=span,
+        length=length,
+        rise=rise,
+        eye=eye,
+        keystone=keystone,
+        thickness=thickness,
+    )
+    layout = Layout(
+        courses=courses,
+        blocks=blocks,
+        width=span / SHARE if blocks is None and width is None else width,
+        wedge=wedge,
+    )
+    return build_shell(shape, layout, Body(thickness=thickness, joggle_deg=joggle))
+
+
+__all__ = ["COURSES", "EYE", "SHARE", "SPAN", "SurfaceKind", "shape_by_name", "shell_by_name"]

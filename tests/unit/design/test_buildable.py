@@ -1,0 +1,109 @@
+"""Shells built with less help, checked and planned again from their files."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import drystone
+from drystone import InputError
+from drystone.cli import main
+from drystone.design import Buildable, BuildableOptions, BuildNeeds, make_buildable
+from drystone.design.building.buildable_search import (
+    course_of,
+    levels_of,
+    lines_below,
+    needs_of,
+)
+from drystone.reproduce.assembly_cases import NICHE, niche_shape
+from drystone.sequence import Order, PlanOptions, Rules, plan
+from drystone.shells import Body, Layout, barrel_vault, build_shell
+
+BY_COURSE = PlanOptions(rules=Rules(order=Order.COURSE))
+
+
+@pytest.fixture(scope="module")
+def vault() -> Buildable:
+    layout, body = NICHE
+    return make_buildable(niche_shape(), layout, body, options=BuildableOptions(friction=0.6))
+
+
+def test_the_vault_needs_no_help_with_deeper_wedges_below_some_courses(vault: Buildable) -> None:
+    assert vault.before.cost > (0, 0)
+    assert vault.needs == BuildNeeds(0, 0)
+    assert 0 < len(vault.deepened(0.02)) < len(vault.wedges)
+
+
+def test_the_vault_as_written_is_built_without_help(vault: Buildable, tmp_path: Path) -> None:
+    path = tmp_path / "vault.json"
+    drystone.write(vault.shell.model(friction=0.6), path)
+    model = drystone.read(path)
+    assert drystone.check(model).stable
+    assert needs_of(plan(model, options=BY_COURSE)) == BuildNeeds(0, 0)
+
+
+def test_no_deepened_wedge_can_be_as_shallow_as_the_first(vault: Buildable) -> None:
+    layout, body = NICHE
+    for course in vault.deepened(0.02):
+        wedges = list(vault.wedges)
+        wedges[course - 1] = 0.02
+        shell = build_shell(niche_shape(), replace(layout, wedge=wedges), body)
+        made = plan(shell.model(friction=0.6), options=BY_COURSE)
+        assert needs_of(made).cost > (0, 0)
+
+
+def test_courses_that_close_between_two_springings_are_gone_through_from_both() -> None:
+    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), Body(thickness=0.6))
+    course, level = course_of(shell), levels_of(shell)
+    assert [level[course == c].max() for c in range(5)] == [1.0, 2.0, 3.0, 2.0, 1.0]
+    assert lines_below(shell, {2}) == [1, 2]
+    assert lines_below(shell, {0, 1, 3}) == [0, 3]
+
+
+def test_blocks_that_are_placed_already_are_not_planned() -> None:
+    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), Body(thickness=0.6))
+    course = course_of(shell)
+    names = shell.assembly.names
+    placed = tuple(name for name, c in zip(names, course, strict=True) if c in (0, 4))
+    rules = Rules(order=Order.COURSE, placed=placed)
+    made = plan(shell.model(friction=0.7), options=PlanOptions(rules=rules, anyway=True))
+    assert not set(made.order) & set(placed)
+    assert len(made.order) + len(placed) == len(shell.voussoirs)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"wedges": ()}, {"wedges": (0.2, 0.1)}, {"wedges": (0.1, 0.6)}, {"wedges": (-0.1, 0.2)},
+     {"hands": 0}, {"deepened": 0}],
+)  # fmt: skip
+def test_options_that_make_no_sense_are_refused(given: dict[str, object]) -> None:
+    with pytest.raises(InputError):
+        BuildableOptions(**given)  # type: ignore[arg-type]
+
+
+def test_a_layout_that_cannot_be_built_is_told_with_its_reason() -> None:
+    with pytest.raises(InputError, match="no layout was planned"):
+        make_buildable(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), Body(thickness=9.0))
+    with pytest.raises(InputError, match="stopped"):
+        make_buildable(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), stop=lambda: True)
+
+
+def test_the_command_takes_a_wedge_for_each_course(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "shell.json"
+    words = ["shell", "dome", "--courses", "3", "--blocks", "8", "--eye", "2", "--thickness", "0.5"]
+    assert main([*words, "--wedge=0.1,0.2", "--out", str(out), "--json"]) == 0
+    capsys.readouterr()
+    assert main([*words, "--wedge", "0.1,0.2,0.1"]) == 2
+    assert "3 wedges for 2 bed lines" in capsys.readouterr().err
+    assert main([*words, "--wedge", "deep"]) == 2
+    capsys.readouterr()
+    code = main([*words, "--buildable", "--out", str(out), "--json"])
+    told = json.loads(capsys.readouterr().out)["buildable"]
+    assert code == 0
+    assert [told["propped"], told["held"]] <= [told["before"]["propped"], told["before"]["held"]]
+    assert len(told["wedges"]) == 2
+    assert drystone.check(drystone.read(out, friction=0.6)).stable
+    assert main([*words, "--straight", "--buildable"]) == 2
