@@ -1,4 +1,4 @@
-"""``drystone mend``: why does it fall, and what changes make it stand?"""
+"""``drystone mend``: why it falls, and which changes make it stand."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from drystone.view import Scene
 
 SHORT = 3
-"""Regions that ``check`` tells; ``mend`` tells all."""
+"""Regions that ``check`` prints; ``mend`` prints all."""
 
 
 KIND = "support, prop, friction, turn, wedge, let-in, thicker, ballast or glue"
@@ -33,7 +33,7 @@ KIND = "support, prop, friction, turn, wedge, let-in, thicker, ballast or glue"
 Margin: TypeAlias = Annotated[
     tuple[str, ...],
     Option(
-        "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
+        "Margin with which it has to stand: tilt=2deg to each side, load=1.2 times the load, "
         "friction=0.9x, or sensitive, where STABLE after settling is enough.",
         metavar="WHAT",
         expert=True,
@@ -51,10 +51,11 @@ def mend(
     seismic: loading.Seismic = None,
     finding: Finding,
     diagnose: Annotated[
-        bool, Option("Tell why it falls and what is missing; look for no mends.", expert=True)
+        bool,
+        Option("Say why it falls and what is missing, without a search for mends.", expert=True),
     ] = False,
     auto: Annotated[
-        bool, Option("Make the cheapest mend of each region until all stands.")
+        bool, Option("Make the cheapest mend of each region until the model stands.")
     ] = False,
     only: Annotated[
         tuple[str, ...],
@@ -74,7 +75,7 @@ def mend(
     ] = (),
     margin: Margin = (),
     apply: Annotated[
-        int | None, Option("Number of the mend to make, as they are listed.", OUTPUT, expert=True)
+        int | None, Option("Number of the mend to make, as in the list.", OUTPUT, expert=True)
     ] = None,
     out: Annotated[
         Path | None,
@@ -84,13 +85,13 @@ def mend(
     wanted: Pictures,
     waiting: Waiting,
 ) -> Answer:
-    """Tell why a model falls, and find changes with which it stands.
+    """Say why a model falls, and find changes with which it stands.
 
-    Each mend is checked on the whole model. With --auto or --apply the mended model can be written
-    (--out), and --html and --png show it, with edges of what it was.
+    Each mend is checked on the whole model. With --auto or --apply, --out writes the mended model;
+    --html and --png show it with the edges of the model before.
 
     Exit code 0: it stands, already or mended. 1: it does not. 2: bad input.
-    130: Ctrl-C ended the search; what was known by then is the answer.
+    130: stopped by Ctrl-C, with what is known so far.
     """
     _refuse(diagnose, auto, apply, out)
     asked = margins(margin)
@@ -187,7 +188,7 @@ def margins(asked: tuple[str, ...]) -> DesignMargin:
 def files_after(
     before: Model, result: Result, model: Model, wanted: Pictures, out: Path | None
 ) -> Files:
-    """The mended model, and its pictures with the edges of what it was."""
+    """The mended model, and its pictures with the edges of the model before."""
     jobs: list[Any] = []
     if out is not None:
         from drystone import io
@@ -202,7 +203,7 @@ def files_after(
 
 
 def mended_scene(before: Model, result: Result) -> Scene:
-    """A mended model, with the edges of blocks that changed as they were."""
+    """A mended model, with the edges before the change of the blocks that changed."""
     from dataclasses import replace
 
     import numpy as np
@@ -228,7 +229,7 @@ def mended_scene(before: Model, result: Result) -> Scene:
 
 
 def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:
-    """What falls and how, of the heaviest regions of a result; ``None`` where nothing falls."""
+    """Why the heaviest regions of a result fall; ``None`` if nothing falls."""
     if not result.falls:
         return None
     from drystone.design import DiagnosisOptions, diagnose  # as above
@@ -248,7 +249,7 @@ def _files(found: Diagnosis, wanted: Pictures) -> Files:
 
 
 def diagnosis_scene(found: Diagnosis) -> Scene:
-    """The model with its first motion and the forces that would hold it."""
+    """The model with its first motion and the forces of the props."""
     from dataclasses import replace
 
     from drystone import view  # as above
