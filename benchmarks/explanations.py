@@ -37,7 +37,8 @@ EXPLANATIONS: dict[tuple[str, str], str] = {
     ("cube-curve-short xy mu 0.84", "5.6"): HOOD.format("67.1 is the limit"),
     ("cube-curve-tall xy mu 0.84", "3DEC"): (
         "the slide over which friction builds up decides: 36.6 degrees over one contact overlap, "
-        "38.7 over three, 41.9 over ten, which is ours; at a slightly larger tilt it jams and holds again."
+        "38.7 over three, 41.9 over ten, which is ours; at a slightly larger tilt it jams and "
+        "holds again."
     ),
 }
 """By study and column."""
