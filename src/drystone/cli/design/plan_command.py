@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from drystone.sequence import ExecutorFactory, Margins, Plan, Rules
 
 LISTED = 40
-"""Rows of a table that are printed; --json has all."""
+"""Rows shown of a table; --json has all."""
 STYLE = {"held": "bold", "propped": "bold red", "impossible": "bold magenta"}
 
 

@@ -1,4 +1,4 @@
-"""``drystone tune``: the parameters with which a family stands and is best."""
+"""``drystone tune``: the parameters with which a family is best and stands."""
 
 from __future__ import annotations
 
@@ -38,16 +38,18 @@ def tune(
     friction: options.Friction = None,
     least: Annotated[
         tuple[str, ...],
-        Option("What to minimise: volume, blocks, height or a parameter (volume).", metavar="GOAL"),
+        Option(
+            "What is to be least: volume, blocks, height or a parameter (volume).", metavar="GOAL"
+        ),
     ] = (),
-    most: Annotated[tuple[str, ...], Option("What to maximise.", metavar="GOAL")] = (),
+    most: Annotated[tuple[str, ...], Option("What is to be most.", metavar="GOAL")] = (),
     margin: Margin = (),
     trials: Annotated[int, Option("Structures that are built and checked (100).")] = 100,
     workers: Annotated[int, Option("Processes (1).")] = 1,
-    seed: Annotated[int, Option("Seed of the search (0).", expert=True)] = 0,
+    seed: Annotated[int, Option("Of the search (0).", expert=True)] = 0,
     store: Annotated[
         Path | None,
-        Option("File with the trials: with it an interrupted search continues.", OUTPUT),
+        Option("File that keeps the trials: the search goes on where it was ended.", OUTPUT),
     ] = None,
     out: Annotated[
         Path | None,
@@ -58,10 +60,10 @@ def tune(
 ) -> Answer:
     """Search for the parameters with which a family of structures stands and is best.
 
-    With several goals the Pareto front is listed: no other structure is better in all goals.
+    With several goals the front is listed: no other structure is better in all of them.
 
-    Exit code 0: some structure stands. 1: none stands. 2: bad input. 130: stopped by Ctrl-C, with
-    the trials so far.
+    Exit code 0: some structure stands. 1: none does. 2: bad input. 130: Ctrl-C ended the search;
+    the trials so far are the answer.
     """
     build, known = families.family(family)
     if not vary:

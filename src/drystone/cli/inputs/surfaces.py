@@ -1,4 +1,4 @@
-"""The surfaces of ``drystone shell``: by name, or from a mesh file."""
+"""Surfaces that ``drystone shell`` knows by name, and those from mesh files."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ SPAN, EYE = 6.0, 1.0
 """[m] Where none is given."""
 
 FOOT = 0.02
-"""A side of a mesh is a foot if all of it is below this height, relative to the size of the mesh.
-Chosen."""
+"""A side of a mesh is taken for its foot where none of it is higher above the lowest point, by the
+size of the mesh, chosen."""
 
 
 class Kind(enum.Enum):
-    """The surfaces with a name."""
+    """Surfaces that the command knows besides mesh files."""
 
     BARREL = "barrel"
     CROSS = "cross"
@@ -44,12 +44,12 @@ USED = {
     Kind.THREE_VAULTS: {"--span", "--rise"},
     None: {"--supports", "--units"},
 }
-"""Options of each kind of surface; None is a mesh file."""
+"""Options of the surface that each kind has; None is a mesh file."""
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """Options of the surface and its size."""
+    """The surface that is asked for, and its size."""
 
     surface: Annotated[
         str,
@@ -103,7 +103,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Surface:
-    """A surface and notes on how it was made.
+    """The surface, and how it was made.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ def surface_of(wanted: Wanted) -> Surface:
     Raises
     ------
     InputError
-        The surface is not known, or it has no such option.
+        A surface that is not known, or an option that it does not have.
     """
     known = [kind.value for kind in Kind]
     kind = Kind(wanted.surface) if wanted.surface in known else None
@@ -204,7 +204,7 @@ def _from_mesh(path: str, supports: str | None, units: str | None) -> Surface:
 
 
 def _foot(patch: Patch) -> list[Side]:
-    """The bottom, and all sides as low as it."""
+    """The bottom, and the other sides that lie as low."""
     from drystone.shells import Side
 
     along = np.linspace(0.0, 1.0, 33)
