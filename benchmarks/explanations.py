@@ -4,8 +4,8 @@ from __future__ import annotations
 
 HOOD = (
     "checked states of eq. 5.6 (residuals below 1e-6) reach beyond the published angle: the hood "
-    "slides off and tilts until four or five corners on four strips carry it, and how they share "
-    "its weight is open; {} with uniform stiffness."
+    "slides off and tilts until four or five corners on four strips carry it, and their shares "
+    "of its weight are not determined; {} with uniform stiffness."
 )
 """Of the block with curved joints; the limit with uniform stiffness is named at the gap."""
 
@@ -37,7 +37,8 @@ EXPLANATIONS: dict[tuple[str, str], str] = {
     ("cube-curve-short xy mu 0.84", "5.6"): HOOD.format("67.1 is the limit"),
     ("cube-curve-tall xy mu 0.84", "3DEC"): (
         "the slide over which friction builds up decides: 36.6 degrees over one contact overlap, "
-        "38.7 over three, 41.9 over ten, which is ours; a little beyond it jams and holds again."
+        "38.7 over three, 41.9 over ten, which is ours; at a slightly larger tilt it jams and "
+        "holds again."
     ),
 }
 """By study and column."""

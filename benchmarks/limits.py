@@ -207,30 +207,30 @@ INTRODUCTION = """# Limits
 
 This page is written by `python -m benchmarks.limits`.
 
-`drystone limit` asks how far a structure is from falling: the largest tilt or load, the least
-friction, thickness or size of its joints. A limit is found by these definitions:
+`drystone limit` computes how far a structure is from falling: the largest tilt or load, the least
+friction, thickness or size of its joints. There are four definitions of a limit:
 
 - **balances**: some contact forces balance the loads, with associative friction. This is a convex
-  problem and a necessary condition. It is the figure of rigid-block limit analysis.
-- **stands**: the verdict of `drystone check` on both sides. Where contact stiffness decides, the
+problem and a necessary condition. It is the limit of rigid-block limit analysis. - **stands**: the
+verdict of `drystone check` on both sides. Where contact stiffness decides, the
   blocks are followed by [finite steps](settlement.md), and the limit is where they no longer come
-  to rest. This is the answer.
-- **every stiffness**: it stands for every contact stiffness that is tried. It is searched where it
-  ends before the verdict changes.
-- **uniform**: it stands for uniform contact stiffness, as a discrete-element program computes it to
+  to rest. This is the result.
+- **every stiffness**: it stands for every contact stiffness that is tried. It is computed if it
+ends before the verdict changes. - **uniform**: it stands for uniform contact stiffness, as a
+discrete-element program computes it to
   first order.
 
-Where these differ, the answer tells the values between which the joints decide, in words, in JSON
-(`sensitive_between`, `undecided_between`, `remarks`) and on the page. Undecided values are those
-where it depends on which block carries the ends of the joints.
+Where these differ, the result contains the values between which the joints decide, as text, in JSON
+(`sensitive_between`, `undecided_between`, `remarks`) and on the page. Values are undecided where
+the result depends on the block that carries the ends of the joints.
 
 The convex limit comes first. A checked state on either side confirms it: forces below, a mechanism
 above. Uniform stiffness is cheap: it is computed at the steps of a scan and bisected inside. Then
 the verdict is computed on both sides of that limit. If it stands and falls there, it is the limit.
-Else values are tried by growing steps from there, and bisected. So blocks are followed only where
-the stiffness decides, and no value far beyond the limit is tried. Nothing is known between the two
-ends of a bracket. Where the blocks are followed, the bracket is not narrower than a thousandth of
-the limit of equilibrium: the limit depends on the joints by more than that.
+Otherwise values are tried from there by growing steps, and bisected. So blocks are followed only
+where the stiffness decides, and no value far beyond the limit is tried. The limit is between the
+two ends of the bracket. Where the blocks are followed, the bracket is not narrower than
+a thousandth of the limit of equilibrium: the limit depends on the joints by more than that.
 
 Models of more than 500 corners have brackets of 1 % of the limit of equilibrium, and uniform
 stiffness is tried with two friction laws (sticking, and a slip length of one overlap). `--width`
@@ -252,20 +252,20 @@ share of structures that stand, with a confidence interval. In Python these are 
 `tilt_sweep`, `limit_friction`, `limit_load`, `limit_thickness`, `limit_shrink`, `thrust_bounds` and
 `imperfections` in `drystone.limits`. All but `thrust_bounds` take any check, any
 `concurrent.futures.Executor`, and `progress`, `stop` and `time_limit_s`. A search that is stopped
-answers with the brackets, directions or draws that it has. A sweep that is stopped lists the
-directions that are known and names no weakest one.
+returns the brackets, directions or draws so far. A sweep that is stopped lists the directions that
+are known and names no weakest one.
 
 ## Imperfections
 
     drystone limit imperfections a.json --tolerance 0.002 --friction-range 0.5,0.7 --png a.png
     drystone limit imperfections a.json --tolerance 0.002 --order at-once --order turned
 
-Joints are drawn at random, the same ones for the same seed: their place and angle from a tolerance
-[m] of how exactly blocks are made, their friction from a range, corners that have broken off. Each
-draw is checked. With an order of loading it is followed by [finite steps](settlement.md) instead:
-friction remembers how a load came about, whether at once, as a ramp in 20 parts, or turned from
-upright. The share that stands is told for every order, with its interval (Clopper, Pearson 1934).
-`--table` writes every draw, `--png` plots the share against the number of draws.
+Joints are drawn at random; the same seed gives the same joints. Their position and angle follow
+from a tolerance [m] of the blocks. Friction follows from a range. Corners may be broken off. Each
+draw is checked. With an order of loading its blocks are followed by [finite steps](settlement.md)
+instead, because friction depends on the history of the load: at once, a ramp in 20 parts, or turned
+from upright. The share that stands is given for every order, with its confidence interval (Clopper,
+Pearson 1934). `--table` writes every draw, `--png` plots the share against the number of draws.
 
 ```python
 from drystone.limits import Imperfections, imperfections
@@ -281,11 +281,11 @@ for row in study.by_loading():
 FINDINGS = """## Remarks
 
 - The dome tilts further with the eight-sided pyramid of the source than with the cone. That pyramid
-  grants up to 8.2 % more friction than the coefficient says.
-- Quadratic and linear objectives give the same resultants of the buttressed arch at friction 0.6:
+permits up to 8.2 % more friction than the coefficient. - Quadratic and linear objectives give the
+same resultants of the buttressed arch at friction 0.6:
   both choose the least thrust. At 0.4 their centres of pressure are up to 7 mm apart.
 - Friction on net compression (compression less tension at each corner) can be met exactly only
-  where no tension is needed: a net tension has no friction cone.
+where no tension is needed. A net tension has no friction cone.
 """
 
 

@@ -33,12 +33,12 @@ JAMS = (
     "order lets it fall at {}. The limit rises a little with tangential stiffness: {}."
 )
 HOOK = (
-    "the plank hardly moves before its hook slides, so that the limit is that of uniform stiffness "
+    "the plank hardly moves before its hook slides; the limit is that of uniform stiffness "
     "to first order, {}, whatever the tangential stiffness. The published figure is a whole degree."
 )
 HOOD = (
-    "the hood is on the verge of sliding on several strips at once, and the tangential stiffness "
-    "decides which go first: {}. {} The order of loading changes nothing."
+    "the hood is about to slide on several strips at once, and the tangential stiffness "
+    "decides which slides first: {}. {} The order of loading changes nothing."
 )
 MECHANISMS: dict[str, str] = {
     "type-b x mu 0.84": JAMS.format("0.7 %", "42.3", "at 0.5 of the normal one it rests at 58.0"),

@@ -246,14 +246,14 @@ def page(rows: Sequence[Row], machine: str, took_s: float) -> str:
         "",
         f"Written by `python -m benchmarks.speed` in {took_s:.0f} s. {machine}{against}",
         "",
-        "CPU seconds on one thread, the best of several runs; phases apart: build the blocks, "
+        "CPU seconds on one thread, the least of several runs, for each phase: build the blocks, "
         "detect the contacts, solve, check the answer. *Solve* is `check` with uniform contact "
         "stiffness (`CheckOptions(samples=0, settle=False)`): forces and motion, or a mechanism or "
         "first motion. *With all stiffnesses* is `check` as it is called by default, which also "
-        "tells robust from sensitive, and follows the blocks by steps where the stiffness decides: "
-        "what falls only then takes longest. Both must give the verdict that is "
-        "known. The ratio is the peer's `cra_solve` by ours, pair by pair in one run; `>` where it "
-        "was stopped. Answers were checked first: a wrong one has no time.",
+        "distinguishes robust from sensitive, and follows the blocks by steps where the stiffness "
+        "decides; this takes longest. Both must give the known verdict. The ratio is the time of "
+        "`cra_solve` of the peer, divided by ours, pair by pair in one run; `>` if it was stopped. "
+        "A wrong answer has no time.",
         "",
         *aims(rows),
         "",

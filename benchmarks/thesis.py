@@ -255,19 +255,19 @@ def extras() -> str:
         "",
         *verdict_table(),
         "",
-        "## The source's own structures",
+        "## The structures of the source",
         "",
         "Written by `drystone reproduce`. The bridge, the snake and the shelf are built from the",
-        "vertices that the source published; where a note says so, the shape is ours. We have no",
-        "dimensions of the three-legged pi (table 6.1), the leaning tower (section 7.2) and the",
-        "tri-dome (sections 6.4.2 and 7.5), so they are not modelled.",
+        "vertices that the source published; where a note says so, the shape is ours. The",
+        "dimensions are not published for the three-legged pi (table 6.1), the leaning",
+        "tower (section 7.2) and the tri-dome (sections 6.4.2 and 7.5), so they are not modelled.",
         "",
         *structures_table(),
         "",
         "## Times of table 8.1",
         "",
-        "Published: the source's own program on six cores. Ours: CPU seconds of one thread,",
-        "contacts found before, on the machine of the table above.",
+        "Published: the program of the source on six cores. Ours: CPU seconds of one thread",
+        "without the contact search, on the machine of the table above.",
         "",
         *times_table(),
         "",
@@ -286,19 +286,18 @@ Written by `python -m benchmarks.thesis`, drystone {drystone.__version__}, Pytho
 largest counter-clockwise tilt about the axis up to which the model stands, by a scan from 0 and a
 bisection; 180 where it never falls.
 
-Published: Kao 2023 (doctoral dissertation, ETH Zurich), which takes 3DEC as its reference. Ours:
-RBE with the eight-sided pyramid around the cone, as in the source, and with the exact cone; a state
-of rest with uniform contact stiffness (what a discrete-element program would see); a state of rest
-with some contact stiffness, no corner more than 200 times as stiff as another, found by a search;
-what comes to rest when it is followed by [finite steps](settlement.md), which `check` answers with;
-and the conditions of eq. 5.6. The hooked planks show how much the joints decide: turned a little
-they jam between their walls where one corner is 3 to 10 times as stiff as another. Sofistik as
-published for the curved joints (table 6.4).
+Published: Kao 2023 (doctoral dissertation, ETH Zurich), with 3DEC as its reference. Ours:
+RBE with the eight-sided pyramid around the cone, as in the source, and with the exact cone; a rest
+state with uniform contact stiffness (as in a discrete-element program); a rest state with some
+contact stiffness, found by a search, with a stiffness ratio of at most 200; rest after [finite
+steps](settlement.md), which is the verdict of `check`; and the conditions of eq. 5.6.
+The hooked planks show how much the joints decide. After a small rotation they jam between their
+walls if one corner is 3 to 10 times as stiff as another. Sofistik as published for the curved
+joints (table 6.4).
 
-Some axes are relabelled. The column gives the axis of our models, and in brackets the name in the
-source where it differs. The source calls the axis of concave-short x and that of concave-long xy;
-its figures agree with a tilt about +y only. Its x of cube-curve is -x in the coordinates of the
-files.
+Some axes are relabelled. The column has the axis of our models, and in brackets the axis in the
+source if it differs. The source calls the axis of concave-short x and that of concave-long xy; its
+figures agree with a tilt about +y only. Its x of cube-curve is -x in the coordinates of the files.
 
 Aims: RBE with the octagon within 0.2 of the published RBE (which is cut to whole degrees in many
 places); eq. 5.6 within 1 degree of the published CRA; 3DEC between uniform stiffness and search, to

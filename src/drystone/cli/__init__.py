@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    # Before numpy is imported. Matrices are many and small: on a busy machine of two cores the
+    # Before numpy is imported. The matrices are many and small. On a busy machine of two cores the
     # built-in vault takes 6 s with threads that wait for each other and 1 s with one.
     os.environ.setdefault(_threads, "1")
 
@@ -15,7 +15,7 @@ __all__ = ["main"]
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code; see :func:`drystone.cli.application.main`."""
     try:
-        from drystone.cli.application import main as run  # a Ctrl-C finds us here already
+        from drystone.cli.application import main as run  # Ctrl-C may come during this import
     except KeyboardInterrupt:
         print("drystone: interrupted; nothing was written", file=sys.stderr)
         return 130

@@ -1,7 +1,7 @@
-"""The program: its commands, and what becomes of errors.
+"""The program: its commands and its errors.
 
-Exit codes: 0 answered and stable, 1 answered and not stable, 2 bad input, 3 something missing,
-70 a fault of drystone itself, 130 interrupted: with the answer so far, or with none.
+Exit codes: 0 stable, 1 not stable, 2 bad input, 3 a package is missing, 70 an error inside
+drystone, 130 interrupted, with or without an answer.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ from drystone.cli.servers.live_command import live
 from drystone.cli.servers.mcp_command import mcp
 
 SHELLS = ("bash", "zsh", "fish")
-"""For which click writes completion."""
+"""Shells for which click writes completion."""
 
 
 class Interrupted(Exception):
-    """Ctrl-C ended a command before it had an answer; says what is left of it."""
+    """Ctrl-C ended a command before its answer; the message names what was written."""
 
 
 class Program(click.Group):
@@ -92,7 +92,7 @@ def _group(name: str, text: str, commands: Sequence[click.Command], *examples: s
 
 limit = _group(
     "limit",
-    "By how much does it stand: largest tilt, least friction and so on.",
+    "Limits: largest tilt, least friction and others.",
     (friction, imperfections, load, shrink, thickness, tilt),
     "drystone limit tilt arch.json",
     "drystone limit thickness arch",
@@ -184,14 +184,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     except OSError as error:
         return output.fail(error, output.BAD_INPUT, as_json)
-    except Exception as error:  # the edge of the program: a fault of ours, told in one line
+    except Exception as error:  # the edge of the program: an error inside drystone, in one line
         if os.environ.get("DRYSTONE_TRACEBACK"):
             traceback.print_exc()
         return output.fail(error, output.FAULT, as_json)
 
 
 def _in_our_words(error: click.UsageError) -> output.UsageFault:
-    """A wrong option or argument, from what the parser knows of it."""
+    """A wrong option or argument as an InputError, from the error of the parser."""
     ctx = error.ctx
     if isinstance(error, click.NoSuchOption):
         what = f"there is no option '{error.option_name}'"

@@ -1,6 +1,6 @@
 """A server for programs that use tools: the Model Context Protocol over standard input and output.
 
-``drystone mcp FOLDER`` starts it. The extra ``mcp`` brings the protocol's own package.
+``drystone mcp FOLDER`` starts it. The extra ``mcp`` installs the package of the protocol.
 """
 
 from drystone.mcp.server import serve

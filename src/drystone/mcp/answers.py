@@ -1,4 +1,4 @@
-"""What each tool answers: the numbers that matter, short enough for a program that reads them."""
+"""The answer of each tool: the main numbers, in a short object."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from drystone.sequence import Order, PlanOptions, Rules, plan
 from drystone.stability import check
 
 MOST = 20
-"""Entries of a list in an answer. Chosen: more is no help to a reader of text."""
+"""Entries of a list in an answer. Chosen."""
 DIGITS = 6
 """Significant digits of a number in an answer."""
 SHARE = 0.8
-"""Of the time of a call, after which an analysis ends with what it knows. The rest is for reading,
-and for the step that is under way."""
+"""Share of the time of a call after which an analysis ends. The rest is for reading and for its
+last step."""
 UP = "the time was up"
 
 Given = Mapping[str, Any]
 
 
 def answer(tool: str, given: Given, folder: Folder, seconds: float) -> dict[str, Any]:
-    """What a tool answers, or what is wrong under ``error``. Runs in a process of its own.
+    """The answer of a tool, or an error under ``error``. Runs in a process of its own.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _props(result: Result) -> list[dict[str, Any]]:
 
 
 def _hardest(result: Result, by: Any) -> dict[str, Any] | None:
-    """The interface at which something is largest; none where the forces do not hold it up."""
+    """The interface at which something is largest; ``None`` where it does not stand."""
     if result.force is None or result.falls or not result.contacts.count:
         return None
     at = int(np.argmax(by))
@@ -263,17 +263,17 @@ TOOLS: Mapping[str, Callable[[Given, Folder, float], dict[str, Any]]] = {
 
 
 def _left(end: float) -> float:
-    """Seconds until then, and a moment at least."""
+    """Seconds until then; at least a short time."""
     return max(end - time.monotonic(), 1e-3)
 
 
 def _few(names: Sequence[str], most: int = MOST) -> dict[str, Any]:
-    """How many there are, and the first of them."""
+    """The number of entries, and the first of them."""
     return {"count": len(names), "first": list(names[:most])}
 
 
 def _short(value: Any) -> Any:
-    """The same with rounded numbers; null for what is no finite number."""
+    """The same with rounded numbers; null for numbers that are not finite."""
     if isinstance(value, Mapping):
         return {key: _short(one) for key, one in value.items()}
     if isinstance(value, list | tuple):

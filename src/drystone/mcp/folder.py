@@ -1,4 +1,4 @@
-"""The folder that a client may name files in: nothing outside it is read."""
+"""The folder of the models of a client: nothing outside it is read."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Folder:
         return cls(folder.resolve(), int(largest_mib * MIB))
 
     def model(self, name: str) -> Path:
-        """The model file of that name, and no other file that it asks for is outside the folder.
+        """The model file of that name; files that it refers to are in the folder too.
 
         Raises
         ------

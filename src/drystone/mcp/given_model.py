@@ -1,4 +1,4 @@
-"""From what a client says about a model to the model."""
+"""A model from the arguments of a client."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from drystone.supports import require_supports
 
 @contextlib.contextmanager
 def opened(subject: Mapping[str, Any], folder: Folder) -> Iterator[Path]:
-    """The file of a model, relative to the current folder, so that errors quote the client's name.
+    """The file of a model; errors have the name that the client gave.
 
-    A model that is given as an object is a temporary file for as long as it is looked at.
+    A model that is given as an object is written to a temporary file.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
     Raises
     ------
     InputError
-        Something in it cannot be used, or no block is fixed, or all are chosen.
+        Something in it cannot be used, or no block is fixed, or ``supports`` fixes all.
     """
     gravity = subject.get("gravity")
     if isinstance(gravity, int | float):

@@ -17,7 +17,7 @@ SIZE_LIMIT = 16.0
 def serve(
     folder: str | Path, *, time_limit: float = TIME_LIMIT, size_limit: float = SIZE_LIMIT
 ) -> None:
-    """Answer the calls of one client over standard input and output until it leaves.
+    """Answer the calls of one client over standard input and output until it disconnects.
 
     Parameters
     ----------

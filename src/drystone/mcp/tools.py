@@ -1,4 +1,4 @@
-"""The tools as the protocol describes them: names, arguments, and what they are for."""
+"""The tools in the form of the protocol: names, arguments, descriptions."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ Answer = dict[str, Any]
 def build(folder: Folder, seconds: float) -> MCPServer[Any]:
     """A server whose tools work on the models of a folder.
 
-    Calls are answered one after the other, each in another process, which ends with its time.
+    Calls are answered one after the other, each in a process of its own with a time limit.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
     ) -> Answer:
         """Which changes make a model stand? Each was checked on the whole model, cheapest first.
 
-        'mends' has them region by region; 'tried' what is not enough.
+        'mends' lists them by region, 'tried' those that are not enough.
         """
         return await ask("mend", model=model.model_dump(), kinds=kinds, keep=keep)
 

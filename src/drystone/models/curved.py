@@ -87,7 +87,7 @@ def curve_three_blocks(strips: int = 20) -> Assembly:
 
 
 def _rest_of_roller(hollow: Floats) -> Floats:
-    """The circle from the end of the hollow round to its start, in steps like the hollow's own."""
+    """The arc of a circle from the end of the hollow to its start, in equal steps."""
     centre = np.array(ROLLER_CENTRE)
     end, start = (np.arctan2(*(p - centre)[::-1]) for p in (hollow[-1], hollow[0]))
     inside = (end - start) % (2.0 * np.pi)

@@ -15,12 +15,12 @@ from drystone.models.solids import prism, require, welded
 def dovetail(
     flare_deg: float = 15.0, width: float = 0.4, height: float = 0.3, length: float = 1.0
 ) -> Assembly:
-    """A tenon that is wider at its bottom, in a groove along y: it slides along the groove only.
+    """A dovetail: a tenon, wider at its bottom, that slides only along its groove (y).
 
     Parameters
     ----------
     flare_deg : [degrees]
-        Of its sides against the vertical.
+        Of the sides of the tenon, from the vertical.
     width, height, length : [m]
         Of the tenon: its neck, its height, and along y.
 
@@ -50,10 +50,10 @@ def dovetail(
 
 
 def hooked_bar(length: float = 3.0, height: float = 0.5, cheeks: bool = True) -> Assembly:
-    """A bar whose toe lies under a ledge and whose end leans on a slope: it must be turned out.
+    """A bar under a ledge and against a slope. Only a rotation removes it.
 
-    The ledge stops it from rising, its end and the wall behind the toe from sliding, the cheeks
-    from going sideways. Turned about the edge of the ledge it comes free.
+    The ledge prevents lifting. The slope and the wall behind the toe prevent sliding along x, the
+    cheeks along y. A rotation about the edge of the ledge frees it.
 
     Parameters
     ----------
@@ -88,12 +88,12 @@ def hooked_bar(length: float = 3.0, height: float = 0.5, cheeks: bool = True) ->
 
 
 def bayonet(locked_deg: float = 90.0) -> Assembly:
-    """A peg whose crossbar lies under a slotted plate: it is turned to the slot, then lifted.
+    """A peg with a crossbar under a slotted plate: it is turned to the slot, then lifted.
 
     Parameters
     ----------
     locked_deg : [degrees]
-        By how much the crossbar is turned away from the slot; at zero it lifts straight out.
+        Angle between the crossbar and the slot; at zero it lifts straight out.
 
     Returns
     -------
@@ -142,14 +142,13 @@ STICKS: dict[str, tuple[int, int]] = {
     "key": (0, 1), "x-low": (0, -1), "y-high": (1, 1), "y-low": (1, -1),
     "z-high": (2, 1), "z-low": (2, -1),
 }  # fmt: skip
-"""Sticks of the burr: the axis along which each lies, and the side of the middle that it is on."""
+"""Sticks of the burr: the axis of each, and on which side of the middle it is."""
 
 
 def stick_cells(axis: int, side: int, length: int = 6) -> set[tuple[int, int, int]]:
     """Unit cells, by their lowest corner, of a stick 2 x 2 x ``length`` before notches are cut.
 
-    The pair along x lies over each other in z, that along y beside each other in x, and that along
-    z behind each other in y.
+    The two sticks along x are stacked in z, those along y in x, and those along z in y.
     """
     half = length // 2
     ranges: list[Iterable[int]] = [(-1, 0), (-1, 0), (-1, 0)]
@@ -179,12 +178,12 @@ NOTCHES: dict[str, list[tuple[int, int, int]]] = {
         (-1, -1, 0), (-1, -1, 1), (0, -1, 0), (0, -1, 1),
     ],
 }  # fmt: skip
-"""Cells cut out of each stick of the burr; the key is whole. Divisions of the middle were tried
-until no piece or group of pieces but the key could be moved, and all came out one by one."""
+"""Cells that are cut out of each stick of the burr; the key is whole. They were found by trial:
+only the key can be moved first, and then all others one by one."""
 
 
 def burr(cell: float = 0.1) -> Assembly:
-    """A puzzle of six notched sticks through one middle: it interlocks, and the key slides out.
+    """A burr puzzle: six notched sticks that cross and interlock; the key slides out.
 
     Parameters
     ----------
@@ -210,7 +209,7 @@ def burr(cell: float = 0.1) -> Assembly:
 
 
 def _surface(cells: set[tuple[int, int, int]], edge: float) -> list[Floats]:
-    """The squares between cells and what is around them."""
+    """The faces between cells and their surroundings."""
     square = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
     loops = []
     for cell in sorted(cells):

@@ -1,4 +1,4 @@
-"""Boxes of random sizes that fill a box: joints of all kinds, none of them aligned."""
+"""Boxes of random sizes that fill a cube; their joints are not aligned."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drystone.models.solids import require
 
 
 def random_pack(count: int = 30, seed: int = 0, edge: float = 1.0) -> Assembly:
-    """A cube cut into boxes, the largest always in two, at a random place across a random axis.
+    """A cube that is cut into boxes: again and again the largest box is cut in two at random.
 
     The boxes touch exactly, partly, and in T-junctions. Those on the ground are fixed.
 

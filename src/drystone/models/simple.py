@@ -31,7 +31,7 @@ def box(
 
 
 def tower(count: int, edge: float = 1.0) -> Assembly:
-    """``count`` cubes of ``edge`` [m] on top of each other, the lowest fixed.
+    """A tower of ``count`` cubes of ``edge`` [m]; the lowest is fixed.
 
     Its ``count - 1`` free cubes topple over an edge when tilted by ``atan(1 / (count - 1))``.
     """
@@ -67,7 +67,7 @@ def incline(angle_deg: float, size: Sequence[float] = (1.0, 0.8, 0.5)) -> Assemb
 def two_blocks_on_incline(angle: float = 23.6, height: float = 1.0) -> Assembly:
     """Two stacked blocks, the lower one fixed, with a joint inclined by ``angle`` [degrees].
 
-    The upper block stays if and only if the friction coefficient is at least ``tan(angle)``:
+    The upper block rests if and only if the friction coefficient is at least ``tan(angle)``:
     0.4369 for 23.6 degrees.
 
     Parameters
@@ -101,7 +101,7 @@ def harmonic_offsets(count: int, length: float = 1.0, share: float = 1.0) -> lis
 
 
 def overhang(offsets: Sequence[float], size: Sequence[float] = (1.0, 0.5, 0.25)) -> Assembly:
-    """Bricks on top of each other, each shifted along +x over the one below.
+    """A stack of bricks, each shifted along +x from the one below.
 
     Parameters
     ----------
@@ -130,7 +130,8 @@ def stool(
 ) -> Assembly:
     """A square stool with four legs, one concave block, on a fixed floor.
 
-    The forces in its legs are statically indeterminate: any share with equal diagonals balances.
+    The forces in its legs are statically indeterminate: they balance whenever both diagonals carry
+    the same.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Ways to make a block: from a section, from its faces, and checks of parameters."""
+"""Blocks from a section or from faces, and checks of parameters."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from drystone.geometry.body.surface import closed_surface
 from drystone.geometry.mend.coincidence import distinct
 
 WELD = 1e-9
-"""Corners closer than this share of the block's extent are one: far above the rounding of
-coordinates, far below any edge of a model family."""
+"""Corners closer than this share of the block's extent are joined. It is far above the rounding of
+coordinates and far below any edge of a model family."""
 
 
 def require(holds: bool, what: str, remedy: str) -> None:
@@ -71,20 +71,20 @@ def prism(
 def welded(
     loops: Sequence[ArrayLike], name: str = "block", density: float = DEFAULT_DENSITY
 ) -> Block:
-    """A block from the corners of its faces, in any order and sense; common corners are joined.
+    """A block from its faces, in any order and sense of rotation; common corners are joined.
 
     Parameters
     ----------
     loops
-        Per face its corners (c, 3) [m]. Corners that coincide within a loop are dropped, and so is
-        a face that is left with fewer than three.
+        The corners (c, 3) [m] of each face. Repeated corners are dropped, and so are faces with
+        fewer than three.
     name
     density : [kg/m3]
 
     Raises
     ------
     InputError
-        The faces do not close; corners are numbered as they come.
+        The faces do not close. Corners are numbered in the order given.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""Designs to be built without props: two columns and a corbelled bridge.
+"""Structures that can be built without props: two columns and a corbelled bridge.
 
-Each is drawn once in a vertical plane and extruded along y, its joints cut across a centre line, so
-that every block can be put on the ones before it.
+Each is a section in a vertical plane, cut by joints and extruded along y. Every block can be placed
+on those before it.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ def leaning_column(
 ) -> Assembly:
     """A column that leans towards +x, cut square to its axis, on a fixed wedge.
 
-    It stands as long as the middle of what is above each joint lies over that joint, and its blocks
-    do not slide as long as friction exceeds ``tan(lean_deg)``: the joints dip by the lean.
+    It stands while the centroid of the part above each joint is over that joint. Its blocks do not
+    slide while friction exceeds ``tan(lean_deg)``, the slope of the joints.
 
     Parameters
     ----------
@@ -69,14 +69,14 @@ def winding_column(
     height: float = 4.0,
     depth: float = 0.8,
 ) -> Assembly:
-    """A column whose centre line is one full wave, cut square to it: it winds out and back.
+    """A column whose centre line is one full wave, with joints normal to it.
 
     Parameters
     ----------
     blocks
         Free blocks.
     swing : [m]
-        How far the centre line moves to either side.
+        Amplitude of the centre line.
     width, height, depth : [m]
         Across the centre line, of the wave, and along y.
 
@@ -108,19 +108,19 @@ def corbelled_bridge(
     batter_deg: float = 12.0,
     depth: float = 0.8,
 ) -> Assembly:
-    """Two corbelled arms and a key between them whose ends are wedges: built without centring.
+    """Two corbelled arms and a wedge-shaped key, built without centring.
 
-    Every corbel reaches beyond the one below and has a longer tail over the pier, so that it stands
-    as soon as it is put down. The key is let in from above; its ends lean by ``batter_deg`` and it
-    presses the arms apart, which friction under the topmost corbels holds.
+    Every corbel is longer than the one below on both sides, so that it stands when it is placed.
+    The key is placed from above. Its ends lean by ``batter_deg``, so it presses the arms apart;
+    friction under the topmost corbels resists.
 
     Parameters
     ----------
     corbels
         In each arm, over a fixed pier.
     reach, tail : [m]
-        By how much each corbel goes beyond the one below over the gap, and its length behind the
-        face of the pier.
+        By how much each corbel projects beyond the one below, and its length behind the face of the
+        pier.
     height, depth : [m]
         Of every block.
     gap : [m]

@@ -1,4 +1,4 @@
-"""Results to pictures: one self-contained page, static figures."""
+"""Pictures of results: self-contained pages, static figures, CAD files."""
 
 from drystone.view.cad.save_cad import save_cad
 from drystone.view.paper.curve_figure import save_curve

@@ -1,1 +1,1 @@
-"""Commands that answer: does it stand, by how much, and what happens."""
+"""Commands for analysis: verdict, limits, settlement, fall."""

@@ -1,4 +1,4 @@
-"""``drystone check``: does it stand, what falls, and what would it need?"""
+"""``drystone check``: the verdict, what falls, and the props that it needs."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ def check(
     finding: Finding,
     strict: Annotated[
         bool,
-        Option("Only stable if it stands whatever the stiffness of the contacts.", expert=True),
+        Option("Exit code 0 only if it stands for every contact stiffness.", expert=True),
     ] = False,
     time_limit: options.TimeLimit = None,
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:
-    """Tell whether a model stands, with its proof.
+    """Check whether a model stands, with a proof.
 
-    Exit code 0: it stands. 1: it does not, or that could not be decided. 2: bad input. 130: Ctrl-C
-    ended the search; what was known by then is the answer.
+    Exit code 0: it stands. 1: it falls, or it is undecided. 2: bad input. 130: stopped by Ctrl-C,
+    with what is known so far.
     """
     model = subject.prepared(waiting, finding, seismic)
     result = verdict.solve(model, waiting, time_limit)

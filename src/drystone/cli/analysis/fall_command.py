@@ -1,4 +1,4 @@
-"""``drystone fall``: a film of what falls, until it lies."""
+"""``drystone fall``: a film of the blocks that fall."""
 
 from __future__ import annotations
 
@@ -32,13 +32,14 @@ def fall(
     duration: Annotated[
         float,
         Option(
-            "Of the film at most, by the time in which a block falls by half its size (20).",
+            "Largest length of the film, divided by the time in which a block falls by half its "
+            "size (20).",
             kind=kinds.POSITIVE,
         ),
     ] = 20.0,
     no_ground: Annotated[bool, Option("Blocks fall past the lowest point of the model.")] = False,
     no_check: Annotated[
-        bool, Option("Leave out the check, whose first motion begins the film.", expert=True)
+        bool, Option("Leave out the check, whose first motion starts the film.", expert=True)
     ] = False,
     time_limit: options.TimeLimit = None,
     html: options.Html = None,
@@ -48,9 +49,9 @@ def fall(
     ] = None,
     waiting: Waiting,
 ) -> Answer:
-    """A film of what falls, simulated with inertia and impacts until it lies; never a verdict.
+    """Simulate the fall with inertia and impacts, as a film; this gives no verdict.
 
-    Exit code 0: everything lies at the end. 1: something still moves. 3: MuJoCo is missing.
+    Exit code 0: every block is at rest at the end. 1: some still move. 3: MuJoCo is missing.
     """
     apart([html, glb])
     from drystone.fall import FallOptions

@@ -1,4 +1,4 @@
-"""What driving blocks by finite amounts answers: for ``push`` and for ``settle --to``."""
+"""The answer of ``push`` and of ``settle --to``: large displacements."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Curves(Pictures):
 def answer(
     found: LargeDisplacement, model: str, notes: Sequence[str], wanted: Curves, code: int
 ) -> Answer:
-    """What was found, and the files that were asked for."""
+    """The answer, with its files."""
     data = {"model": model, **found.to_dict()}
     return Answer(
         data, partial(_show, found, data), code, notes, partial(_files, found, wanted, model)

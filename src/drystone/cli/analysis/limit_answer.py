@@ -27,7 +27,7 @@ NOTHING: Mapping[str, float] = MappingProxyType({})
 
 
 def safety_factor(found: Limit) -> dict[str, float]:
-    """How many times larger the joints are than the least that stand."""
+    """Size of the joints, divided by the least size at which it stands."""
     stands = found.best.stands
     return {} if not stands else {"geometric safety factor": 1.0 / stands}
 
@@ -40,9 +40,9 @@ def answer(
     waiting: Waiting,
     more: Mapping[str, float] = NOTHING,
 ) -> Answer:
-    """A limit and the pictures of its fall; exit code 1 when it never stood.
+    """A limit and the pictures of its fall; exit code 1 if it does not stand at all.
 
-    ``more`` are figures that follow from the limit, by their names.
+    ``more`` has figures that follow from the limit, by name.
     """
     others = {name.replace(" ", "_"): value for name, value in more.items()}
     data = {"model": model, **found.to_dict(), **others}

@@ -1,4 +1,4 @@
-"""``drystone limit``: by how much does it stand?"""
+"""``drystone limit``: the value of a parameter at which the verdict changes."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def _answer(
 ) -> Answer:
     """Prepare the model and find the limit.
 
-    What ``find`` adds to the notes is told too, and the figures of ``more``.
+    Notes that ``find`` adds are printed, and so are the figures of ``more``.
     """
     model = subject.prepared(waiting, seismic=seismic)
     with search.under_way(waiting) as common:

@@ -1,4 +1,4 @@
-"""``drystone limit thickness`` of parametric models, ``drystone limit imperfections`` of any."""
+"""``drystone limit thickness`` and ``drystone limit imperfections``."""
 
 from __future__ import annotations
 
@@ -74,9 +74,14 @@ def thickness(
     set: families.Settings = (),
     parameter: Annotated[str | None, Option("Search another parameter than the thickness.")] = None,
     thick: Annotated[
-        float | None, Option("Where the search starts: it should stand.", flags=("--from",))
+        float | None,
+        Option(
+            "Value at which the search starts; the model should stand there.", flags=("--from",)
+        ),
     ] = None,
-    thin: Annotated[float | None, Option("Where the search ends.", flags=("--to",))] = None,
+    thin: Annotated[
+        float | None, Option("Value at which the search ends.", flags=("--to",))
+    ] = None,
     friction: options.Friction = None,
     search: Search,
     pictures: Pictures,
@@ -121,12 +126,12 @@ def imperfections(
     seed: Annotated[int, Option("The same seed gives the same draws (0).", expert=True)] = 0,
     friction_range: Annotated[
         tuple[float, float] | None,
-        Option("Friction of each joint, uniform.", kind=kinds.Kind("LOW,HIGH", _pair)),
+        Option("Range of the friction of each joint, uniform.", kind=kinds.Kind("LOW,HIGH", _pair)),
     ] = None,
     corner_loss: Annotated[
         float,
         Option(
-            "Probability that a corner of a joint has broken off.", kind=ZERO_OR_MORE, expert=True
+            "Probability that a corner of a joint is broken off.", kind=ZERO_OR_MORE, expert=True
         ),
     ] = 0.0,
     offset: Annotated[
@@ -143,7 +148,7 @@ def imperfections(
     ] = 0.0,
     tolerance: Annotated[
         float,
-        Option("How exactly joints are made, m: they are shifted and turned.", kind=ZERO_OR_MORE),
+        Option("Tolerance of the joints in m: they are shifted and turned.", kind=ZERO_OR_MORE),
     ] = 0.0,
     order: Annotated[
         tuple[str, ...],
@@ -159,7 +164,7 @@ def imperfections(
     files: Drawn,
     waiting: Waiting,
 ) -> Answer:
-    """The share of imperfect structures that stand, drawn at random.
+    """The share of random imperfect copies of a model that stand.
 
     Exit code 0: all of them. 1: not all.
     """

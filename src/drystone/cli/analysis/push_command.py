@@ -1,4 +1,4 @@
-"""``drystone push``: load against displacement, until no load is needed any more."""
+"""``drystone push``: load against displacement, until the load is zero again."""
 
 from __future__ import annotations
 
@@ -38,18 +38,21 @@ def push(
         Option("Displacement at which it ends, m (the mean size of a block).", kind=kinds.POSITIVE),
     ] = None,
     lose_friction: Annotated[
-        bool, Option("Instead of a load that grows, all friction decays to zero.")
+        bool, Option("Let all friction decay to zero instead of a load that grows.")
     ] = False,
     pace: Annotated[
-        float, Option("Length of the steps by the default (1).", kind=kinds.POSITIVE, expert=True)
+        float,
+        Option(
+            "Length of the steps, divided by the default (1).", kind=kinds.POSITIVE, expert=True
+        ),
     ] = 1.0,
     time_limit: TimeLimit = None,
     wanted: Curves,
     waiting: Waiting,
 ) -> Answer:
-    """Load against displacement, until no load is needed any more: the displacement capacity.
+    """Load against displacement, until the load is zero again: the displacement capacity.
 
-    Exit code 0: that displacement, or the fall, was found. 1: not as far as was asked for.
+    Exit code 0: that displacement, or the fall, was found. 1: it was not reached.
     """
     if lose_friction and (live != SIDEWAYS or to is not None):
         raise InputError(

@@ -1,4 +1,4 @@
-"""``drystone settle``: what happens when supports move a little?"""
+"""``drystone settle``: forces and joints when supports move."""
 
 from __future__ import annotations
 
@@ -56,9 +56,10 @@ def settle(
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:
-    """Which joints open, and how forces change, when supports move, by a little or by a lot.
+    """Which joints open, and how forces change, when supports move.
 
-    Exit code 0: the blocks come to rest, or follow as far as --to. 1: they do not. 2: bad input.
+    Exit code 0: the blocks come to rest, or follow the supports up to --to. 1: they do not. 2: bad
+    input.
     """
     model = subject.prepared(waiting, finding, seismic, move, settling=True)
     if model.load.motion is None:

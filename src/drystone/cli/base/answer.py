@@ -1,4 +1,4 @@
-"""What every command answers: what is shown, JSON, files and an exit code."""
+"""The answer of every command: text, JSON, files and an exit code."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ Files: TypeAlias = tuple[list[Job], list[str]]
 
 @dataclass(frozen=True)
 class Answer:
-    """What a command found, before its files are written and it is told.
+    """The answer of a command, before its files are written and it is printed.
 
     Attributes
     ----------
     data
         Plain values, as ``--json`` prints them; notes, files and times are added.
     show
-        Tells it to a person.
+        Prints it for people.
     code
         Exit code.
     notes
         Remarks.
     files
-        Makes what is to be written. It is asked once the answer is known, so that Ctrl-C and a full
-        disk leave the answer.
+        Makes the files. It is called when the answer is known, so that the answer survives Ctrl-C
+        and a full disk.
     written
-        Names of files that are there already.
+        Names of files that are written already.
     """
 
     data: dict[str, Any]
@@ -46,7 +46,7 @@ class Answer:
 
 
 def finish(answer: Answer, waiting: Waiting, as_json: bool) -> Callable[[], int]:
-    """Write the files of an answer; what is returned prints the answer and gives the exit code."""
+    """Write the files of an answer; the returned function prints it and gives the exit code."""
     notes, files, failed = list(answer.notes), list(answer.written), None
     if answer.files is not None:
         waiting.stage("write", "writing")

@@ -1,4 +1,4 @@
-"""Commands: options declared once by what they are, in groups, each with its help."""
+"""Commands with options in groups. Each option is declared once, with its help."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from drystone.cli.base.output import UsageFault
 from drystone.cli.base.waiting import Waiting
 
 GROUPS = ("Model", "Loads", "Contacts", "Analysis", "Output")
-"""Of options, in the order of help."""
+"""Groups of options, in the order of the help."""
 MODEL, LOADS, CONTACTS, ANALYSIS, OUTPUT = GROUPS
 WIDTH = 100
-"""[characters] of help at most."""
+"""Largest width of the help [characters]."""
 SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"], "max_content_width": WIDTH}
 """Of every command."""
 KINDS = {float: kinds.number(), int: kinds.whole(), str: kinds.TEXT}
@@ -27,18 +27,18 @@ KINDS = {float: kinds.number(), int: kinds.whole(), str: kinds.TEXT}
 
 @dataclass(frozen=True)
 class Option:
-    """What an option is for; the type and the default stand beside it.
+    """The help of an option; the parameter has its type and default.
 
     Attributes
     ----------
     help
     group
     flags
-        Its names, where they are not that of the parameter.
+        Its names; when left out, that of the parameter.
     kind
-        Of its value, where the type does not tell.
+        Kind of its value, where the type does not say it.
     metavar
-        What stands for the value in help.
+        Placeholder of the value in the help.
     expert
         Shown by ``--help-all`` only.
     """
@@ -53,7 +53,7 @@ class Option:
 
 @dataclass(frozen=True)
 class Argument:
-    """What an argument is for."""
+    """The help of an argument."""
 
     metavar: str
     help: str
@@ -75,10 +75,10 @@ class Command(click.Command):
     examples: tuple[str, ...] = ()
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read options and arguments; refuse what is left over."""
+        """Parse options and arguments; refuse unknown ones."""
         try:
             rest = super().parse_args(ctx, args)
-        except click.UsageError as error:  # some do not know where they come from
+        except click.UsageError as error:  # some errors do not name the command
             error.ctx = error.ctx or ctx
             raise
         if ctx.args and not ctx.resilient_parsing:
@@ -118,7 +118,7 @@ class Command(click.Command):
 
 
 class _Argument(click.Argument):
-    """An argument with a word of help."""
+    """An argument with help."""
 
     def __init__(self, names: list[str], told: str, **more: Any) -> None:
         super().__init__(names, **more)
@@ -133,11 +133,11 @@ def write_examples(examples: tuple[str, ...], formatter: click.HelpFormatter) ->
 
 
 def command(*examples: str, name: str = "") -> Callable[[Callable[..., Answer]], Command]:
-    """Make a command of a function that answers.
+    """Make a command of a function that returns an answer.
 
-    Each parameter is an argument or option, told by an :class:`Argument` or :class:`Option` in its
-    annotation. A parameter whose type is a dataclass stands for an option per field. A parameter
-    ``waiting`` is given the :class:`Waiting` of the command. ``--json`` and, where there are expert
+    Each parameter is an argument or an option; its annotation has an :class:`Argument` or an
+    :class:`Option`. A parameter whose type is a dataclass gives an option per field. A parameter
+    ``waiting`` gets the :class:`Waiting` of the command. ``--json`` and, where there are expert
     options, ``--help-all`` are added.
     """
 

@@ -1,4 +1,4 @@
-"""Kinds of values on the command line: what their text becomes, or what is said instead."""
+"""Kinds of values on the command line: conversion of their text, with error messages."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from drystone.base.files import plain_target
 
 
 class Kind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.5
-    """Text that becomes a value; what is wrong with it is an error that names the option.
+    """Conversion of text to a value; errors name the option.
 
     Parameters
     ----------
     name
         What stands for the value in help.
     read
-        Makes the value, or raises an InputError.
+        Converts the text, or raises an InputError.
     choices
-        All values, where there are few.
+        All values, if there are few.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class Kind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.
         self.choices = choices
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ARG002
-        """The value of a text; a default is taken as it is."""
+        """The value of a text; defaults are not converted."""
         if not isinstance(value, str):
             return value
         try:
@@ -55,14 +55,14 @@ class Kind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.
         param: click.Parameter,  # noqa: ARG002
         incomplete: str,
     ) -> list[CompletionItem]:
-        """The choices that begin like that; file names where it is a file."""
+        """The choices that begin with the text; file names for files."""
         if self.choices is None:
             return [CompletionItem(incomplete, type="file")] if self.name == "FILE" else []
         return [CompletionItem(one) for one in self.choices if one.startswith(incomplete)]
 
 
 def named(param: click.Parameter | None) -> str:
-    """An option or argument as the user writes it."""
+    """The name of an option or argument on the command line."""
     if param is None:
         return ""
     if isinstance(param, click.Option):
@@ -111,7 +111,7 @@ def one_of(choices: Iterable[str], what: str = "") -> Kind:
 
 
 def target(*suffixes: str) -> Kind:
-    """A file to write; its suffix and its folder are looked at before any work is done."""
+    """A file to write; its suffix and its folder are checked before any work."""
     return Kind("FILE", lambda text: output_path(text, suffixes))
 
 

@@ -1,4 +1,4 @@
-"""What the commands print: people read stdout, programs read one JSON object, errors are a line."""
+"""Output of the commands: text for people, one JSON object for programs, errors in one line."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from drystone.base.errors import InputError, MissingDependency
 BAD_INPUT, MISSING, FAULT = 2, 3, 70
 """Exit codes of errors."""
 LISTED = 12
-"""Rows shown of a table; --json has all."""
+"""Rows of a table that are printed; --json has all."""
 NAMED = 3
-"""Names shown of equal rows."""
+"""Names that are printed of equal rows."""
 
 
 class UsageFault(InputError):
@@ -24,9 +24,9 @@ class UsageFault(InputError):
 
 
 class Screen:
-    """Where a person reads the answer.
+    """Prints for people.
 
-    Every text is made safe: names come from files, and a terminal obeys control characters.
+    Control characters are removed from every text, because names come from files.
     """
 
     def __init__(self) -> None:
@@ -47,7 +47,7 @@ class Screen:
         self.line(text, "note:", "yellow", " ")
 
     def dim(self, text: str) -> None:
-        """What few want to know."""
+        """A line in a dim colour."""
         if text:
             self.line("", text, "dim")
 
@@ -59,7 +59,7 @@ class Screen:
         styles: Sequence[str] = (),
         more: str = "--json lists all",
     ) -> None:
-        """A table of the first rows, with the number of the others."""
+        """The first rows of a table, and the number of the others."""
         from rich.table import Table
         from rich.text import Text
 
@@ -74,7 +74,7 @@ class Screen:
 
 
 def grouped(rows: Sequence[Sequence[str]]) -> list[list[str]]:
-    """Rows that differ in their first cell only made one, in the order of the first of each.
+    """Rows that differ only in their first cell become one, in the order of their first.
 
     Examples
     --------
@@ -105,24 +105,24 @@ def say(text: str) -> None:
 
 
 def clean(text: str) -> str:
-    """Text without control characters: names come from files, and terminals obey them."""
+    """Text without control characters."""
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
 def emit(data: dict[str, Any]) -> None:
-    """Print one JSON object on stdout; what is not finite becomes null."""
+    """Print one JSON object on stdout; numbers that are not finite become null."""
     print(json.dumps(_finite(data), ensure_ascii=True, allow_nan=False))
 
 
 def code_of(error: BaseException) -> int:
-    """The exit code of an error that is not a fault of drystone."""
+    """The exit code of an error of the user or of the environment."""
     return MISSING if isinstance(error, MissingDependency) else BAD_INPUT
 
 
 def fail(error: BaseException, code: int, as_json: bool, data: dict[str, Any] | None = None) -> int:
-    """Print an error as one line on stderr, with --json as an object on stdout too.
+    """Print an error as one line on stderr, and with --json as an object on stdout too.
 
-    ``data`` is an answer that was found all the same.
+    ``data`` is the answer, if there is one.
     """
     message = clean(" ".join(str(error).split())) or type(error).__name__
     if code == FAULT:
@@ -134,7 +134,7 @@ def fail(error: BaseException, code: int, as_json: bool, data: dict[str, Any] | 
                 told[part] = getattr(error, part)
         try:
             emit({**(data or {}), "error": told, "exit_code": code})
-        except OSError:  # nobody reads stdout, or it is full: the line on stderr is left
+        except OSError:  # stdout is closed or full: the line on stderr remains
             sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: PTH123, SIM115
     print(f"drystone: {message}", file=sys.stderr)
     return code

@@ -1,4 +1,4 @@
-"""A verdict on the terminal, as JSON, as pictures, and as an exit code."""
+"""A verdict as text, as JSON and as an exit code."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 STYLE = {"stable": "bold green", "unstable": "bold red", "undecided": "bold yellow"}
 NEGLIGIBLE = 1e-6
-"""Share of the largest force below which a force is rounding and told as 0."""
+"""Share of the largest force below which a force is rounding and is printed as 0."""
 
 
 def answer(
@@ -32,14 +32,14 @@ def answer(
     strict: bool = False,
     diagnosis: Mapping[str, Any] | None = None,
 ) -> Answer:
-    """What a command answers that checks a model; where it falls, ``diagnosis`` tells why."""
+    """The answer of a command that checks a model; ``diagnosis`` says why it falls."""
     data = {**content(result, waiting.time_s, model), "diagnosis": diagnosis}
     code = exit_code(result, strict)
     return Answer(data, partial(show, data), code, result.model.notes, files)
 
 
 def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
-    """The verdict of the whole cascade, or what is known of it when time or Ctrl-C end it."""
+    """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it."""
     from drystone.stability import check
 
     waiting.stage("solve", "solving")
@@ -51,13 +51,13 @@ def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
 
 
 def is_sensitive(result: Result) -> bool:
-    """Whether it stands for some contact stiffnesses only, or after settling."""
+    """Whether it stands only for some contact stiffnesses, or only after settling."""
     some = result.samples.standing < result.samples.tried
     return result.stable and (some or result.settlement is not None)
 
 
 def exit_code(result: Result, strict: bool) -> int:
-    """0 for stable; with ``strict`` only when it stands for every stiffness, and all were tried."""
+    """0 if stable; with ``strict`` only if it stands for every stiffness and all were tried."""
     robust = not is_sensitive(result) and not result.stopped
     return 0 if result.stable and (robust or not strict) else 1
 
@@ -110,7 +110,7 @@ def content(result: Result, spent: Mapping[str, float], model: str) -> dict[str,
 
 
 def props(result: Result) -> list[dict[str, Any]]:
-    """What would hold each falling block: force [N] and moment [N m] about its centroid."""
+    """The prop of each falling block: force [N] and moment [N m] about its centroid."""
     if result.prop is None:
         return []
     size = np.linalg.norm(result.prop[:, :3], axis=1)
@@ -126,7 +126,7 @@ def props(result: Result) -> list[dict[str, Any]]:
 
 
 def largest(result: Result) -> dict[str, Any] | None:
-    """Where it works hardest: the interfaces with the most pressure and the most friction."""
+    """The interfaces with the largest normal force and with the largest utilisation."""
     if result.force is None or result.contacts.count == 0:
         return None
     resultants, share = result.resultants, result.utilisation
@@ -148,7 +148,7 @@ def largest(result: Result) -> dict[str, Any] | None:
 
 
 def show(data: Mapping[str, Any], screen: Screen) -> None:
-    """The answer for a person."""
+    """Print the answer for people."""
     word = data["verdict"].upper() + (" (sensitive)" if data["sensitive"] else "")
     screen.line(str(data["model"]), word, STYLE.get(data["verdict"], "bold"))
     if data["message"]:

@@ -1,4 +1,4 @@
-"""Work under way: a progress bar on stderr for people, and what becomes of Ctrl-C."""
+"""Progress of running work on stderr, and Ctrl-C."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
 PATIENCE = 1.0
-"""[s] before anything is shown."""
+"""Time [s] before progress is shown."""
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 NOTHING = "nothing was written"
@@ -26,9 +26,9 @@ STOPPING = "stopping (Ctrl-C again ends at once)"
 
 
 class Waiting:
-    """Shows stages and their progress while it is entered; silent when stderr is no terminal.
+    """Shows stages and their progress inside its context; silent if stderr is no terminal.
 
-    An instance is itself the progress callback of the library: ``(stage, done, total)``.
+    An instance is the progress callback of the library: ``(stage, done, total)``.
 
     Attributes
     ----------
@@ -37,11 +37,11 @@ class Waiting:
     shown
         Set once the bar is on the terminal.
     interrupted
-        Whether Ctrl-C asked to stop with what is known.
+        Whether Ctrl-C asked to stop with what is known so far.
     wrote
         Names of the files that are written.
     checkpoint
-        File that keeps answers for the next run.
+        File with answers for the next run.
     """
 
     def __init__(self) -> None:
@@ -85,9 +85,9 @@ class Waiting:
 
     @contextmanager
     def stoppable(self) -> Iterator[Callable[[], bool]]:
-        """While entered, the first Ctrl-C only asks to stop, and the next ends the program.
+        """In this context the first Ctrl-C asks the work to stop, and the second ends the program.
 
-        Gives what work asks whether to stop.
+        Yields the function ``stop`` of the library.
         """
 
         def ask(*_: object) -> None:
@@ -108,20 +108,20 @@ class Waiting:
                 signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def exit_code(self, code: int) -> int:
-        """The exit code of an answer; 130 where Ctrl-C cut it short."""
+        """The exit code of an answer; 130 after Ctrl-C."""
         return INTERRUPTED if self.interrupted else code
 
     def stage(self, key: str, wording: str) -> None:
-        """Begin a stage: its time is added up under ``key``, ``wording`` is shown."""
+        """Begin a stage: its time is added under ``key``; ``wording`` is shown."""
         self.end_stage()
         self._begun = (key, time.perf_counter())
         self(wording, 0, 0)
 
     def __call__(self, stage: str, done: int, total: int) -> None:
-        """Progress of the work that is under way; a total of zero means that it is not known."""
+        """Progress of the running work; a total of zero means that it is not known."""
         if self.interrupted:
             stage, done, total = STOPPING, 0, 0
-        stage = clean(stage)  # it names files, and a terminal obeys control characters
+        stage = clean(stage)  # file names may have control characters
         self._state = (stage, done, total)
         if self._bar is not None:
             self._bar.update(
@@ -129,7 +129,7 @@ class Waiting:
             )
 
     def left(self) -> str:
-        """What is left of work that was given up."""
+        """What remains of work that was interrupted."""
         if self.wrote:
             return f"wrote {', '.join(self.wrote)}"
         if self.checkpoint is not None and self.checkpoint.exists():
@@ -140,7 +140,7 @@ class Waiting:
         return NOTHING
 
     def end_stage(self) -> None:
-        """Book the time of the stage that is under way."""
+        """Add the time of the running stage."""
         if self._begun is not None:
             key, since = self._begun
             self.time_s[key] = self.time_s.get(key, 0.0) + time.perf_counter() - since
@@ -166,11 +166,11 @@ class Waiting:
 
 
 UNDER_WAY: ContextVar[Waiting | None] = ContextVar("UNDER_WAY", default=None)
-"""The work of the command that runs, if it has begun."""
+"""The running work of the command, if it has begun."""
 
 
 def end_workers() -> None:
-    """End the processes that work for this one: nobody waits for their answers any more."""
+    """End the worker processes: their answers are not needed any more."""
     from multiprocessing import active_children  # the commands start fast
 
     for child in active_children():

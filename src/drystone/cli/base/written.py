@@ -1,4 +1,4 @@
-"""Files that tell an answer: the page, the figure, the tables of joints."""
+"""The files of an answer: the page, the figure, the tables of joints."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ class Pictures:
         apart([self.html, self.png])
 
     def jobs(self, page: Callable[[Path], object], figure: Callable[[Path], object]) -> list[Job]:
-        """What is to be written, from what writes each."""
+        """The files to write, from the functions that write them."""
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
     def of(self, subject: Result | Limit, source: str = "") -> Files:
-        """The pictures of an answer about the model of a file."""
+        """The pictures of an answer."""
         if self.html is None and self.png is None:
             return [], []
         from drystone import view  # the program starts fast: pictures are imported when asked for
@@ -116,7 +116,7 @@ class Written(Pictures):
 
 
 def refuse_missing(cad: Path | None) -> None:
-    """Say before any work is done that a file for CAD programs cannot be written.
+    """Refuse a file for CAD programs before any work if its package is missing.
 
     Raises
     ------
@@ -138,7 +138,7 @@ def cad_jobs(path: Path | None, subject: Result | SupportResponse | Plan, source
 
 
 def apart(paths: Sequence[Path | None]) -> None:
-    """Refuse to write two things to one file.
+    """Refuse two outputs with one file name.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""``drystone mend``: why does it fall, and what changes make it stand?"""
+"""``drystone mend``: why it falls, and which changes make it stand."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from drystone.results import Result
 
 SHORT = 3
-"""Regions that ``check`` tells; ``mend`` tells all."""
+"""Regions that ``check`` prints; ``mend`` prints all."""
 
 
 KIND = "support, prop, tie, friction, turn, wedge, let-in, thicker, ballast, glue or merge"
@@ -32,7 +32,7 @@ KIND = "support, prop, tie, friction, turn, wedge, let-in, thicker, ballast, glu
 Margin: TypeAlias = Annotated[
     tuple[str, ...],
     Option(
-        "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
+        "Margin with which it has to stand: tilt=2deg to each side, load=1.2 times the load, "
         "friction=0.9x, or sensitive, where STABLE after settling is enough.",
         metavar="WHAT",
         expert=True,
@@ -50,10 +50,11 @@ def mend(
     seismic: loading.Seismic = None,
     finding: Finding,
     diagnose: Annotated[
-        bool, Option("Tell why it falls and what is missing; look for no mends.", expert=True)
+        bool,
+        Option("Say why it falls and what is missing, without a search for mends.", expert=True),
     ] = False,
     auto: Annotated[
-        bool, Option("Make the cheapest mend of each region until all stands.")
+        bool, Option("Make the cheapest mend of each region until the model stands.")
     ] = False,
     only: Annotated[
         tuple[str, ...],
@@ -73,7 +74,7 @@ def mend(
     ] = (),
     margin: Margin = (),
     apply: Annotated[
-        int | None, Option("Number of the mend to make, as they are listed.", OUTPUT, expert=True)
+        int | None, Option("Number of the mend to make, as in the list.", OUTPUT, expert=True)
     ] = None,
     out: Annotated[
         Path | None,
@@ -92,13 +93,13 @@ def mend(
     wanted: Pictures,
     waiting: Waiting,
 ) -> Answer:
-    """Tell why a model falls, and find changes with which it stands.
+    """Say why a model falls, and find changes with which it stands.
 
-    Each mend is checked on the whole model. With --auto or --apply the mended model can be written
-    (--out), and --html and --png show it, with edges of what it was.
+    Each mend is checked on the whole model. With --auto or --apply, --out writes the mended model;
+    --html and --png show it with the edges of the model before.
 
     Exit code 0: it stands, already or mended. 1: it does not. 2: bad input.
-    130: Ctrl-C ended the search; what was known by then is the answer.
+    130: stopped by Ctrl-C, with what is known so far.
     """
     _refuse(diagnose, auto, apply, out)
     if pages is not None and (diagnose or auto):
@@ -223,7 +224,7 @@ def files_after(
     source: str = "",
     change: str = "",
 ) -> Files:
-    """The mended model, and its pictures with the edges of what it was."""
+    """The mended model, and its pictures with the edges of the model before."""
     jobs: list[Any] = []
     if out is not None:
         from drystone import io
@@ -238,7 +239,7 @@ def files_after(
 
 
 def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:
-    """What falls and how, of the heaviest regions of a result; ``None`` where nothing falls."""
+    """Why the heaviest regions of a result fall; ``None`` if nothing falls."""
     if not result.falls:
         return None
     from drystone.design import DiagnosisOptions, diagnose  # as above

@@ -1,4 +1,4 @@
-"""``drystone plan``: in which order to assemble, what to hold, what to prop."""
+"""``drystone plan``: the order of assembly, the blocks to hold and to prop."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def plan(
         int, Option("Hands or robots: one places, others hold (2).", flags=("--hands", "--robots"))
     ] = 2,
     payload: Annotated[
-        float, Option("What each of them can lift or hold, in kg.", expert=True)
+        float, Option("Mass that each hand can lift or hold, in kg.", expert=True)
     ] = float("inf"),
     before: Annotated[
         tuple[tuple[str, str], ...],
@@ -84,7 +84,7 @@ def plan(
         bool, Option("Search until no order with fewer props is left.", expert=True)
     ] = False,
     thorough: Annotated[
-        bool, Option("Let stages stand that are sensitive to joint stiffness.", expert=True)
+        bool, Option("Accept stages that are sensitive to joint stiffness.", expert=True)
     ] = False,
     margins: Annotated[
         bool, Option("Least friction and tilt limit of every stage.", expert=True)
@@ -104,7 +104,7 @@ def plan(
     ] = None,
     checkpoint: Annotated[
         str | None,
-        Option("File to go on from after an interruption.", kind=kinds.FILE, expert=True),
+        Option("File with which an interrupted search continues.", kind=kinds.FILE, expert=True),
     ] = None,
     html: options.Html = None,
     cad: options.Cad = None,
@@ -120,8 +120,8 @@ def plan(
 ) -> Answer:  # fmt: skip
     """Plan the assembly of a model: order, blocks to hold, blocks to prop.
 
-    Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be put in, or
-    the complete model does not stand. 2: bad input.
+    Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
+    or the complete model does not stand. 2: bad input.
     """
     apart([html, cad, instructions, csv])
     refuse_missing(cad)

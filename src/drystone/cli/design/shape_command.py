@@ -1,4 +1,4 @@
-"""``drystone shape``: vertices moved by gradient until a model stands, or is as light as can be."""
+"""``drystone shape``: vertices moved by gradients until a model stands, or is lightest."""
 
 from __future__ import annotations
 
@@ -38,10 +38,10 @@ def shape(
     ] = None,
     least_edge: Annotated[
         float | None,
-        Option("No edge that moves gets shorter, in m.", kind=kinds.POSITIVE, expert=True),
+        Option("Least length of an edge that moves, in m.", kind=kinds.POSITIVE, expert=True),
     ] = None,
     directions: Annotated[
-        str, Option("Axes along which vertices move (xz).", metavar="AXES", expert=True)
+        str, Option("Axes along which vertices may move (xz).", metavar="AXES", expert=True)
     ] = "xz",
     along: Annotated[
         str,
@@ -73,11 +73,11 @@ def shape(
 ) -> Answer:
     """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
 
-    Vertices at one place move together, so that joints stay shared. The check decides. --html and
-    --png show it, with edges of what it was.
+    Vertices at one place move together, so that joints stay shared. The verdict is that of
+    ``check``. --html and --png show it with the edges of the model before.
 
-    Exit code 0: it stands. 1: it does not. 2: bad input. 130: Ctrl-C ended the search; the best
-    shape so far is the answer.
+    Exit code 0: it stands. 1: it does not. 2: bad input. 130: stopped by Ctrl-C, with the best
+    shape so far.
     """
     stands_at = margins(margin)
     model = subject.prepared(waiting, finding)

@@ -1,4 +1,4 @@
-"""``drystone sharpen``: joints made wedges where tension appears."""
+"""``drystone sharpen``: wedges of two planes from joints with tension."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def sharpen(
     step: Annotated[
         float | None,
         Option(
-            "Degrees by which joints that show tension are sharpened in each round (10).",
+            "Degrees by which joints with tension are sharpened in each round (10).",
             kind=kinds.POSITIVE,
             expert=True,
         ),
@@ -56,13 +56,13 @@ def sharpen(
     wanted: Pictures,
     waiting: Waiting,
 ) -> Answer:
-    """Make plane joints wedges of two planes where tension appears, until the model stands.
+    """Make wedges of two planes from plane joints with tension, until the model stands.
 
     Each joint is then taken back to the least sharpness with which the model stands. --html and
-    --png show it, with edges of what it was.
+    --png show it with the edges of the model before.
 
     Exit code 0: it stands, already or sharpened. 1: it does not. 2: bad input.
-    130: Ctrl-C ended the search; what stood by then is the answer.
+    130: stopped by Ctrl-C, with what stood so far.
     """
     given = {"step": step, "most": most, "close": close}
     asked: dict[str, Any] = {name: value for name, value in given.items() if value is not None}

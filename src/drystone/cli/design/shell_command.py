@@ -1,4 +1,4 @@
-"""``drystone shell``: from a surface to blocks, their files, and a verdict."""
+"""``drystone shell``: a surface divided into blocks, with files and a verdict."""
 
 from __future__ import annotations
 
@@ -108,7 +108,8 @@ def shell(
     ] = None,
     block_format: Annotated[
         str | None,
-        Option("Of these files (obj).", OUTPUT, kind=kinds.one_of(BLOCK_FORMATS), expert=True),
+        Option("Format of these files (obj).", OUTPUT, kind=kinds.one_of(BLOCK_FORMATS),
+        expert=True),
     ] = None,
     pictures: Pictures,
     waiting: Waiting,
@@ -183,7 +184,7 @@ def _files(
 
 
 def summary(made: Shell) -> dict[str, Any]:
-    """What was built, as plain values; warp and drift by the mean width of a block."""
+    """The shell as plain values; warp and drift by the mean width of a block."""
     return {
         "voussoirs": len(made.voussoirs),
         "ground_blocks": int(made.ground.sum()),

@@ -47,7 +47,7 @@ def convert(
     overwrite: Annotated[bool, Option("Write over the model itself.", OUTPUT)] = False,
     waiting: Waiting,
 ) -> Answer:
-    """Write a model in another format, and say what that format has no place for."""
+    """Write a model in another format, and list what that format cannot hold."""
     from drystone import io  # the program starts fast: work is imported when there is some
     from drystone.model import Model
     from drystone.supports import select
@@ -92,7 +92,7 @@ def _show(told: str, loses: str, screen: Screen) -> None:
 
 
 def _refuse_other_suffix(target: str, chosen: Format) -> None:
-    """Refuse a file whose suffix says another format than the one that is asked for."""
+    """Refuse a file whose suffix is not that of the chosen format."""
     from drystone.io.registry import FORMATS
 
     suffix = Path(target).suffix.lower()

@@ -1,4 +1,4 @@
-"""``drystone demo``: the main job on a built-in vault."""
+"""``drystone demo``: check a built-in vault."""
 
 from __future__ import annotations
 

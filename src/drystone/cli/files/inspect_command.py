@@ -1,4 +1,4 @@
-"""``drystone inspect``: what is in a file, what is wrong with it, what touches what."""
+"""``drystone inspect``: the blocks of a file, their defects and their contacts."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _content(
 
 
 def _usable(built: Built, supports: str | None) -> tuple[Assembly | None, list[str]]:
-    """The blocks in which contacts can be looked for, with their supports, and what to note."""
+    """The blocks that can be used, with their supports, and notes."""
     from drystone.supports import select
 
     assembly, notes = built.assembly, list(built.notes)
@@ -146,7 +146,7 @@ def _pictures(
     pictures: Pictures,
     source: str,
 ) -> Files:
-    """The page and the figure that were asked for."""
+    """The page and the figure."""
     from drystone import view
 
     page = partial(view.save_inspection, assembly, found, sweep=swept, bare=bare, source=source)

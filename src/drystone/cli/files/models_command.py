@@ -1,4 +1,4 @@
-"""``drystone models``: structures with known answers, listed and written."""
+"""``drystone models``: parametric models, listed and written."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def models(
 ) -> Answer:
     """List the parametric models, or build one and write it.
 
-    Their supports are fixed already. STL and OBJ files cannot say so: add --supports lowest.
+    Their supports are fixed. STL and OBJ files cannot store that: add --supports lowest.
     """
     if family is None:
         if set or out is not None:

@@ -1,4 +1,4 @@
-"""``drystone reproduce``: the source's own structures, published beside found."""
+"""``drystone reproduce``: the structures of the source, published and computed figures."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ def reproduce(
     ] = None,
     waiting: Waiting,
 ) -> Answer:
-    """Compute the case studies of the source again, each beside its published figures.
+    """Compute the case studies of the source, and compare with the published figures.
 
-    Exit code 0: no line disagrees. 1: some do. 2: bad input.
+    Exit code 0: all figures agree. 1: some differ. 2: bad input.
     """
     if out is not None and not Path(out).is_dir():
         raise InputError("there is no such folder", where="--out", remedy="make it first")
@@ -59,7 +59,7 @@ def reproduce(
 
 
 def _show(found: Sequence[Case], screen: Screen) -> None:
-    """A line per claim: published / found."""
+    """A line per claim: published / computed."""
     for case in found:
         screen.line(case.title, case.section, gap=" ")
         for line in case.lines:

@@ -1,1 +1,1 @@
-"""Options that several commands share, and the model that they describe."""
+"""Options that several commands share, and the model that they define."""

@@ -30,7 +30,7 @@ Parameters: TypeAlias = Mapping[str, inspect.Parameter]
 
 
 def names() -> list[str]:
-    """The families: what :mod:`drystone.models` builds whole assemblies with."""
+    """The families: functions of :mod:`drystone.models` that return assemblies."""
     from drystone import models
 
     return [
@@ -96,7 +96,7 @@ def setting(text: str, known: Parameters) -> tuple[str, Any]:
 
 
 def _value(name: str, text: str, hint: Any) -> Any:
-    """The value of a text by the type of a parameter; of a union, the first that it fits."""
+    """The value of a text by the type of a parameter; of a union, the first type that fits."""
     if get_origin(hint) in (types.UnionType, Union):
         parts = [part for part in get_args(hint) if part is not types.NoneType]
         for part in parts[:-1]:

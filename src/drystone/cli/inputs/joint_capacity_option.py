@@ -1,4 +1,4 @@
-"""Joints that carry more than friction, on the command line: of all joints, or from a table."""
+"""The option of joint capacities: one for all joints, or a table."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ JointCapacities: TypeAlias = Annotated[
 
 
 def with_joint_capacity(model: Model, text: str) -> Model:
-    """The model with the capacities that the option gives.
+    """The model with the capacities of the option.
 
     Raises
     ------

@@ -22,7 +22,7 @@ Workers: TypeAlias = Annotated[
 
 @dataclass(frozen=True)
 class Search:
-    """How to search for a limit."""
+    """Options of the search for a limit."""
 
     width: Annotated[
         float | None,
@@ -51,7 +51,7 @@ class Search:
     time_limit: TimeLimit = None
 
     def options(self) -> LimitOptions:
-        """The same as the library takes it."""
+        """The options of the library."""
         from drystone.limits import LimitOptions
         from drystone.stability import FrictionCone
 
@@ -65,7 +65,7 @@ class Search:
 
     @contextmanager
     def under_way(self, waiting: Waiting) -> Iterator[dict[str, Any]]:
-        """What every limit of the library takes besides its model: options, workers and so on."""
+        """The common keywords of all limits of the library."""
         chosen = self.options()
         waiting.stage("solve", "searching")
         limit = {} if self.time_limit is None else {"time_limit_s": self.time_limit}
@@ -75,9 +75,10 @@ class Search:
 
 @contextmanager
 def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
-    """Where and how to work: the executor, if more than one is to, progress, and when to stop.
+    """Executor, progress and stop.
 
-    Answers of other processes come a scan at a time, so that Ctrl-C ends those without one.
+    The executor is for more than one worker. Worker processes answer once per scan, so Ctrl-C loses
+    the scan that runs.
     """
     if workers == 1:
         with waiting.stoppable() as stop:
@@ -86,7 +87,7 @@ def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
     import signal
     from concurrent.futures import ProcessPoolExecutor
 
-    # Ctrl-C reaches every process of a terminal: this one answers for all
+    # a terminal sends Ctrl-C to every process: only this one handles it
     ignore = (signal.SIGINT, signal.SIG_IGN)
     with ProcessPoolExecutor(workers, initializer=signal.signal, initargs=ignore) as executor:
         try:

@@ -99,7 +99,7 @@ def parsed_load(
 
 
 def _components(text: str, known: dict[str, float], example: str) -> list[float]:
-    """Three numbers; a unit behind the last one holds for all that have none."""
+    """Three numbers; the unit of the last is that of all numbers without one."""
     parts = text.split(",")
     last = next((unit for unit in reversed(known) if parts[-1].strip().endswith(unit)), "")
     try:
@@ -151,7 +151,7 @@ def loaded(
     moves: Iterable[str] | None = None,
     gravity: Direction | None = None,
 ) -> LoadCase:
-    """The base load with those of the options on top."""
+    """The base load plus the loads of the options."""
     total = base
     for text in loads or ():
         total = total + parsed_load(text, assembly, gravity=gravity)

@@ -1,4 +1,4 @@
-"""The model that a command is about: read, supported, in contact and loaded."""
+"""The model of a command: read, supported, with contacts and loads."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Within what contacts are found."""
+    """Tolerances of the contact search."""
 
     gap: options.Gap = None
     angle: options.Angle = None
@@ -58,7 +58,7 @@ class Tolerances:
 
 @dataclass(frozen=True)
 class Finding(Tolerances):
-    """How the contacts of a model are found."""
+    """Options of the contact search."""
 
     find_contacts: options.FindContacts = False
     anyway: options.Anyway = False
@@ -66,7 +66,7 @@ class Finding(Tolerances):
 
 @dataclass(frozen=True)
 class Subject(Source):
-    """The model that is analysed, its supports and materials, and its loads but for earthquakes."""
+    """The model, its supports and materials, and its loads without earthquakes."""
 
     up: options.Up = "z"
     skip_defects: options.SkipDefects = False
@@ -86,9 +86,9 @@ class Subject(Source):
         moves: tuple[str, ...] = (),
         settling: bool = False,
     ) -> Model:
-        """Read the model, fix its supports, find its contacts, load it with its weight and more.
+        """Read the model with its supports, contacts and loads.
 
-        A load case of the file that moves supports is for ``settling`` only.
+        A load case that moves supports is accepted only with ``settling``.
 
         Raises
         ------
@@ -183,7 +183,7 @@ def _refuse_supports(model: Model, subject: Subject) -> None:
 
 
 def warnings_of(report: ContactReport) -> list[str]:
-    """What a user must hear of the contact search even when he did not ask for its report."""
+    """Warnings of the contact search that every command prints."""
     names = report.names
     said = []
     if report.isolated:

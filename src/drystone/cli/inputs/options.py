@@ -61,7 +61,7 @@ MaxSize: TypeAlias = Annotated[
     Option("Largest file that is read, in MiB (64).", MODEL, kind=kinds.POSITIVE, expert=True),
 ]
 Split: TypeAlias = Annotated[
-    bool, Option("Make blocks of the separate parts of a block.", MODEL, expert=True)
+    bool, Option("Make a block of each separate part of a block.", MODEL, expert=True)
 ]
 Gravity: TypeAlias = Annotated[
     tuple[float, float, float] | None,
@@ -91,12 +91,12 @@ Edges: TypeAlias = Annotated[
     ),
 ]
 FindContacts: TypeAlias = Annotated[
-    bool, Option("Find contacts anew where the file brings some.", CONTACTS, expert=True)
+    bool, Option("Search contacts even if the file has some.", CONTACTS, expert=True)
 ]
 Anyway: TypeAlias = Annotated[
     bool,
     Option(
-        "Go on where blocks overlap by more than a tenth of the smaller one; plan also where the "
+        "Accept blocks that overlap by more than a tenth of the smaller one; plan also if the "
         "complete model does not stand.",
         CONTACTS,
         expert=True,
@@ -104,7 +104,7 @@ Anyway: TypeAlias = Annotated[
 ]
 Html: TypeAlias = Annotated[
     Path | None,
-    Option("Write a page to look at the answer in a browser.", OUTPUT,
+    Option("Write a page that shows the answer in a browser.", OUTPUT,
            kind=kinds.target(".html", ".htm")),
 ]  # fmt: skip
 Png: TypeAlias = Annotated[
@@ -118,7 +118,7 @@ Cad: TypeAlias = Annotated[
 TimeLimit: TypeAlias = Annotated[
     float | None,
     Option(
-        "Seconds after which the search stops with what it knows.",
+        "Seconds after which the search stops with what is known so far.",
         kind=kinds.POSITIVE,
         expert=True,
     ),

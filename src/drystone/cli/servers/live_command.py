@@ -39,7 +39,7 @@ def live(
     client: Annotated[
         Path | None,
         Option(
-            "Write the client of the JSON interface, one file of Python, and end.",
+            "Write the client of the JSON interface (one Python file), and exit.",
             OUTPUT,
             kind=kinds.target(".py"),
         ),
@@ -54,9 +54,9 @@ def live(
 ) -> Answer:
     """Open a page on which a model can be tilted, pushed and mended, and its supports moved.
 
-    The verdict follows at once. The model file is watched: saved anew, it is read anew. Programs
-    can ask the same server by JSON (docs/json-interface.md). Only this machine is served. It ends
-    with Ctrl-C, or ten seconds after the last window was closed.
+    The verdict follows at once. The model file is watched: when it is saved, it is read again.
+    Programs can ask the same server by JSON (docs/json-interface.md). It serves this machine only.
+    It ends with Ctrl-C, or ten seconds after the last window is closed.
     """
     if client is not None:
         text = resources.files("drystone.live").joinpath("client.py").read_bytes()
@@ -88,7 +88,7 @@ def live(
 
 
 def said(server: Live, as_json: bool) -> None:
-    """Tell where the page is."""
+    """Print the address of the page."""
     if as_json:
         output.emit({"link": server.link, "port": server.port, "token": server.server.guard.token})
     else:
@@ -99,7 +99,7 @@ def said(server: Live, as_json: bool) -> None:
 
 
 def opened(link: str) -> bool:
-    """Whether a browser with windows could be opened; one in the terminal is no use here."""
+    """Whether a browser with windows could be opened."""
     screens = ("DISPLAY", "WAYLAND_DISPLAY")
     if sys.platform.startswith("linux") and not any(os.environ.get(name) for name in screens):
         return False

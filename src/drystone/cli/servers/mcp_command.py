@@ -22,7 +22,7 @@ def mcp(
 ) -> Answer:
     """Serve check, diagnose, limit, plan and inspect to programs: Model Context Protocol.
 
-    It speaks the protocol on standard input and output, and ends when the client leaves.
+    It uses standard input and output, and ends when the client disconnects.
     """
     from drystone.mcp import serve  # the program starts fast: work is imported when there is some
 

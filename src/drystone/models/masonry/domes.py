@@ -46,8 +46,8 @@ def dome(
 
     Notes
     -----
-    The corners lie on the two spheres; all faces are exactly planar, since every latitude holds
-    parallel chords.
+    The corners lie on the two spheres; all faces are exactly planar, since the chords at all
+    latitudes are parallel.
     """
     low, high = _two(thickness)
     require(slices > 2 and rings > 1, f"a dome of {slices} x {rings}", "3 slices, 2 rings or more")
@@ -81,7 +81,7 @@ def _two(thickness: float | Sequence[float]) -> tuple[float, float]:
 
 
 def _shell_faces(shell: Floats) -> list[Floats]:
-    """Faces of a piece of shell (2, 2, s, 3): inside or outside, below or above, stations."""
+    """Faces of a piece of shell (2, 2, s, 3): inner and outer, lower and upper, stations."""
     faces = [shell[:, :, end].reshape(4, 3)[[0, 1, 3, 2]] for end in (0, -1)]
     for i in range(shell.shape[2] - 1):
         faces += [shell[side, :, i : i + 2].reshape(4, 3)[[0, 1, 3, 2]] for side in (0, 1)]

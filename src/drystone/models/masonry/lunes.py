@@ -1,4 +1,4 @@
-"""A slice of a dome between two meridian planes, for what all slices do alike."""
+"""A slice of a dome between two meridian planes."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def lune(
 ) -> Assembly:
     """A slice of a closed hemispherical dome between two fixed walls in its meridian planes.
 
-    With walls that take no friction it stands as the whole dome does when all its slices do alike:
-    the walls press where the neighbours would. Without hoop tension the least thickness by radius
-    is 0.0428 (Heyman 1967: 0.042, for a simpler mechanism).
+    With walls without friction it behaves like a dome whose slices all move alike: the walls press
+    in place of the neighbours. Without hoop tension the least thickness by radius is 0.0428 (Heyman
+    1967: 0.042, for a simpler mechanism).
 
     Parameters
     ----------

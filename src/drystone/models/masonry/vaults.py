@@ -57,8 +57,8 @@ def vault(
 ) -> Assembly:
     """A catenary vault in running bond whose ends lean inwards; both lowest courses are fixed.
 
-    Its middle line is a hanging chain turned over, so that its own weight presses along it: the
-    built-in demonstration, standing at a friction coefficient of 0.6.
+    Its middle line is a catenary, so that its own weight presses along it. It is the model of
+    ``drystone demo`` and stands at a friction coefficient of 0.6.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def vault(
     blocks
         Block lengths per course.
     flare
-        How much shorter each half of the vault gets per metre of height. The head joints fan out.
+        By how much each half of the vault is shorter per metre of height. The head joints fan out.
 
     Returns
     -------

@@ -108,10 +108,10 @@ def corbelled_wall(
     size: Sequence[float] = (0.4, 0.3, 0.15),
     corbel: float = 0.04,
 ) -> Assembly:
-    """A wall in running bond whose courses step out along +y, each over the one below.
+    """A wall in running bond in which each course is shifted along +y from the one below.
 
-    It falls outwards when the middle of the part above some course lies beyond its edge: for n free
-    courses when ``(n + 1) * corbel > depth``. Parameters as in :func:`wall`.
+    It overturns when the centroid of the part above a course is beyond the edge of that course: for
+    n free courses when ``(n + 1) * corbel > depth``. Parameters as in :func:`wall`.
     """
     require(abs(corbel) < float(size[1]), "a course misses the one below", "step out less")
     return wall(courses, length, size, corbel=corbel)

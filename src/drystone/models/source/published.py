@@ -38,7 +38,7 @@ def wedge(kind: Literal["a", "b", "c", "d"], longer: float = 0.0) -> Assembly:
     ----------
     kind
     longer : [m]
-        By which the groove goes beyond the wedge at both ends. The published ones end flush.
+        By how much the groove is longer than the wedge at both ends; zero in the source.
 
     Returns
     -------
@@ -62,8 +62,8 @@ def wedge(kind: Literal["a", "b", "c", "d"], longer: float = 0.0) -> Assembly:
 def h_model() -> Assembly:
     """A block between two fixed vertical walls: it falls, whatever the friction.
 
-    Forces that balance it exist for any friction above zero (the walls can squeeze), but nothing
-    presses it against the walls, so they cannot arise without prestress.
+    Forces that balance it exist for any friction above zero. But nothing presses it against the
+    walls: without prestress these forces do not arise.
 
     Returns
     -------
@@ -83,8 +83,8 @@ def h_model() -> Assembly:
 def a_model() -> Assembly:
     """A block that widens downwards between two fixed walls leaning inwards at 60 degrees.
 
-    It falls, whatever the friction, although balancing forces exist from a friction coefficient of
-    tan(30 deg) on, where a wall can push upwards.
+    It falls, whatever the friction, although forces that balance it exist for friction coefficients
+    of tan(30 deg) and more.
 
     Returns
     -------
@@ -107,7 +107,7 @@ def a_model() -> Assembly:
 
 
 def concave(length: Literal["short", "long"] = "short") -> Assembly:
-    """A plank with wings that hooks into a fixed slab: two concave blocks, seven joints.
+    """A plank with wings, hooked into a fixed slab: two concave blocks, seven joints.
 
     The plank passes under the slab and cantilevers beyond it, to x = 1 (``short``) or 2 (``long``).
     Published limits about the slab's edge for a friction of 0.84: 40 degrees (short, about +y) and

@@ -56,7 +56,7 @@ LOAD = {
     13: (-0.175202, 0.175202, 2.167770),
 }
 # fmt: on
-"""Extent along x, and top, of the boxes that load the deck in figure 7.4; they stand on it."""
+"""Extent along x, and top, of the boxes on the deck in figure 7.4."""
 
 DECK = 1.55
 """[m], height of the deck."""
@@ -65,8 +65,8 @@ DECK = 1.55
 def bridge(*, load: bool = False) -> Assembly:
     """A bridge of nine blocks between two abutments, which is built without centring.
 
-    With self-weight alone every block can be placed freely from a friction coefficient of 0.35 on,
-    and none at 0.34 (Kao 2023, section 7.2.4).
+    Under self-weight alone every block can be placed without help at a friction coefficient of
+    0.35, and none at 0.34 (Kao 2023, section 7.2.4).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The shelf of Kao 2023, section 6.3: ten slanted pieces in a frame, and three partial fixes.
+"""The shelf of Kao 2023, section 6.3: ten slanted pieces in a frame, and three changes.
 
 Sections (x, z) [m] in a vertical plane, extruded along y. Source of the figures: Kao, Iannuzzo,
 Thomaszewski, Coros, Van Mele, Block 2022, "Coupled Rigid-Block Analysis", Computer-Aided Design
@@ -65,7 +65,7 @@ SHELF_BLOCKS: list[list[Point2]] = [
         (-0.243736, 0.676163),
     ],
 ]
-"""Blocks 1 to 10, corners (x, z) [m]; given to a micrometre, and they touch to that."""
+"""Blocks 1 to 10, corners (x, z) [m], rounded to a micrometre."""
 
 FIXES: dict[int, dict[int, list[Point2]]] = {
     1: {
@@ -88,15 +88,15 @@ FIXES: dict[int, dict[int, list[Point2]]] = {
         ],
     },
 }  # fmt: skip
-"""Blocks that each fix adds or changes: a strut against block 9; a tip of block 9 that is let into
-the lid; a foot of block 9 that is let into block 5."""
+"""Blocks that each fix adds or changes: a strut against block 9; block 9 with a tip in a notch of
+the lid; block 9 with a foot in a notch of block 5."""
 
 
 def shelf(fix: Literal[1, 2, 3] | None = None) -> Assembly:
     """A shelf of ten slanted pieces in a fixed frame; at a friction of 0.9 two of them fall.
 
-    Blocks 9 and 10 are pinched between a slanted piece and the top of the frame: forces that would
-    balance them exist, but nothing presses them into being. The other eight stand without them.
+    Blocks 9 and 10 are between a slanted piece and the top of the frame. Forces that would balance
+    them exist, but only as prestress. The other eight stand without them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The snake of Kao 2023, section 7.2: three blocks that hook over each other on a fixed one.
+"""The snake of Kao 2023, section 7.2: three blocks, hooked over each other, on a fixed one.
 
 Sections (x, z) [m] in a vertical plane, to a tenth of a millimetre, extruded along y. Source of the
 figures: Kao 2023, doctoral dissertation, ETH Zurich, and the public samples of compas_cra (Block
@@ -77,9 +77,9 @@ SECTIONS = (
 
 
 def snake() -> Assembly:
-    """The snake: each block leans over the one below and hooks behind its end.
+    """The snake: each block leans over the one below and is hooked behind its end.
 
-    Its four blocks stand from a friction coefficient of 0.6 on (0.7 in the source).
+    It stands for friction coefficients of 0.6 and more (0.7 in the source).
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What blocks are in a stage, as the layers and materials of CAD programs."""
+"""Groups of blocks by their state, as layers and materials of CAD programs."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ class BlockGroup(OneLine):
 
 
 def stage_of_scene(scene: Scene, stage: int | None) -> Stage:
-    """A stage by its number; the one that a figure shows when left out."""
+    """A stage by its number; when left out, the one that a figure shows."""
     return scene.stages[scene.still if stage is None else stage]
 
 
 def block_groups(stage: Stage) -> tuple[BlockGroup, ...]:
-    """The blocks that are there, by what they are; free ones that need help are a group."""
+    """The blocks in place, by their state; free blocks that need help are a group of their own."""
     state = stage.state
     needy = np.zeros(len(state), dtype=bool)
     if stage.prop is not None:

@@ -14,9 +14,9 @@ Triangles: TypeAlias = tuple[Floats, Ints]
 """Points (p, 3) [m] and triangles (t, 3) of points, counter-clockwise from outside."""
 
 SIDES = 8
-"""Of a tube, chosen: it looks round at the width of a force line."""
+"""Sides of a tube. Chosen: it looks round at the width of a force line."""
 HEAD = 2.6
-"""Radius of the head of an arrow by that of its shaft, chosen by eye."""
+"""Radius of the head of an arrow, divided by that of its shaft. Chosen by eye."""
 
 
 def tubes(start: Floats, end: Floats, radius: Floats) -> Triangles:
@@ -55,7 +55,7 @@ def arrows(start: Floats, end: Floats, radius: float) -> Triangles:
 
 
 def arrow_ends(layer: Layer, scale: float) -> tuple[Floats, Floats]:
-    """Where the arrows of a layer begin and end, (p, 3) [m] each; ``scale`` in m/N.
+    """Starts and ends (p, 3) [m] of the arrows of a layer; ``scale`` in m/N.
 
     An arrow that acts on one block ends at its point; others are in pairs, action and reaction.
     """
@@ -86,7 +86,7 @@ def joined(*parts: Triangles) -> Triangles:
 
 
 def _ring(along: Floats) -> Floats:
-    """(SIDES, p, 3), unit vectors square to directions (p, 3), counter-clockwise about them."""
+    """(SIDES, p, 3), unit vectors normal to directions (p, 3), counter-clockwise about them."""
     length = np.linalg.norm(along, axis=1, keepdims=True)
     unit = np.divide(along, length, out=np.tile([0.0, 0.0, 1.0], (len(along), 1)), where=length > 0)
     frame = frames_from_normals(unit)

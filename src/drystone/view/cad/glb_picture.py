@@ -28,10 +28,10 @@ from drystone.view.style.presets import PRESETS, is_shown
 
 UNSIGNED = 5125
 NETWORK, ARROW, MARK = 0.05, 0.02, 0.05
-"""By the size of a block, chosen by eye: radius of the line of the largest force, of an arrow, of a
-mark."""
+"""Radii of the line of the largest force, of an arrow and of a mark, relative to the size of a
+block. Chosen by eye."""
 PLACED_S = 1.6
-"""[s] from one block of an assembly to the next, as on the page."""
+"""Time [s] from one block of an assembly to the next, as on the page."""
 
 
 def write_glb(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
@@ -46,7 +46,7 @@ def write_glb(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
 
 
 class _Glb:
-    """The parts of a file, as they are put together."""
+    """The parts of a file while it is made."""
 
     def __init__(self, scene: Scene, stage: Stage, preset: str) -> None:
         self.scene, self.stage, self.opacity = scene, stage, PRESETS[preset].opacity
@@ -137,7 +137,7 @@ class _Glb:
             self.roots.append(self.add("nodes", {"name": group.name, "children": children}))
 
     def layer(self, layer: Layer) -> None:
-        """A node with everything that a layer shows."""
+        """A node with the content of a layer."""
         colour = None
         if layer.kind is LayerKind.POLYGONS and layer.start is not None:
             points = layer.position
@@ -158,7 +158,7 @@ class _Glb:
         self.roots.append(self.add("nodes", node))
 
     def animations(self, *, whole: bool) -> None:
-        """The motion of the stage; of a plan, each block on its way in."""
+        """The motion of the stage; of a plan, the insertion of each block."""
         arriving = [one for one in self.scene.stages if one.arrives and one.motion is not None]
         if whole and arriving:
             self._assembly(arriving)
@@ -241,7 +241,7 @@ def _solids(layer: Layer, scene: Scene) -> Triangles:
         top = scene.top(layer.key)
         share = np.ones(layer.count)
         if layer.value is not None and top > 0.0:
-            share = np.clip(layer.value / top, 0.02, 1.0)  # thinner ones are not seen
+            share = np.clip(layer.value / top, 0.02, 1.0)  # thinner ones are invisible
         width = NETWORK if layer.value is not None else ARROW
         end = layer.position + layer.vector
         return tubes(layer.position, end, width * size * share * layer.width)
@@ -250,7 +250,7 @@ def _solids(layer: Layer, scene: Scene) -> Triangles:
 
 
 def _linear(colour: Floats) -> Floats:
-    """Linear components of sRGB ones, as the format wants them (IEC 61966-2-1)."""
+    """Linear components from those of sRGB, as the format requires (IEC 61966-2-1)."""
     linear: Floats = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
     return linear
 

@@ -1,4 +1,4 @@
-"""A motion as poses at moments, for programs that play it."""
+"""A motion as poses at times, for animations."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
 
 SECONDS = 2.4
-"""[s] that a motion takes, as on the page."""
+"""Duration [s] of a motion, as on the page."""
 FRAMES = 25
-"""Poses of a motion, chosen: between them programs move blocks evenly."""
+"""Number of poses of a motion. Chosen: programs interpolate linearly between them."""
 
 
 def fall_moments() -> tuple[Floats, Floats]:
-    """Moments (t,) [s], and the share (t,) of the motion at each: a free fall starts slowly."""
+    """Times (t,) [s], and the share (t,) of the motion at each, as in a free fall."""
     share = np.linspace(0.0, 1.0, FRAMES)
     return SECONDS * share, share**2
 

@@ -25,12 +25,12 @@ from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_c
 from drystone.view.style.presets import is_shown
 
 WIDEST = 2.0
-"""[mm] on paper, of the line of the largest force; chosen by eye."""
+"""Width [mm] on paper of the line of the largest force. Chosen by eye."""
 MOTION = "motion"
 
 
 def write_3dm(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
-    """Write one stage of a scene; layers that the picture does not show are there, switched off."""
+    """Write one stage of a scene; layers that the picture does not show are switched off."""
     file = empty_file("writing 3dm")
     drawn = stage_of_scene(scene, stage)
     _blocks(file, scene, drawn, path)
@@ -49,7 +49,7 @@ def write_3dm(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
 
 
 def _wanted(stage: Stage) -> list[Layer]:
-    """Layers without those that say again, in more objects, what others say."""
+    """Layers without those that repeat others with more objects."""
     keys = {layer.key for layer in stage.layers}
     doubled = {"interfaces", "pressure"} if "joint-force" in keys else set()
     return [layer for layer in stage.layers if layer.key not in doubled]
@@ -86,7 +86,7 @@ def _blocks(file: Any, scene: Scene, stage: Stage, path: Path) -> None:
 
 
 def _drawn(layer: int, key: str, name: str = "") -> Any:
-    """Attributes of something that is no block."""
+    """Attributes of an object that is not a block."""
     rhino3dm: Any = importlib.import_module("rhino3dm")
     attributes = rhino3dm.ObjectAttributes()
     attributes.LayerIndex = layer
@@ -181,7 +181,7 @@ def _lines(file: Any, layer: Layer, scene: Scene, number: int) -> None:
 
 
 def _motion(file: Any, scene: Scene, motion: Floats, number: int) -> None:
-    """Each block that moves at the end of the motion, and the way of its centroid."""
+    """Each block that moves, at the end of the motion, and the path of its centroid."""
     rhino3dm: Any = importlib.import_module("rhino3dm")
     assembly = scene.assembly
     for i in np.flatnonzero(motion.any(axis=1)).tolist():

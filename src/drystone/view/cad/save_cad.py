@@ -1,4 +1,4 @@
-"""Answers written back for CAD programs."""
+"""Answers as files for CAD programs."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def save_cad(
 ) -> None:
     """Write an answer for a CAD program, as Rhino 3dm or GLB; lengths are in metres.
 
-    Blocks have the names that they had, and a layer or a material by what they are: support, free,
-    falling, in need of help. Joints are coloured by the force at each corner. What is drawn is
-    marked, so that reading the file again finds the blocks alone.
+    Blocks keep their names. Their layer or material says what they are: support, free, falling, in
+    need of help. Joints are coloured by the force at each corner. What is drawn is marked, so that
+    reading the file again finds the blocks alone.
 
     Parameters
     ----------

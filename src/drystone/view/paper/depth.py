@@ -1,10 +1,10 @@
-"""Which block hides which: the order in which a drawing lays faces over each other.
+"""The order in which the faces of a drawing are painted, from back to front.
 
 Two blocks that touch are separated by the plane of their interface, so the one on the eye's side is
-drawn later; no comparison of centroids can tell that. Blocks that do not touch but overlap on the
-paper are ordered by a plane between them. Where no single order exists (a box in the notch of an
-L, three sticks that overlap in a ring), the blocks concerned are drawn triangle by triangle,
-each pair ordered by its depth at a point that both cover.
+drawn later. A comparison of centroids is not enough. Blocks that do not touch but overlap on the
+paper are ordered by a plane between them. Where no single order exists (a box in the notch of an L,
+three sticks that overlap in a ring), the blocks concerned are drawn triangle by triangle, each pair
+ordered by its depth at a point that both cover.
 """
 
 from __future__ import annotations

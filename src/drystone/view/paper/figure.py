@@ -1,4 +1,4 @@
-"""A static figure: PNG, SVG or PDF through matplotlib, which is imported only here, when asked."""
+"""A static figure: PNG, SVG or PDF by matplotlib, which is imported only when needed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ VERDICT_COLOUR = {
     "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c"},
 }
 AXES = (0.02, 0.11, 0.96, 0.75)
-"""Where the drawing lies in the figure: left, bottom, width, height as shares."""
+"""Place of the drawing in the figure: left, bottom, width, height as shares."""
 
 
 def save_figure(
@@ -59,7 +59,7 @@ def save_figure(
         Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
         out, nothing is written.
     contacts
-        Of an assembly; a result has its own. They also tell which block hides which.
+        Of an assembly; a result has its own. They also determine which block hides which.
     toward : (3,)
         From the model to the eye; any length.
     size : (2,) [inches]
@@ -188,7 +188,7 @@ def _chosen(stage: Stage, layers: Collection[str] | None, preset: str) -> list[L
 
 
 def _draw_scale_bar(sheet: Sheet) -> None:
-    """A bar of a round length, about a sixth of the drawing wide."""
+    """A scale bar of a round length, about a sixth of the width of the drawing."""
     axes = sheet.axes
     low, high = axes.dataLim.min, axes.dataLim.max
     span = max((high[0] - low[0]) * 1.06, (high[1] - low[1]) * 1.06 * sheet.width / sheet.height)
@@ -208,10 +208,10 @@ def _draw_scale_bar(sheet: Sheet) -> None:
 
 
 def _draw_gravity(sheet: Sheet) -> None:
-    """An arrow where the masses are pulled, in the lower right corner."""
+    """An arrow along gravity, in the lower right corner."""
     pull = sheet.paper @ sheet.stage.gravity
     if np.linalg.norm(pull) < 0.2:
-        return  # it points along the sight
+        return  # it points along the line of sight
     inch = 0.3 * pull
     tip = (0.97, 0.08)
     tail = (tip[0] - inch[0] / sheet.width, tip[1] - inch[1] / sheet.height)
@@ -296,7 +296,7 @@ def _write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
 
 
 def _draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
-    """What the colours of interfaces stand for, in the upper right corner."""
+    """The legend of the colours of interfaces, in the upper right corner."""
     filled = [
         layer for layer in layers if layer.kind is LayerKind.POLYGONS and layer.value is not None
     ]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from drystone.sequence import GravityRegion
 
 INCH = 4.2
-"""Width of a disc, chosen; dots are sized so that those of all directions just touch."""
+"""Width of a disc [inches]. Chosen; the dots of all directions just touch."""
 
 
 def save_gravity(
@@ -48,8 +48,8 @@ def save_gravity(
 def draw(region: GravityRegion, title: str) -> Figure:
     """The plot as a matplotlib figure.
 
-    Directions that point down lie in the left disc, straight down in its middle, and those that
-    point up in the right one; areas on the sphere are areas in the discs (Lambert).
+    The left disc has the directions that point down, straight down at its centre; the right disc
+    those that point up. The projection keeps areas (Lambert).
     """
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
@@ -78,7 +78,7 @@ def draw(region: GravityRegion, title: str) -> Figure:
 
 
 def _kinds(region: GravityRegion) -> list[tuple[str, Bools, str, bool]]:
-    """Kinds of directions, each direction in one: label, which, colour, whether it is filled."""
+    """Kinds of directions: label, mask, colour, whether it is filled."""
     colour = ROLE_COLOUR["light"]
     smooth, rough = region.frictionless, region.balanced
     kinds = [("holds without friction", smooth, colour["pressure"], True)]
@@ -94,7 +94,7 @@ def _kinds(region: GravityRegion) -> list[tuple[str, Bools, str, bool]]:
 
 
 def _lambert(direction: Floats, sign: float) -> Floats:
-    """Places (g, 2) in a disc of radius 1 of unit directions of one half of the sphere."""
+    """Positions (g, 2) in a unit disc of directions of one half of the sphere."""
     away = 1.0 - sign * direction[:, 2]
     across = np.linalg.norm(direction[:, :2], axis=1)
     radius = np.sqrt(np.maximum(away, 0.0))

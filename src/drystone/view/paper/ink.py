@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 FINE_BLOCK = 0.5
 """[inches], drawn blocks smaller than this get thinner lines and arrows; chosen by eye."""
 MANY_FALLING = 200
-"""Of more falling blocks the motion is not drawn: it would hide the model; chosen by eye."""
+"""With more falling blocks the motion is not drawn: it would hide the model. Chosen by eye."""
 WIDEST = 5.0
 """[points], line of the largest force in a network."""
 SHADES = 12
-"""Colours from nothing to the largest force: a triangle is divided until each part has one."""
+"""Number of colours of forces: a triangle is divided until each part has one colour."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """Where one stage is drawn.
+    """The drawing of one stage.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Sheet:
 
 
 def draw_shadow(sheet: Sheet) -> None:
-    """A soft shadow on the ground: what the blocks cover, in rings that fade outwards."""
+    """A shadow on the ground, in rings that fade outwards."""
     from matplotlib.collections import PathCollection
     from matplotlib.path import Path as Line
 
@@ -192,7 +192,7 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
             codes = np.tile([Line.MOVETO, Line.LINETO], len(sides) // 2)
             paths.append(Line(sides, codes))
             look.append(("none", edge[i], wide[i], ""))
-    # one collection for all, or the order would be lost; hatched ones follow in their own
+    # one collection keeps the order; hatched ones are in another
     fill, line, width, hatches = zip(*look, strict=True)
     sheet.axes.add_collection(
         PathCollection(
@@ -268,7 +268,7 @@ def _divided(steps: int) -> Floats:
 
 
 def draw_motion(sheet: Sheet) -> None:
-    """Outlines of falling blocks where the motion takes them, and an arrow for each."""
+    """Outlines of falling blocks at the end of the motion, and an arrow for each."""
     from matplotlib.collections import LineCollection
 
     stage = sheet.stage
@@ -333,7 +333,7 @@ def draw_layer(sheet: Sheet, layer: Layer, stretch: float) -> None:
 
 
 def _arrows(sheet: Sheet, at: Floats, vector: Floats, colour: str, width: float) -> None:
-    """Arrows on the paper; what is small against the largest fades."""
+    """Arrows on the paper; small ones are paler."""
     length = np.linalg.norm(vector, axis=1)
     long: Bools = length > 1e-3 * length.max(initial=0.0)
     if not long.any():

@@ -1,4 +1,4 @@
-"""A plan as numbered instructions on paper."""
+"""A plan as numbered instructions for printing."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drystone.view.scenes.plan_scenes import block_numbers, counts_text, summary
 from drystone.view.scenes.scene import Scene
 
 ALIKE = 0.9
-"""Cosine of the angle up to which faces are one side of a block to a reader."""
+"""Cosine of the angle up to which faces count as one side of a block."""
 
 INSTRUCTIONS_STYLE = """
 :root { color-scheme: light; }
@@ -100,9 +100,9 @@ def _row(plan: Plan, step: Step) -> str:
 
 
 def shown_middle(block: Block, toward: Floats) -> Floats:
-    """Middle (3,) of the side of a block that an eye in some direction sees most of.
+    """Middle (3,) of the side of a block that is largest seen from a direction.
 
-    A side is the face with the largest picture and those that turn as it does, within ALIKE.
+    A side is the face with the largest projection and those parallel to it, within ALIKE.
     """
     triangles = np.array(
         [
@@ -121,7 +121,7 @@ def shown_middle(block: Block, toward: Floats) -> Floats:
 
 def _numbered_drawing(plan: Plan) -> str:
     """Inline SVG of the complete structure with a number at every planned block."""
-    # what the summary says stands above the drawing
+    # the summary is above the drawing
     bare = replace(summary_stage(plan), headline="", message="")
     scene = Scene(plan.model.assembly, plan.model.contacts, (bare,), "plan")
     figure = draw(scene, (9.0, 6.5), layers=())

@@ -1,4 +1,4 @@
-"""A drawing of matplotlib as a whole file, PNG, SVG or PDF."""
+"""Figures of matplotlib as files: PNG, SVG or PDF."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = ("png", "svg", "pdf")
 DPI = 150.0
-"""Pixels per inch of a PNG, unless another number is asked for."""
+"""Default of the pixels per inch of a PNG."""
 
 
 def save_plot(
@@ -26,9 +26,9 @@ def save_plot(
     dpi: float = DPI,
     what: str = "plot",
 ) -> Figure:
-    """What ``draw`` makes, written once the suffix of the path is known to be PNG, SVG or PDF.
+    """The figure that ``draw`` makes, written if there is a path.
 
-    Written to a temporary name beside the path and renamed; without a path nothing is written.
+    The suffix is checked first. The file is written to a temporary name and renamed.
 
     Raises
     ------

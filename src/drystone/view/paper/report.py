@@ -1,4 +1,4 @@
-"""One printed page about the joints that work hardest: a table, and a plan of each."""
+"""A page for printing about the most loaded joints: a table, and a plan of each."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drystone.virtual import local_corners
 SIDE = 150
 """[px] of a plan."""
 MARGIN = 12
-"""[px] around the joint in its plan."""
+"""Margin [px] around the joint in its plan."""
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1d1b18; --soft: #6b665c; --line: #d5d0c4;
@@ -55,7 +55,7 @@ def save_report(
     strength: float | None = None,
     worst: int = 12,
 ) -> None:
-    """Write a self-contained HTML page about the joints nearest to sliding or to hinging.
+    """Write a self-contained HTML page about the joints nearest to sliding or to a hinge.
 
     Parameters
     ----------

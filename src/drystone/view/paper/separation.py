@@ -1,4 +1,4 @@
-"""Planes between blocks: by their boxes, by their faces."""
+"""Planes that separate blocks: by their boxes, by their faces."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NEARLY_CONVEX = 0.05
 """Share of its size by which a block may stick out of the planes of its own faces and be drawn as
 if convex (warped faces); chosen."""
 CHUNK = 2_000_000
-"""Corners looked at in one go, to bound memory."""
+"""Corners in one batch, to bound memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class Bodies:
     ----------
     point : (v, 3) [m], block after block, start : (n + 1,)
     normal : (f, 3), block after block, face_start : (n + 1,)
-    support : (f,) [m], how far the block reaches along each of its normals
+    support : (f,) [m], largest extent of the block along each of its normals
     bounds : (n, 2, 3) [m]
     size : (n,) [m]
     convex : (n,), or nearly so
@@ -55,7 +55,7 @@ class Bodies:
         count = np.array([len(block.vertices) for block in assembly.blocks])
         start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
         face_start = np.searchsorted(faces.owner, np.arange(len(assembly) + 1)).astype(np.intp)
-        point = faces.point - assembly.centroid[0]  # small numbers far from the origin
+        point = faces.point - assembly.centroid[0]  # small coordinates even far from the origin
         bounds = assembly.bounds - assembly.centroid[0]
         _, support = _spans(point, start, faces.owner, normal)
         middle = faces.corners.mean(point[faces.loop])
@@ -85,7 +85,7 @@ def _spans(point: Floats, start: Ints, block: Ints, direction: Floats) -> tuple[
 def separated_by_boxes(
     bodies: Bodies, first: Ints, second: Ints, toward: Floats
 ) -> tuple[Bools, Floats]:
-    """Whether the bounding boxes of pairs are apart, and who is in front.
+    """Whether the bounding boxes of pairs are apart, and which is in front.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def separated_by_boxes(
 def separated_by_faces(
     bodies: Bodies, first: Ints, second: Ints, toward: Floats
 ) -> tuple[Bools, Floats]:
-    """As :func:`separated_by_boxes`, by the face of either block that lies best between them."""
+    """As :func:`separated_by_boxes`, by the face of either block that separates them best."""
     gap = np.full(len(first), -np.inf)
     sign = np.zeros(len(first))
     for own, other, side in ((first, second, 1.0), (second, first, -1.0)):

@@ -1,1 +1,1 @@
-"""Values to scenes: what a picture shows, before anything is drawn."""
+"""Scenes of values: the content of a picture before it is drawn."""

@@ -1,4 +1,4 @@
-"""Where blocks go when a picture takes a model apart: each along a direction that is free."""
+"""Exploded views: each block is moved along a free direction."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from drystone.sequence.motion.directions import freedom
 from drystone.sequence.motion.twists import TOLERANCE
 
 MOST_CONES = 400
-"""Blocks whose free directions are searched, chosen: it takes a third of a second."""
+"""Largest number of blocks whose free directions are searched. Chosen: it takes a third of a
+second."""
 LOOKED_AT = 20
-"""Blocks of which the freest is taken out, where none can leave straight away; chosen."""
+"""Number of blocks of which the freest is removed if none can be removed straight. Chosen."""
 
 
 def exploded(assembly: Assembly, contacts: Contacts, foot: Floats) -> Floats:
@@ -21,7 +22,7 @@ def exploded(assembly: Assembly, contacts: Contacts, foot: Floats) -> Floats:
 
     Blocks are taken out one after the other. Each leaves in the free direction that is nearest to
     the one away from the ``foot`` (3,), as far as it is from there. Supports stay. Blocks that no
-    translation frees, and those beyond a number that takes long, go straight away from the foot.
+    translation frees, and all blocks of large models, move straight away from the foot.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What was asked and what was answered, in words for the head of a picture."""
+"""The question and the answer as text, for the head of a picture."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NAMED = 4
 
 
 def sentence(result: Result) -> str:
-    """The verdict as a person would say it."""
+    """The verdict as a plain sentence."""
     total = len(result.assembly)
     if result.verdict is Verdict.UNSTABLE:
         falling = len(result.falling)
@@ -45,7 +45,7 @@ def facts_of(
     load: LoadCase | None = None,
     source: str = "",
 ) -> Mapping[str, str]:
-    """What was asked, by name; empty entries are left out."""
+    """Facts about the input by name; empty entries are left out."""
     density = np.array([block.density for block in assembly.blocks])
     free = ~assembly.fixed
     facts = {
@@ -99,9 +99,9 @@ def asked_line(facts: Mapping[str, str], made: str = "") -> str:
 
 
 def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
-    """Where up is in the picture and where the masses are pulled, both (3,) unit.
+    """The directions of up in the picture and of gravity, both (3,) unit.
 
-    Where all free masses are pulled alike and as strongly as standard gravity does, gravity is
+    If all free masses have the same acceleration of the size of standard gravity, gravity is
     turned: the picture is tilted until it points down. Otherwise up is along z.
     """
     free = ~assembly.fixed

@@ -109,13 +109,13 @@ def save_inspection(
 
 
 def _report_panel(report: ContactReport) -> str:
-    """HTML with the whole report: the line above the picture is cut where it is long."""
+    """HTML with the whole report; the line above the picture may be shortened."""
     lines = "".join(f"<p>{html.escape(line)}</p>" for line in report.summary())
     return f"    <fieldset><legend>Contact search</legend>{lines}</fieldset>"
 
 
 def missed_layers(report: ContactReport) -> tuple[Layer, ...]:
-    """What pairs of blocks nearly share, where they touch nowhere else."""
+    """Near misses of pairs of blocks that do not touch elsewhere."""
     missed = [miss.polygon for miss in report.missed if not miss.joined]
     areas = [polygon for polygon in missed if len(polygon) > 2]
     points = np.array([polygon for polygon in missed if len(polygon) == 2]).reshape(-1, 2, 3)

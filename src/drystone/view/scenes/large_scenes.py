@@ -18,9 +18,9 @@ from drystone.view.style.palette import State
 
 WIDTH, HEIGHT = 280.0, 170.0
 LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
-"""[px] of the drawing, and its margins for ticks."""
+"""Size [px] of the drawing, and of its margins."""
 SECONDS = 6.0
-"""In which the page plays the states, chosen."""
+"""Time in which the page plays the states. Chosen."""
 NO_VERDICT = "a simulated fall: no verdict"
 NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
 
@@ -115,7 +115,7 @@ def _up(load: Floats, low: float, high: float) -> Floats:
 
 
 def film_scene(film: Film, source: str = "") -> Scene:
-    """A scene that plays a film in the time that it took."""
+    """A scene that plays a film in real time."""
     assembly, model = film.assembly, film.model
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     state[film.fell] = State.FALLING

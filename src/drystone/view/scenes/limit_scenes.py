@@ -17,7 +17,7 @@ from drystone.view.scenes.staging import stage_of
 
 WIDTH, HEIGHT = 280.0, 130.0
 LEFT, RIGHT, TOP, BOTTOM = 12.0, 12.0, 26.0, 30.0
-"""[px] of the drawing, and its margins."""
+"""Size [px] of the drawing, and of its margins."""
 
 NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
 
@@ -25,7 +25,7 @@ NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)
 def limit_scene(limit: Limit, source: str = "") -> Scene:
     """A scene that compares the last state that stands with the first one that falls.
 
-    Where the two are not of the same blocks (a limit of thickness), it shows the falling one.
+    If their blocks differ (a limit of thickness), it shows the falling one.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def _stage(limit: Limit, state: Result, value: float, falls: bool, alone: bool) 
 
 
 def _verb(limit: Limit) -> str:
-    """How far it stands: up to a value, or down to it."""
+    """The value up to which, or down to which, it stands."""
     return "Stands up to" if limit.end >= limit.start else "Stands down to"
 
 
@@ -144,7 +144,7 @@ def _short(limit: Limit, value: float) -> str:
 
 
 def _about(state: Result) -> str:
-    """The axis about which the model is turned, from where gravity points."""
+    """The axis of the rotation of the model, from the direction of gravity."""
     total = state.load.wrench[~state.assembly.fixed, :3].sum(axis=0)
     axis = np.cross(-total, UP)
     size = float(np.linalg.norm(axis))
@@ -159,7 +159,7 @@ def _about(state: Result) -> str:
 
 
 def _means(limit: Limit, state: Result) -> str:
-    """What is behind the number."""
+    """How the limit was found."""
     parts = [state.message] if state.message else []
     for name, bracket in (
         ("some forces balance the loads", limit.equilibrium),
@@ -244,7 +244,7 @@ def _across(value: Floats, low: float, high: float) -> Floats:
 
 
 def _within(x: float) -> float:
-    """A place at which a text of some letters is not cut off."""
+    """A position at which a text is not cut off."""
     return min(max(float(x), 24.0), WIDTH - 24.0)
 
 

@@ -18,7 +18,7 @@ from drystone.view.scenes.staging import force_layers, help_layer, interface_lay
 from drystone.view.style.palette import State
 
 MOST_ARROWS = 200_000
-"""Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
+"""Largest number of arrows in all stages; with more, stages have no forces. Chosen: the page
 stays below 20 MB."""
 
 INSERTED = 1.0
@@ -36,7 +36,7 @@ STATE_OF = {
 def plan_scene(plan: Plan, source: str = "") -> Scene:
     """A scene with a stage for every block that is placed; the last shows the status of all.
 
-    The block that is placed comes in along its path. Orange blocks are held by a hand, vermilion
+    The block that is placed moves along its path. Orange blocks are held by a hand, vermilion
     ones are propped at that stage, hatched ones will be propped later.
     """
     model = plan.model
@@ -148,7 +148,7 @@ def _stage(
 
 
 def _sentence(answer: Answer, state: Ints) -> str:
-    """What holds the blocks at a stage."""
+    """The props and hands of a stage."""
     if not answer.stands:
         return "Not known to stand" if answer.verdict is Verdict.UNDECIDED else "Falls"
     propped, held = int((state == State.PROPPED).sum()), int((state == State.HELD).sum())
@@ -180,7 +180,7 @@ def summary_stage(plan: Plan) -> Stage:
 
 
 def counts_text(plan: Plan) -> str:
-    """How many steps there are, and how many blocks of each status."""
+    """The number of steps, and of blocks of each status."""
     counts = plan.counts
     kinds = ("free", "held", "propped", "impossible")
     said = ", ".join(f"{counts[k]} {k}" for k in kinds if counts[k] or k != "impossible")

@@ -1,4 +1,4 @@
-"""What a picture shows, before anything is drawn: one model, one or more stages, layers on top."""
+"""The content of a picture before it is drawn: a model, its stages, their layers."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from drystone.results import Verdict
 from drystone.view.style.palette import ROLE_COLOUR
 
 UP = frozen(np.array([0.0, 0.0, 1.0]))
-"""Up in a picture, unless gravity is turned."""
+"""The vertical axis of a picture, unless gravity is turned."""
 
 COMMON = 0.97
-"""Share of the values that colours tell apart where few are far above all others; chosen by eye."""
+"""Share of the values that the colours resolve if a few are far above all others. Chosen by eye."""
 
 THIN = 0.25
 """A model whose plan is narrower than this share of its length is shown almost from the front."""
@@ -36,7 +36,7 @@ def now() -> str:
 
 
 def round_up(value: float) -> float:
-    """The next number with two digits."""
+    """The next larger number with two digits."""
     step = 10.0 ** (np.floor(np.log10(value)) - 1.0)
     return float(np.ceil(value / step - 1e-9) * step)
 
@@ -63,7 +63,7 @@ class Shape(enum.Enum):
 
 @dataclass(frozen=True, eq=False)
 class Layer(OneLine):
-    """Something drawn over the blocks that can be switched on and off.
+    """A part of the drawing that can be switched on and off.
 
     Attributes
     ----------
@@ -161,9 +161,9 @@ class Stage(OneLine):
     label
         Names the stage on its slider.
     headline
-        The answer in a sentence that a person understands.
+        The answer in one plain sentence.
     message
-        What stands behind it.
+        How it was found.
     verdict
         None where nothing was computed.
     state : (n,) values of :class:`State`
@@ -172,9 +172,9 @@ class Stage(OneLine):
         Positions along the motion, which are played one after the other; the last one is
         ``motion``. Left out, the motion is played in proportion.
     seconds
-        In which the motion is played, at least one.
+        Duration of the motion on the page, at least one.
     motion_name
-        What the motion is, for its slider.
+        Name of the motion, for its slider.
     plays
         Whether the page plays the motion once by itself.
     arrives
@@ -215,7 +215,7 @@ class Stage(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class Scene(OneLine):
-    """A model and what is to be shown of it.
+    """A model with its stages, facts and panels.
 
     Attributes
     ----------
@@ -225,17 +225,17 @@ class Scene(OneLine):
         One or more; several are played one after the other.
     title
     facts
-        What was asked, by name: file, blocks, mass, friction, density, load, supports.
+        Facts about the input by name: file, blocks, mass, friction, density, load, supports.
     number : (n,)
         A number to write on each block, 0 for none: the order of assembly.
     panels
-        HTML for the panel beside the model, put there as it is.
+        HTML for the panel beside the model.
     made
-        When and with what it was made.
+        Date, and version of drystone.
     still
         The stage that a figure shows.
     preset
-        The picture that is shown at first: a key of
+        The preset that is shown first: a key of
         :data:`drystone.view.style.presets.PRESETS`; left empty, one that suits the first stage.
     """
 

@@ -1,4 +1,4 @@
-"""Settlements: what moving supports cause, and blocks that are followed to rest or into a fall."""
+"""Settlements as scenes: effects of moving supports, and blocks followed to rest or into a fall."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drystone.view.scenes.staging import PLAYED, interface_layers, stage_of
 from drystone.view.style.palette import State
 
 MOST_STATES, MOST_POSITIONS = 60, 100_000
-"""Of a path that is played, chosen: smooth to the eye, and 3 MB of a page."""
+"""Frames of a path. Chosen: it looks smooth, and adds 3 MB to a page."""
 
 
 def settlement_scene(settlement: SupportResponse, source: str = "") -> Scene:
@@ -82,7 +82,7 @@ def moved_assembly(assembly: Assembly, motion: Floats) -> Assembly:
 
 
 def followed_scene(settlement: Settlement, source: str = "") -> Scene:
-    """A scene that plays where the blocks go; a stage for each way to carry the ends of joints.
+    """A scene that plays the motion of the blocks; a stage for each carrier of the ends of joints.
 
     Examples
     --------
@@ -150,7 +150,7 @@ def _headline(settlement: SupportResponse) -> str:
 
 
 def _enlarged(assembly: Assembly, motion: Floats) -> tuple[Floats, float]:
-    """The motion (n, 6) as pictures show it, and by how much it is enlarged."""
+    """The motion (n, 6) in pictures, and the factor by which it is enlarged."""
     factor = PLAYED * float(np.median(assembly.size)) / float(block_speed(assembly, motion).max())
     return motion * factor, factor
 

@@ -1,4 +1,4 @@
-"""Results and assemblies as scenes: which block is what, where which force goes."""
+"""Results and assemblies as scenes: states of blocks, forces, marks."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 from drystone.view.style.palette import State
 
 NEGLIGIBLE = 1e-3
-"""A prop force below this share of the largest load is the softness of the numerical ground, and is
-not shown."""
+"""A prop force below this share of the largest load comes from the ground springs. It is not
+shown."""
 
 PLAYED = 0.3
 """Largest motion of a block in pictures, by the median size of the blocks; chosen by eye."""
@@ -43,7 +43,7 @@ def result_scene(result: Result, source: str = "") -> Scene:
 def bare_scene(
     assembly: Assembly, contacts: Contacts | None, model: Model | None = None, source: str = ""
 ) -> Scene:
-    """Blocks and their interfaces, before anything was computed."""
+    """Blocks and their interfaces, without an analysis."""
     found = contacts if contacts is not None else Contacts.empty()
     load, notes = (None, ()) if model is None else (model.load, model.notes)
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
@@ -89,14 +89,14 @@ def stage_of(result: Result, label: str = "result") -> Stage:
 
 
 def seen(assembly: Assembly, motion: Floats) -> Floats:
-    """A motion (n, 6) of which only the shape has a meaning, as large as can be seen."""
+    """A motion (n, 6) whose size has no meaning, scaled to be visible."""
     largest = float(block_speed(assembly, motion).max(initial=0.0))
     size = float(np.median(assembly.size))
     return motion * (PLAYED * size / largest) if largest > 0.0 else motion
 
 
 def _needed(result: Result) -> Floats | None:
-    """The prop wrenches (n, 6) worth showing, zero for the other blocks."""
+    """The prop wrenches (n, 6) that are shown, zero for the other blocks."""
     if result.prop is None:
         return None
     force = np.linalg.norm(result.prop[:, :3], axis=1)
@@ -136,7 +136,7 @@ def _areas(contacts: Contacts, shown: Bools | None) -> tuple[Contacts | None, In
 def help_layer(
     assembly: Assembly, wrench: Floats | None, label: str = "help needed"
 ) -> tuple[Layer, ...]:
-    """What props (n, 6) or hands would have to supply, as an arrow that ends at each block."""
+    """The forces of props (n, 6) or hands, as an arrow that ends at each block."""
     if wrench is None:
         return ()
     needy = np.flatnonzero(np.linalg.norm(wrench[:, :3], axis=1) > 0.0)
@@ -151,7 +151,7 @@ def help_layer(
 
 
 def fall_layers(model: Model, motion: Floats) -> tuple[Layer, ...]:
-    """Where a first motion turns about an edge and where it slides."""
+    """The hinges and the sliding joints of a first motion."""
     hinge, slide, place = moving_joints(model, motion)
     return _marks(place, hinge, "turns about an edge", slide, "slides")
 
@@ -174,7 +174,7 @@ def _marks(place: Floats, hinge: Bools, turns: str, slide: Bools, slides: str) -
 
 
 def force_layers(result: Result, shown: Bools | None = None) -> tuple[Layer, ...]:
-    """The forces inside the blocks of a result that has some, strongest first to be seen.
+    """The forces inside the blocks of a result.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Everything that has a picture, as a scene."""
+"""The scene of every value that has a picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How many pairs of blocks touch against the gap tolerance: a curve for the panel of a page."""
+"""Number of pairs of blocks in contact by the gap tolerance: a curve for the panel of a page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drystone.detection import GapSweep
 
 WIDTH, HEIGHT = 280.0, 150.0
 LEFT, RIGHT, TOP, BOTTOM = 44.0, 8.0, 10.0, 30.0
-"""[px] of the drawing, and its margins for ticks."""
+"""Size [px] of the drawing, and of its margins."""
 
 
 def sweep_panel(sweep: GapSweep, used: float) -> str:

@@ -1,1 +1,1 @@
-"""How pictures look: colours, presets, edges that are drawn."""
+"""The style of pictures: colours, presets, edges that are drawn."""

@@ -1,4 +1,4 @@
-"""Surfaces as they are drawn: edges of faces that bend, triangles, outward directions."""
+"""Surfaces for drawing: edges between faces that are not coplanar, triangles, outward normals."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors, following
 
 SMOOTH = 1e-6
-"""Faces of one block whose unit normals differ by less are one plane to the eye: the edge between
-them is not drawn (1 - cos 0.08 degrees, chosen: cuts of a flat face, not facets of a curve)."""
+"""Faces of one block whose unit normals differ by less are drawn as one plane, without the edge
+between them (1 - cos 0.08 degrees, chosen: cuts of a flat face, not facets of a curve)."""
 
 
 def face_normals(faces: Faces) -> Floats:
@@ -22,7 +22,7 @@ def face_normals(faces: Faces) -> Floats:
 
 
 def sharp_edges(faces: Faces, normal: Floats) -> tuple[Ints, Ints, Bools]:
-    """Edges between faces, without those inside a plane that a file cut into several faces.
+    """Edges between faces, without those between coplanar faces.
 
     Parameters
     ----------

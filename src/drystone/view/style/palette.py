@@ -15,7 +15,7 @@ from drystone.base.arrays import Floats
 
 
 class State(enum.IntEnum):
-    """What a block is in a stage; its colour."""
+    """State of a block in a stage; it has a colour."""
 
     ABSENT = 0
     """Not placed yet: not drawn."""
@@ -119,7 +119,7 @@ def ramp(lightness: tuple[float, float], hue_deg: float, chroma: float, steps: i
 
 
 FORCE_RAMP = {"light": ramp((1.0, 0.29), 255.0, 0.17), "dark": ramp((0.36, 0.97), 240.0, 0.12)}
-"""Colours of forces from nothing to the largest: white to dark blue on paper, dark grey to almost
+"""Colours of forces from zero to the largest: white to dark blue on paper, dark grey to almost
 white on a dark page."""
 
 

@@ -1,4 +1,4 @@
-"""Which layers are shown together: pictures with a name, the same on the page and on paper."""
+"""Presets: layers that are shown together under one name, on the page and on paper."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Preset(OneLine):
     numbers
         Whether blocks carry their numbers.
     ghost
-        Whether outlines show where the motion begins or leads.
+        Whether outlines show the start or the end of the motion.
     """
 
     label: str
@@ -51,11 +51,11 @@ PRESETS: Mapping[str, Preset] = MappingProxyType(
 KNOWN = frozenset(
     {"joint-pressure", "pressure", "resultants"}.union(*(one.layers for one in PRESETS.values()))
 )
-"""Layers that presets decide upon."""
+"""Layers that presets switch."""
 
 
 def first_preset(scene: Scene) -> str:
-    """The picture that suits a scene: forces where there are some."""
+    """The first preset of a scene: forces, if it has some."""
     if scene.preset:
         return scene.preset
     keys = {layer.key for layer in scene.stages[0].layers}
@@ -67,7 +67,7 @@ def first_preset(scene: Scene) -> str:
 
 
 def is_shown(layer: Layer, preset: str) -> bool:
-    """Whether a picture shows a layer; one that no preset names decides by itself."""
+    """Whether a preset shows a layer; a layer in no preset has its own default."""
     return layer.key in PRESETS[preset].layers or (layer.key not in KNOWN and layer.visible)
 
 

@@ -64,11 +64,11 @@ FORMAT = "drystone-page"
 VERSION = 2
 
 MANY_INTERFACES = 20_000
-"""Of more interfaces the kerns are left out: they take seconds, and few are ever looked at."""
+"""With more interfaces the kerns are left out: they take seconds."""
 
 
 class Blobs:
-    """Arrays on their way into the page, equal ones once."""
+    """Arrays for the page; equal arrays are stored once."""
 
     def __init__(self) -> None:
         self.texts: list[str] = []
@@ -79,7 +79,7 @@ class Blobs:
         return self._add(np.asarray(values, dtype="<f4"), "f4")
 
     def counts(self, values: Any) -> dict[str, Any]:
-        """Whole numbers from zero, in as few bytes as hold them."""
+        """Whole numbers from zero, in the smallest type that holds them."""
         array = np.asarray(values)
         largest = int(array.max(initial=0))
         size = 1 if largest < 2**8 else 2 if largest < 2**16 else 4
@@ -94,7 +94,7 @@ class Blobs:
 
 
 MANY_BLOCKS = 20_000
-"""Of more blocks a page leaves out what is looked at joint by joint, chosen: with all of it a page
+"""With more blocks a page leaves out the details of joints. Chosen: with all of it a page
 of 100,000 blocks is 170 MB."""
 
 LEFT_OUT = frozenset({"joint-pressure", "joint-use", "pressure", "resultants"})
@@ -102,7 +102,7 @@ LEFT_OUT = frozenset({"joint-pressure", "joint-use", "pressure", "resultants"})
 
 
 def lightened(scene: Scene) -> Scene:
-    """The scene of a page; of very many blocks without details, which its details tell."""
+    """The scene of a page; with very many blocks without details, and with a note."""
     count = len(scene.assembly)
     if count <= MANY_BLOCKS:
         return scene
@@ -176,7 +176,7 @@ def encode_stage(scene: Scene) -> dict[str, Any]:
 
 
 def to_text(data: dict[str, Any]) -> str:
-    """JSON that is harmless inside a ``<script>`` element, whatever the names are."""
+    """JSON that is safe inside a ``<script>`` element, for any names."""
     text = json.dumps(data, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 

@@ -1,4 +1,4 @@
-"""Pictures inside a notebook: the page of a value in a frame, small enough to be saved with it."""
+"""Pictures in a notebook: the page of a value in a frame."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.web.page import page_text, save_page
 
 SIZE, DPI = (6.4, 4.4), 64
-"""Of a still picture [inches], [pixels per inch]: 20 to 60 kB, half of the page at most."""
+"""Size of a still picture [inches] and pixels per inch: 20 to 60 kB."""
 
 MOST_BLOCKS = 3000
-"""Blocks of a model that is drawn unasked, chosen: it takes less than a second."""
+"""Largest number of blocks of a model that is drawn by default. Chosen: it takes less than a
+second."""
 
 MOST_BYTES = 200_000
-"""Of a page that stands beside a value unasked, chosen: a notebook with 20 of them is 4 MB at most.
-A larger one is replaced by a still picture."""
+"""Largest page that is shown by default [bytes]. Chosen: a notebook with 20 of them is 4 MB at
+most. A larger one is replaced by a still picture."""
 
 UNPACKING = """<!doctype html><meta charset="utf-8"><body><script>
 const packed = Uint8Array.from(atob("PACKED"), (letter) => letter.charCodeAt(0));
@@ -36,14 +37,14 @@ new Response(stream).text().then((page) => {
   document.close();
 });
 </script>"""
-"""A page that unpacks another one and becomes it; browsers can do that since 2023."""
+"""A page that unpacks another page and replaces itself. Browsers support that since 2023."""
 
 ALLOWED = "allow-scripts allow-downloads"
-"""What the page may do in its frame: not reach into the notebook."""
+"""Permissions of the page in its frame: it has no access to the notebook."""
 
 
 class Frame(OneLine):
-    """The page of a value, which a notebook shows in a frame: it turns and answers clicks.
+    """The page of a value in the frame of a notebook; it can be turned and clicked.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def show(value: Subject, height: int = 480) -> None:
 
 
 def in_notebook() -> bool:
-    """Whether a notebook shows what a cell ends with."""
+    """Whether this runs in a notebook."""
     if find_spec("IPython") is None:
         return False
     shell = import_module("IPython").get_ipython()
@@ -121,7 +122,7 @@ def in_notebook() -> bool:
 
 
 def beside(value: object) -> str:
-    """The picture beside a value: its page where that is small, else a still picture."""
+    """The picture of a value: its page if that is small, else a still picture."""
     try:
         scene = scene_of(value)  # type: ignore[arg-type]
     except InputError:
@@ -135,7 +136,7 @@ def beside(value: object) -> str:
 
 
 def thumbnail(value: object) -> str:
-    """A small still picture as an HTML image; nothing where there is none to be drawn."""
+    """A small still picture as an HTML image; empty if the value has none."""
     try:
         scene = scene_of(value)  # type: ignore[arg-type]
     except InputError:

@@ -1,4 +1,4 @@
-"""One self-contained HTML page: opens from disk, asks nothing of the network."""
+"""A self-contained HTML page: it opens from disk and needs no network."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SCRIPTS = (
     "drawing.js", "playing.js", "choosing.js", "pointing.js", "views.js", "framed.js",
     "taking-out.js", "main.js",
 )  # fmt: skip
-"""In the order in which they are put into the page; one scope, so that later ones use earlier."""
+"""Scripts in their order in the page. They share one scope: later ones use earlier ones."""
 
 
 def save_page(
@@ -30,7 +30,7 @@ def save_page(
     *,
     source: str = "",
 ) -> None:
-    """Write a page on which the model can be turned, taken apart into layers and asked.
+    """Write a page on which the model can be turned and taken apart, and its blocks clicked.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def save_page(
 
 @dataclass(frozen=True)
 class Addition:
-    """What a page has beside what every page has.
+    """Additions to the common parts of every page.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Addition:
     style, script
         After those of every page, in the same scope.
     connects
-        Whether the page may ask the server that it came from, and nobody else.
+        Whether the page may connect to its own server; no other connection is allowed.
     """
 
     controls: str = ""
@@ -97,7 +97,7 @@ def page_of_data(data: str, title: str, aside: str = "", added: Addition | None 
     aside
         HTML for the panel beside the model.
     added
-        What only this kind of page has.
+        Additions of this kind of page.
     """
     static = resources.files("drystone.view.web").joinpath("static")
     more = Addition() if added is None else added
@@ -113,7 +113,7 @@ def page_of_data(data: str, title: str, aside: str = "", added: Addition | None 
         ("TITLE", html.escape(title)),
         ("CONTROLS", more.controls),
         ("ASIDE", aside),
-        ("DATA", data),  # last: what it holds is never searched for marks
+        ("DATA", data),  # last, because its text is not searched for placeholders
     ):
         before, after = page.split("{{" + mark + "}}")
         page = before + text + after

@@ -1,4 +1,4 @@
-"""The page in a notebook that answers: what is picked, and sliders that ask Python again.
+"""The interactive page in a notebook: selected blocks, and sliders that call Python.
 
 Needs anywidget (extra ``notebook``), which Jupyter, marimo, Colab and VS Code show alike.
 """
@@ -17,19 +17,19 @@ from drystone.view.web.notebook import packed
 from drystone.view.web.page import page_text
 
 STEPS = 100
-"""Of a slider from one end to the other."""
+"""Steps of a slider from one end to the other."""
 
 
 def interact(
     function: Callable[..., Subject], *, height: int = 480, **ranges: tuple[float, float, float]
 ) -> Any:
-    """A widget with the page of what a function gives, and a slider for each of its numbers.
+    """A widget with the page of the value of a function, and a slider for each argument.
 
     Parameters
     ----------
     function
-        Gets the numbers by name, and gives a result, a model, a plan or anything else that has a
-        page. It is called anew when a slider is let go.
+        Takes the numbers by name, and returns a result, a model, a plan or another value that has a
+        page. It is called when a slider is released.
     height : [pixels]
     ranges
         For each number the least value, the largest one and the first one.
@@ -75,7 +75,7 @@ def interact(
     def again(change: Mapping[str, Any]) -> None:
         try:
             _put(widget, function(**change["new"]))
-        except Exception as error:  # told in the notebook, where it was caused
+        except Exception as error:  # shown in the notebook
             widget.trouble = str(error) or type(error).__name__
         else:
             widget.trouble = ""
@@ -92,7 +92,7 @@ def _put(widget: Any, subject: Subject) -> None:
 
 
 def _widget_class() -> Any:
-    """The class of the widget, made where anywidget is."""
+    """The class of the widget; it needs anywidget."""
     if importlib.util.find_spec("anywidget") is None:
         raise MissingDependency("anywidget", extra="notebook", purpose="a page that answers")
     anywidget: Any = importlib.import_module("anywidget")
