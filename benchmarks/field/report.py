@@ -39,9 +39,9 @@ def tables(rows: list[dict[str, Any]]) -> str:
     """The counts, and every state."""
     names = list(dict.fromkeys(name for row in rows for name in row["answers"]))
     lines = [
-        "| program | right | wrong: said to stand | wrong: said to fall | no answer "
+        "| program | asked | right | wrong: said to stand | wrong: said to fall | no answer "
         "| median [s] | all [s] |",
-        "|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for name in names:
         marks: Counter[str] = Counter()
@@ -53,7 +53,7 @@ def tables(rows: list[dict[str, Any]]) -> str:
             spent += [answer["seconds"]] if answer["seconds"] is not None else []
         middle = f"{np.median(spent):.2g}" if spent else ""
         lines.append(
-            f"| {name} | {marks['right']} | {marks['wrong True']} | {marks['wrong False']} "
+            f"| {name} | {marks.total()} | {marks['right']} | {marks['wrong True']} | {marks['wrong False']} "
             f"| {marks['none']} | {middle} | {sum(spent):.0f} |"
         )
     lines += ["", f"| model | state | stands | limit | {' | '.join(names)} |"]

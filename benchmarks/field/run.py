@@ -263,6 +263,8 @@ def main() -> None:
     programs = started(asked)
     try:
         for row, new in rows_of(every, programs, told, end):
+            if not row["answers"]:
+                continue
             rows.append(row)
             marks = [f"{n}: {mark(a, row['state']['stands'])}" for n, a in row["answers"].items()]
             print(f"{len(rows)}/{len(every)}", row["model"], row["state"]["name"], *marks, sep=", ",

@@ -90,7 +90,7 @@ def test_marks_and_their_counts() -> None:
         }
         for one in answers
     ]
-    assert "| s 1 | 1 | 0 | 1 | 1 | 0.5 | 2 |" in tables(rows)
+    assert "| s 1 | 3 | 1 | 0 | 1 | 1 | 0.5 | 2 |" in tables(rows)
 
 
 SOLVER = """
