@@ -20,8 +20,8 @@ from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
 from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.exact import search_exactly
-from drystone.sequence.search.helping import SPARED, apart, props_in_time
-from drystone.sequence.search.states import Found, Node, SearchOptions
+from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
+from drystone.sequence.search.states import Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator, Stopped
 from drystone.sequence.stage.stage_checks import Check, check_both, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
@@ -194,29 +194,35 @@ class _Planner:
         if patience is None:
             patience = EFFORT / max(1.0, free) * min(1.0, LARGE / max(1.0, free))
         whole = self.options.exact or math.isinf(patience)
-        search = Search(
-            self.evaluator,
-            self.bound,
-            self.removal,
-            SearchOptions(
-                math.inf if whole else patience,
-                2**30 if whole else self.options.width,
-                int(min(4.0, max(1.0, patience // 4))),
-            ),
-            bounded=whole and not self.options.exact,
-            progress=self.progress,
+        options = SearchOptions(
+            math.inf if whole else patience,
+            2**30 if whole else self.options.width,
+            int(min(4.0, max(1.0, patience // 4))),
         )
-        root = Node(self.model.everything, 0)
-        if not complete.stands:
-            root = replace(search.prop(root, complete), cost=(0, 0))
-        found = search_exactly(search, root) if self.options.exact else search.run(root)
-        return self.describe(complete, found, search)
+        best = None
+        while True:
+            search = Search(
+                self.evaluator,
+                self.bound,
+                self.removal,
+                options,
+                bounded=whole and not self.options.exact,
+                progress=self.progress,
+            )
+            root = Node(self.model.everything, 0)
+            if not complete.stands:
+                root = replace(search.prop(root, complete), cost=(0, 0))
+            found = search_exactly(search, root) if self.options.exact else search.run(root)
+            order = trimmed(found, search)
+            if best is not None and order.cost >= best.cost:
+                break
+            best = order
+            if not order.spared:
+                break
+        return self.describe(complete, best)
 
-    def describe(self, complete: Answer, found: Found, search: Search) -> Plan:
-        path = found.path[::-1]
-        if len(search.levels) > 1:
-            path = apart(path, search)
-        active = props_in_time(path, search)
+    def describe(self, complete: Answer, order: Trimmed) -> Plan:
+        path, active = order.path, order.props
         steps = []
         told = len(self.model.assembly.free) <= SPARED
         for number in range(1, len(path)):
@@ -232,12 +238,12 @@ class _Planner:
             tuple(steps),
             impossible,
             _message(complete, steps, impossible),
-            self.proves(complete, found, steps),
+            self.proves(complete, order.proved, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
         )
 
-    def proves(self, complete: Answer, found: Found, steps: list[Step]) -> bool:
+    def proves(self, complete: Answer, proved: bool, steps: list[Step]) -> bool:
         """Whether no order needs less help: there is no help, or the search was complete."""
         props = {block for step in steps for block in step.props}
         together = sum(len(step.blocks) - 1 for step in steps)
@@ -246,7 +252,7 @@ class _Planner:
         if together == 0 and len(props) <= (0 if complete.stands else 1):
             return True
         # other props may support a complete structure that does not stand
-        return found.proved and complete.stands
+        return proved and complete.stands
 
     def why(self, step: Step, standing: int, props: int) -> str:
         """The result of a step without its hands and without its new props, as text."""
