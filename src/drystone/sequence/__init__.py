@@ -1,6 +1,11 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
+from drystone.sequence.friction_sweeps import (
+    FrictionSweep,
+    least_buildable_friction,
+    sweep_friction,
+)
 from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.interlocking import (
@@ -9,15 +14,7 @@ from drystone.sequence.interlocking import (
     gravity_region,
     interlocking,
 )
-from drystone.sequence.margins import (
-    FrictionSweep,
-    Margin,
-    MarginOptions,
-    Margins,
-    least_buildable_friction,
-    margins,
-    sweep_friction,
-)
+from drystone.sequence.margins import Margin, MarginOptions, Margins, margins
 from drystone.sequence.motion.directions import Freedom, freedom
 from drystone.sequence.motion.joint_cones import Obstacle
 from drystone.sequence.motion.sweeps import Pose

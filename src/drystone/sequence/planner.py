@@ -15,6 +15,7 @@ from drystone.base.progress import Clock, Progress
 from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
+from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words, without_help
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
@@ -24,7 +25,7 @@ from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.search.states import Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator, Stopped
 from drystone.sequence.stage.stage_checks import Check, check_both, check_thoroughly
-from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
 from drystone.stability.screening import Screening, stage_screening
@@ -33,12 +34,6 @@ EFFORT, LARGE = 800.0, 100.0
 """The planner holds or props blocks after EFFORT / n checks without progress, with n free blocks;
 above LARGE blocks after EFFORT * LARGE / n**2. This gives 100 checks for 8 blocks (most stages can
 be checked), 20 for a vault of 40 blocks, 13 for a dome of 60, and none for 400."""
-
-CHECKED = 500
-"""Largest number of corners of a model with which screened stages of a plan are also checked, and
-with which the complete structure may stand after settling."""
-LISTED = 6
-"""Number of falling blocks named in a message."""
 
 
 @dataclass(frozen=True)
@@ -227,8 +222,10 @@ class _Planner:
         told = len(self.model.assembly.free) <= SPARED
         for number in range(1, len(path)):
             props = active[number - 1], active[number]
-            step = self.step(path[number - 1], path[number], *props)
-            steps.append(replace(step, why=self.why(step, *props)) if told else step)
+            step = self.step(path[number - 1], *props)
+            if told:
+                step = replace(step, why=without_help(self.evaluator, step, props[0]))
+            steps.append(step)
             if self.progress is not None:
                 self.progress("verifying stages", number, len(path) - 1)
         impossible = {b: self.bound.reasons[b] for b in members(self.bound.core)}
@@ -241,6 +238,7 @@ class _Planner:
             self.proves(complete, order.proved, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
+            rules=self.bound.rules,
         )
 
     def proves(self, complete: Answer, proved: bool, steps: list[Step]) -> bool:
@@ -254,53 +252,22 @@ class _Planner:
         # other props may support a complete structure that does not stand
         return proved and complete.stands
 
-    def why(self, step: Step, standing: int, props: int) -> str:
-        """The result of a step without its hands and without its new props, as text."""
-        before = step.placed & ~mask_of(step.blocks)
-        alone = []
-        if len(step.blocks) > 1:
-            first = before | 1 << step.blocks[0]
-            alone.append(Stage(first, (props | standing) & first))
-        if props & ~standing:
-            alone.append(Stage(step.placed, props & standing))
-        found = (self.evaluator.answer(stage) for stage in alone)
-        return "; ".join(
-            "without help: " + _falls(one, self.model.assembly.names) + one.message
-            for one in found
-            if not one.stands
-        )
-
-    def step(self, before: Node, after: Node, standing: int, props: int) -> Step:
+    def step(self, before: Node, standing: int, props: int) -> Step:
         """The step from one stage to the next; its order is the reverse of the search."""
         blocks = before.group[::-1]
-        checked = self.model.contacts.corner_count <= CHECKED
-        during = []
-        placed = before.placed
-        for number, block in enumerate(blocks[:-1]):
-            placed |= 1 << block
-            held = mask_of(blocks[: number + 1])
-            stage = Stage(placed, held | (props | standing) & placed)
-            during.append(self.evaluator.answer(stage, forces=True, checked=checked))
-        placed = before.placed
-        motion = []
+        placed, motion = before.placed, []
         for block in blocks:
             way = self.removal.way(block, placed)
             motion.append(-self.model.up if way is None else -way)
             placed |= 1 << block
-        answer = self.evaluator.answer(Stage(after.placed, props), forces=True, checked=checked)
-        return Step(
-            blocks,
-            np.array(motion).reshape(-1, 3),
-            tuple(members(props)),
-            after.placed,
-            answer,
-            tuple(during),
-        )
+        directions = np.array(motion).reshape(-1, 3)
+        some = tuple(members(props))
+        return checked_step(self.evaluator, before.placed, blocks, directions, standing, some)
 
 
 def _refusal(complete: Answer, names: Sequence[str]) -> str:
     """Why there is no plan."""
-    words = _falls(complete, names)
+    words = falling_words(complete, names)
     words = f": {words.removesuffix('; ')}" if words else ""
     if complete.verdict is Verdict.UNSTABLE:
         return f"the complete structure does not stand{words}; {complete.message}"
@@ -308,17 +275,6 @@ def _refusal(complete: Answer, names: Sequence[str]) -> str:
         f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "
         "check (--thorough) tries more"
     )
-
-
-def _falls(answer: Answer, names: Sequence[str]) -> str:
-    """The blocks that fall, followed by a semicolon; empty if unknown."""
-    falling = answer.falling
-    if not falling:
-        return ""
-    if len(falling) == 1:
-        return f"{names[falling[0]]} falls; "
-    more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
-    return f"{', '.join(names[b] for b in falling[:LISTED])}{more} fall; "
 
 
 def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]) -> str:

@@ -249,7 +249,8 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
             words = ", ".join(f"{row[kind]} {kind}" for kind in ("free", "held", "propped"))
         else:
             words = "does not stand when complete"
-        screen.line(f"friction {row['friction']:g}: {words}")
+        more = f" ({row['why_more']})" if row["why_more"] else ""
+        screen.line(f"friction {row['friction']:g}: {words}{more}")
 
 
 def _show_impossible(data: Mapping[str, Any], screen: Screen) -> None:
