@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,25 @@ from drystone.supports import UP, Joints, remarks, select, up_of
 
 REPRESENTED = (1e-100, 1e100)
 """[N, N m], chosen: far from anything that is built, and products of forces fit a float."""
+
+
+class OfModel:
+    """A value that belongs to a model, and has its blocks and contacts at hand."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def model(self) -> Model: ...  # a field or a property of each such value
+
+    @property
+    def assembly(self) -> Assembly:
+        """The blocks of the model."""
+        return self.model.assembly
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts of the model."""
+        return self.model.contacts
 
 
 @dataclass(frozen=True, eq=False)

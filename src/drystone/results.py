@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly, Blocks
+from drystone.assembly import Blocks
 from drystone.base.arrays import Floats, number
 from drystone.base.display import Card, OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
-from drystone.contacts import Contacts
 from drystone.joints import (
     Resultants,
     ThrustLine,
@@ -26,7 +25,7 @@ from drystone.joints import (
     world_forces,
 )
 from drystone.loads import LoadCase
-from drystone.model import Model
+from drystone.model import Model, OfModel
 
 
 class Verdict(enum.StrEnum):
@@ -86,7 +85,7 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Result(Card):
+class Result(OfModel, Card):
     """Answer of an analysis, with the model that it belongs to.
 
     Attributes
@@ -180,16 +179,6 @@ class Result(Card):
     def falls(self) -> bool:
         """Whether it was shown to fall."""
         return self.verdict is Verdict.UNSTABLE
-
-    @property
-    def assembly(self) -> Assembly:
-        """The blocks of the model."""
-        return self.model.assembly
-
-    @property
-    def contacts(self) -> Contacts:
-        """The contacts of the model."""
-        return self.model.contacts
 
     @property
     def load(self) -> LoadCase:

@@ -8,15 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.files import PathLike
 from drystone.base.settings import Options
 from drystone.base.table import Table
-from drystone.contacts import Contacts
-from drystone.model import Model
+from drystone.model import Model, OfModel
 
 MOVED = 0.1
 """Way of a block by its size from which on it is said to have fallen. The contacts of the simulator
@@ -55,7 +53,7 @@ class FallOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Film(OneLine):
+class Film(OfModel, OneLine):
     """A simulated fall. It shows what may happen, and proves nothing.
 
     Attributes
@@ -90,16 +88,6 @@ class Film(OneLine):
     def __len__(self) -> int:
         """Number of frames."""
         return len(self.time)
-
-    @property
-    def assembly(self) -> Assembly:
-        """The blocks at the beginning."""
-        return self.model.assembly
-
-    @property
-    def contacts(self) -> Contacts:
-        """The contacts at the beginning."""
-        return self.model.contacts
 
     @property
     def fell(self) -> Bools:

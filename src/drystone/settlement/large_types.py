@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
@@ -24,7 +23,7 @@ from drystone.joints import (
     resultants_of,
     utilisation_of,
 )
-from drystone.model import Model
+from drystone.model import Model, OfModel
 from drystone.settlement.settlement_types import SettlementOptions
 
 if TYPE_CHECKING:
@@ -120,7 +119,7 @@ class LargeState(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class LargeDisplacement(OneLine):
+class LargeDisplacement(OfModel, OneLine):
     """Blocks that were followed while something grew.
 
     What ``displacement`` and ``load`` are depends on what grows:
@@ -174,16 +173,6 @@ class LargeDisplacement(OneLine):
 
     def __getitem__(self, number: int) -> LargeState:
         return self.states[number]
-
-    @property
-    def assembly(self) -> Assembly:
-        """The blocks at the beginning."""
-        return self.model.assembly
-
-    @property
-    def contacts(self) -> Contacts:
-        """The contacts at the beginning."""
-        return self.model.contacts
 
     @property
     def peak(self) -> float:

@@ -8,13 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.contacts import Contacts
-from drystone.model import Model
+from drystone.model import Model, OfModel
 from drystone.results import Residuals
 from drystone.settlement.corners import Carrier
 from drystone.settlement.loading_order import Loading
@@ -153,7 +151,7 @@ class SettlementPath(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Settlement(OneLine):
+class Settlement(OfModel, OneLine):
     """The motion of the blocks until they rest or fall.
 
     Attributes
@@ -197,16 +195,6 @@ class Settlement(OneLine):
     def model(self) -> Model:
         """The model at the beginning."""
         return self.path.model
-
-    @property
-    def assembly(self) -> Assembly:
-        """The blocks at the beginning."""
-        return self.model.assembly
-
-    @property
-    def contacts(self) -> Contacts:
-        """The contacts at the beginning."""
-        return self.model.contacts
 
     @property
     def displacement(self) -> Floats:

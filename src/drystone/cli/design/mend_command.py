@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
@@ -28,6 +28,17 @@ SHORT = 3
 
 
 KIND = "support, prop, friction, turn, wedge, let-in, thicker, ballast or glue"
+
+
+Margin: TypeAlias = Annotated[
+    tuple[str, ...],
+    Option(
+        "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
+        "friction=0.9x, or sensitive, where STABLE after settling is enough.",
+        metavar="WHAT",
+        expert=True,
+    ),
+]
 
 
 @command(
@@ -61,15 +72,7 @@ def mend(
             expert=True,
         ),
     ] = (),
-    margin: Annotated[
-        tuple[str, ...],
-        Option(
-            "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
-            "friction=0.9x, or sensitive, where one contact stiffness is enough.",
-            metavar="WHAT",
-            expert=True,
-        ),
-    ] = (),
+    margin: Margin = (),
     apply: Annotated[
         int | None, Option("Number of the mend to make, as they are listed.", OUTPUT, expert=True)
     ] = None,

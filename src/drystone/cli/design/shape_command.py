@@ -12,7 +12,7 @@ from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
-from drystone.cli.design.mend_command import files_after, margins
+from drystone.cli.design.mend_command import Margin, files_after, margins
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
 
@@ -60,15 +60,7 @@ def shape(
         tuple[str, ...],
         Option("Block whose vertices stay. Can be given several times.", metavar="BLOCK"),
     ] = (),
-    margin: Annotated[
-        tuple[str, ...],
-        Option(
-            "What it has to stand, too: tilt=2deg to each side, load=1.2 times the load, "
-            "friction=0.9x, or sensitive, where STABLE after settling is enough.",
-            metavar="WHAT",
-            expert=True,
-        ),
-    ] = (),
+    margin: Margin = (),
     out: Annotated[
         Path | None, Option("Write the model of the new shape.", OUTPUT, kind=kinds.target(".json"))
     ] = None,

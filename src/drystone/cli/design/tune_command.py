@@ -12,7 +12,7 @@ from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import MODEL, OUTPUT, Argument, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.design.mend_command import margins
+from drystone.cli.design.mend_command import Margin, margins
 from drystone.cli.inputs import families, options
 
 if TYPE_CHECKING:
@@ -43,13 +43,7 @@ def tune(
         ),
     ] = (),
     most: Annotated[tuple[str, ...], Option("What is to be most.", metavar="GOAL")] = (),
-    margin: Annotated[
-        tuple[str, ...],
-        Option(
-            "What it has to stand, too: tilt=2deg, load=1.2, friction=0.9x, or sensitive.",
-            metavar="WHAT",
-        ),
-    ] = (),
+    margin: Margin = (),
     trials: Annotated[int, Option("Structures that are built and checked (100).")] = 100,
     workers: Annotated[int, Option("Processes (1).")] = 1,
     seed: Annotated[int, Option("Of the search (0).", expert=True)] = 0,

@@ -31,7 +31,8 @@ class DesignMargin(Options):
     friction
         It must stand with this share of the friction of each joint.
     robust
-        It must stand for all contact stiffnesses of the check; else for one.
+        It must stand for all contact stiffnesses of the check. Without this, STABLE is enough,
+        also after settling.
     """
 
     tilt: float = 0.0

@@ -109,7 +109,11 @@ def _parse(text: str, path: Path) -> tuple[list[list[float]], list[_Part]]:
 def _vertex(argument: str, where: str) -> list[float]:
     words = argument.split()
     if not 3 <= len(words) <= 7 or not all(NUMBER.fullmatch(word) for word in words):
-        raise FormatError(f"vertex '{argument[:60]}' is not three numbers", where=where)
+        raise FormatError(
+            f"vertex '{argument[:60]}' is not three numbers",
+            where=where,
+            remedy="export the file again: it may have been cut off there",
+        )
     point = [float(word) for word in words[:3]]
     if not all(abs(x) < float("inf") for x in point):
         raise FormatError(

@@ -20,7 +20,7 @@ from drystone.base.errors import InputError
 from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
-from drystone.model import Model
+from drystone.model import Model, OfModel
 from drystone.results import Verdict
 from drystone.sequence.stage.stage_checks import Check, check_both
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
@@ -32,7 +32,7 @@ friction."""
 
 
 @dataclass(frozen=True, eq=False)
-class Structure(OneLine):
+class Structure(OfModel, OneLine):
     """The complete model, and the checks of its stages.
 
     Attributes
@@ -57,16 +57,6 @@ class Structure(OneLine):
             )
         if not self.assembly.fixed.any():
             raise InputError("no block is fixed", remedy="fix the supports")
-
-    @property
-    def assembly(self) -> Assembly:
-        """The blocks of the model."""
-        return self.model.assembly
-
-    @property
-    def contacts(self) -> Contacts:
-        """The contacts of the model."""
-        return self.model.contacts
 
     @property
     def load(self) -> LoadCase:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from os import PathLike
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drystone.base.errors import FormatError
-from drystone.base.files import write_whole
 from drystone.settlement import Drive, End, LargeDisplacement
+from drystone.view.paper.plot_file import save_plot
 from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SUFFIXES = ("png", "svg", "pdf")
 LABELS = {
     Drive.LOAD: ("displacement of the load [m]", "load factor"),
     Drive.SUPPORTS: ("motion of the support [m]", "force on the moving supports [N]"),
@@ -24,34 +21,29 @@ LABELS = {
 }
 
 
-def save_curve(found: LargeDisplacement, path: str | PathLike[str], *, title: str = "") -> None:
+def save_curve(
+    found: LargeDisplacement, path: str | PathLike[str] | None = None, *, title: str = ""
+) -> Figure:
     """Draw the load against the displacement, with new hinges and slides.
 
     Parameters
     ----------
     found
     path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed.
+        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
+        out, nothing is written.
     title
+
+    Returns
+    -------
+    matplotlib.figure.Figure
 
     Raises
     ------
     FormatError
         Another suffix, or the file cannot be written.
     """
-    kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in SUFFIXES:
-        raise FormatError(
-            f"a plot cannot be written as '.{kind}'",
-            where=str(path),
-            remedy="end the name in .png, .svg or .pdf",
-        )
-    drawing = draw_curve(found, title)
-
-    def fill(file: BinaryIO) -> None:
-        drawing.savefig(file, format=kind, dpi=150.0)
-
-    write_whole(path, fill)
+    return save_plot(path, lambda: draw_curve(found, title))
 
 
 def draw_curve(found: LargeDisplacement, title: str = "") -> Figure:
