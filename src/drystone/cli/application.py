@@ -27,6 +27,7 @@ from drystone.cli.base.command import SETTINGS, Command, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
+from drystone.cli.design.scaffold_command import scaffold
 from drystone.cli.design.shape_command import shape
 from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
@@ -111,6 +112,7 @@ COMMANDS: tuple[click.Command, ...] = (
     plan,
     push,
     reproduce,
+    scaffold,
     settle,
     shape,
     sharpen,

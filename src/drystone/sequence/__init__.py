@@ -23,6 +23,7 @@ from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
+from drystone.sequence.scaffold.scaffold_comparison import compare_scaffolding
 from drystone.sequence.scaffold.scaffold_items import (
     Centring,
     Clamp,
@@ -32,13 +33,8 @@ from drystone.sequence.scaffold.scaffold_items import (
     Strut,
     with_scaffold,
 )
-from drystone.sequence.scaffold.scaffold_plans import (
-    Scaffolding,
-    ScaffoldOptions,
-    Support,
-    compare_scaffolding,
-    scaffolding,
-)
+from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
+from drystone.sequence.scaffold.scaffolded_stages import ScaffoldOptions, Support
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage

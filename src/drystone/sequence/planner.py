@@ -19,6 +19,11 @@ from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
+from drystone.sequence.scaffold.scaffolded_stages import (
+    ScaffoldedStages,
+    ScaffoldOptions,
+    Support,
+)
 from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
@@ -54,6 +59,11 @@ class PlanOptions(Options):
         and a few more.
     anyway
         Plan even if the complete structure does not stand; some props then stay in the end.
+    scaffold
+        What holds propped blocks, or its name; each stage must stand with it. When left out: ideal
+        props that hold a block in every direction.
+    scaffold_options
+        Limits of the scaffolding.
     """
 
     rules: Rules = field(default_factory=Rules)
@@ -61,9 +71,13 @@ class PlanOptions(Options):
     patience: float | None = None
     width: int = 16
     anyway: bool = False
+    scaffold: Support | str | None = None
+    scaffold_options: ScaffoldOptions = field(default_factory=ScaffoldOptions)
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.scaffold is not None:
+            object.__setattr__(self, "scaffold", Support.named(self.scaffold))
         self._refuse_below(0.0, "patience")
         self._refuse_below(1, "width")
 
@@ -195,6 +209,10 @@ class _Planner:
             int(min(4.0, max(1.0, patience // 4))),
         )
         best = None
+        scaffold = None
+        if self.options.scaffold is not None:
+            kind, bearing = self.options.scaffold, self.options.scaffold_options
+            scaffold = ScaffoldedStages(self.model.model, kind, bearing)
         while True:
             search = Search(
                 self.evaluator,
@@ -203,6 +221,7 @@ class _Planner:
                 options,
                 bounded=whole and not self.options.exact,
                 progress=self.progress,
+                scaffold=scaffold,
             )
             root = Node(self.model.everything, 0)
             if not complete.stands:
@@ -223,6 +242,9 @@ class _Planner:
         for number in range(1, len(path)):
             props = active[number - 1], active[number]
             step = self.step(path[number - 1], *props)
+            fails = order.failures[number]
+            if step.answer.stands and fails is not None:
+                step = replace(step, answer=fails)
             if told:
                 step = replace(step, why=without_help(self.evaluator, step, props[0]))
             steps.append(step)

@@ -26,6 +26,7 @@ from drystone.base.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.rules import Bound, Order
+from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.search.hands import can_hold
 from drystone.sequence.search.needs import LocalBalance
 from drystone.sequence.search.states import Cost, Found, Node, SearchOptions
@@ -58,6 +59,8 @@ class Search:
     options
     bounded
         Whether to use a lower bound of the remaining cost.
+    scaffold
+        What holds propped blocks. A stage that stands with ideal props must also stand with it.
     """
 
     def __init__(
@@ -69,9 +72,12 @@ class Search:
         *,
         bounded: bool = False,
         progress: Progress | None = None,
+        scaffold: ScaffoldedStages | None = None,
     ) -> None:
         self.evaluator = evaluator
         self.model = evaluator.model
+        self.scaffold = scaffold
+        self.proppable = self.model.everything if scaffold is None else scaffold.takes
         self.bound = bound
         self.removal = removal
         self.options = options
@@ -110,17 +116,17 @@ class Search:
                     continue
             stands = answer.stands and self.can_hold(node)
             key = (node.placed, node.props, frozenset(() if stands else node.group))
-            if key in closed and closed[key] <= node.cost:
-                continue
-            closed[key] = node.cost
-            if stands:
+            known = key in closed and closed[key] <= node.cost
+            if not known:
+                closed[key] = node.cost
+            if stands and not known:
                 if node.placed & ~self.bound.core == 0:
                     return Found(node.path(), proved)
                 if node.placed.bit_count() < best.placed.bit_count():
                     best, waited = node, 0.0
                     self.report(node)
                 self.push(self.removals(node))
-            else:
+            elif not known:
                 self.push(self.cures(node, answer))
             if waited > self.options.patience or not self.queue:
                 proved = False
@@ -184,7 +190,16 @@ class Search:
         stage = self.stage(node, self.levels[number])
         likely = heapq.nsmallest(self.evaluator.batch - 1, self.queue)
         ahead = [self.stage(entry[-1], self.levels[0]) for entry in likely]
-        return self.evaluator.answers([stage], ahead=ahead)[0]
+        found = self.evaluator.answers([stage], ahead=ahead)[0]
+        fails = self.failure(node.placed, node.props) if found.stands else None
+        return found if fails is None else fails
+
+    def failure(self, placed: int, props: int) -> Answer | None:
+        """The answer of a stage that the scaffolding does not carry; else None."""
+        if self.scaffold is None or not props:
+            return None
+        answer = self.scaffold.answer(placed, props)
+        return None if answer.stands else answer
 
     def nearby(self, node: Node) -> Answer | None:
         """The neighbourhood of the removed blocks with all others held; None if it is all."""
@@ -270,7 +285,9 @@ class Search:
             if self.can_join(node, q)
         ]
         out += [
-            replace(node, props=node.props | 1 << p, cost=(props + 1, together)) for p in falling
+            replace(node, props=node.props | 1 << p, cost=(props + 1, together))
+            for p in falling
+            if self.proppable >> p & 1
         ]
         return out
 
@@ -346,7 +363,9 @@ class Search:
         given = node.props
         reach = mask_of(node.group)
         while not answer.stands and node.props != node.placed:
-            falling = mask_of(self.falling(node, answer))
+            falling = mask_of(self.falling(node, answer)) & self.proppable
+            if not falling:
+                break
             wider = self.widened(reach)
             while not falling & wider and wider != reach:
                 reach, wider = wider, self.widened(wider)

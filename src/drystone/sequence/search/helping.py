@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.states import Cost, Found, Node
-from drystone.sequence.stage.stages import Stage, mask_of, members
+from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 
 POLISHED = 8
 """Largest number of props of one stage that are tested one by one."""
@@ -34,6 +34,8 @@ class Trimmed:
     cost
     proved
         Whether no order has a lower cost.
+    failures
+        Answer of each stage that the scaffolding does not carry; else None.
     spared
         Whether a stage that the search propped or held stands without it. What is known by then
         can lead a second search to less help.
@@ -43,6 +45,7 @@ class Trimmed:
     props: list[int]
     cost: Cost
     proved: bool
+    failures: list[Answer | None]
     spared: bool
 
 
@@ -54,7 +57,8 @@ def trimmed(found: Found, search: Search) -> Trimmed:
         path = apart(path, search)
     props = props_in_time(path, search)
     cost = _cost(path, props)
-    return Trimmed(path, props, cost, found.proved, cost < before)
+    failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
+    return Trimmed(path, props, cost, found.proved, failures, cost < before)
 
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
@@ -106,8 +110,8 @@ def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
     ]
     answers = search.evaluator.answers(stages)
     active = [
-        mask if answer.stands else least
-        for mask, answer, least in zip(active, answers, needed, strict=True)
+        mask if answer.stands and search.failure(node.placed, mask) is None else least
+        for node, mask, answer, least in zip(path, active, answers, needed, strict=True)
     ]
     if len(search.model.assembly.free) <= SPARED:
         _spare(path, active, search)
