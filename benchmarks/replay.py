@@ -15,17 +15,17 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from benchmarks.field.solve_mujoco import moved
 from benchmarks.machine import description
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone import Model
-from drystone.io.simulators import mjcf_text
 from drystone.models import bridge
 from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Plan, PlanOptions, plan
 
 PAGE = Path(__file__).parents[1] / "docs" / "robots.md"
-SECONDS, STAYS = 2.0, 0.01
-"""Simulated time, and the largest displacement by the size of a block."""
+STAYS = 0.01
+"""Largest displacement by the size of a block; after ``SECONDS`` of simulated time."""
 CONTACT = {"bridge": 0.005, "vault": 0.01, "dome": 0.01}
 """[s], time constant of contacts. The bridge creeps with a large one, many contacts need one."""
 
@@ -49,18 +49,6 @@ def stages(found: Plan) -> list[tuple[str, Model]]:
             some = model.with_supports(still).subset(sorted(placed))
             out.append((names[block], some))
     return out
-
-
-def moved(model: Model, contact_s: float, seconds: float = SECONDS) -> float:
-    """Largest displacement of a free block after some time, by its size."""
-    simulator = mujoco.MjModel.from_xml_string(mjcf_text(model, contact_s=contact_s))
-    data = mujoco.MjData(simulator)
-    mujoco.mj_forward(simulator, data)
-    start = np.array(data.xpos)
-    for _ in range(round(seconds / simulator.opt.timestep)):
-        mujoco.mj_step(simulator, data)
-    gone = np.linalg.norm(data.xpos - start, axis=1)[1:]
-    return float((gone / model.assembly.size)[model.assembly.free].max(initial=0.0))
 
 
 def replay(name: str, found: Plan, contact_s: float, some: slice) -> str:

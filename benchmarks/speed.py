@@ -118,7 +118,7 @@ def asked(command: Sequence[str | Path], arguments: argparse.Namespace) -> dict[
         written = ask([*command, "--dump", model], arguments.limit)
         if "failed" in written:
             return {"answer": f"not asked: {written['failed']}"}
-        script = ROOT / "benchmarks" / "cra_peer.py"
+        script = ROOT / "benchmarks" / "field" / "cra_peer.py"
         solved = ask([arguments.peer, script, model], arguments.peer_limit)
     if "failed" not in solved:
         return solved

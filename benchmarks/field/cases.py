@@ -11,21 +11,21 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
 
+from benchmarks.field import MODELS, lact3, stud_bricks
 from benchmarks.field.ferris import WALLS, wall_of_rows
 from benchmarks.studies import studies
-from drystone import Assembly, LoadCase, models
+from drystone import Assembly, Contacts, LoadCase, models
 from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
+from drystone.io.own.drystone_json_write import contacts_content
 from drystone.models.masonry.arches import voussoirs_between
 
 Vector: TypeAlias = tuple[float, float, float]
 
-FOLDER = Path(__file__).parent / "models"
 G = 9.81
 DECIMALS = 12
 """Of coordinates [m]: the last digits of a float are rounding."""
@@ -34,6 +34,11 @@ FERRIS = (
     "Ferris and Tin-Loi 2001, International Journal of Mechanical Sciences 43, 209-224; limits as "
     "programs that cite it quote them"
 )
+LACT3 = (
+    "Hua, Buzzetti, Pingaro, da Silva and Milani 2025, LACT3 1.0; the limit is that of its solver "
+    "test, with associated friction"
+)
+STABLE_LEGO = "Liu and others 2024, StableLego, arXiv 2402.10711: label of the data set"
 NO_SLIDING = 2.0
 """Friction coefficient with which no joint of these arches slides."""
 
@@ -63,13 +68,14 @@ class State:
 
 @dataclass(frozen=True)
 class Case:
-    """A structure and its states."""
+    """A structure and its states; its contacts where they cannot be found from the blocks."""
 
     key: str
     title: str
     citation: str
     assembly: Assembly
     states: Sequence[State]
+    contacts: Contacts | None = None
 
     def text(self) -> str:
         """The file."""
@@ -89,6 +95,7 @@ class Case:
                 "vertices": block.vertices.round(DECIMALS).tolist(),
                 "faces": [list(face) for face in block.faces],
                 "fixed": bool(fixed),
+                **({} if self.contacts is None else {"density": round(block.density, 6)}),
             }
             for block, fixed in zip(self.assembly.blocks, self.assembly.fixed, strict=True)
         ]
@@ -98,8 +105,11 @@ class Case:
             f'"citation": {json.dumps(self.citation)},',
             f'"states": {_rows(told)}}},',
             f'"blocks": {_rows(blocks)},',
-            f'"loads": {_rows(loads)}}}',
         ]
+        if self.contacts is not None:
+            given = contacts_content(self.contacts, lambda _, value: value.round(DECIMALS).tolist())
+            lines.append(f'"contacts": {json.dumps(given)},')
+        lines.append(f'"loads": {_rows(loads)}}}')
         return "\n".join(lines) + "\n"
 
 
@@ -121,6 +131,11 @@ def tilted(axis: Sequence[float], degrees: float) -> Vector:
     load = LoadCase.tilt(Assembly((cube,)), axis, degrees, G)
     x, y, z = (load.wrench[0, :3] / cube.mass).tolist()
     return (x, y, z)
+
+
+def about_y(degrees: float) -> Vector:
+    """A tilt about y."""
+    return tilted((0.0, 1.0, 0.0), degrees)
 
 
 def around(
@@ -185,6 +200,39 @@ def walls() -> list[Case]:
     return cases
 
 
+def tilting_table() -> list[Case]:
+    """The structures of LACT3. Below an associated limit only the arch, where no joint slides."""
+    built = {
+        "portal": ("Portal of irregular blocks", lact3.portal()),
+        "wall": ("Wall with a door and a window",
+                 wall_of_rows(lact3.WALL, lact3.BRICK, lact3.COURSE)),
+        "arch": ("Semicircular arch of 25 voussoirs, thickness / radius 0.163",
+                 part_arch(lact3.RADIUS, lact3.THICKNESS, lact3.ANGLE, lact3.VOUSSOIRS)),
+    }  # fmt: skip
+    cases = []
+    for key, (title, assembly) in built.items():
+        angle, friction_angle = lact3.ANGLES[key]
+        friction = math.tan(math.radians(friction_angle))
+        states = around(angle, 0.02, about_y, friction, "tilt about y [degrees]")
+        kept = states if key == "arch" else states[1:]
+        cases.append(Case(f"lact3-{key}", title, LACT3, assembly, kept))
+    return cases
+
+
+def bricks() -> list[Case]:
+    """The labelled designs of StableLego: studs pull."""
+    gravity = (0.0, 0.0, -stud_bricks.G)
+    cases = []
+    for key, design in stud_bricks.DESIGNS.items():
+        model = stud_bricks.model_of_lines(design.lines)
+        limit = f"share of the largest pull: {design.share:g}"
+        state = State("weight", 0.0, design.stands, gravity, limit)
+        title = f"Stud-and-tube bricks, {key.replace('-', ' ')}"
+        name, blocks = f"bricks-{key}", model.assembly
+        cases.append(Case(name, title, STABLE_LEGO, blocks, [state], model.contacts))
+    return cases
+
+
 def part_arch(radius: float, thickness: float, degrees: float, count: int) -> Assembly:
     """Equal straight-sided voussoirs between two fixed ones; radius of the centre line."""
     step = math.radians(degrees) / count
@@ -235,9 +283,6 @@ def closed_forms() -> list[Case]:
     tilt = "tilt about y [degrees]"
     slides, topples = math.degrees(math.atan(0.4)), math.degrees(math.atan(0.25))
 
-    def about_y(degrees: float) -> Vector:
-        return tilted((0.0, 1.0, 0.0), degrees)
-
     stack = models.two_blocks_on_incline(23.6)
     least = math.tan(math.radians(23.6))
     cases = [
@@ -277,14 +322,13 @@ def closed_forms() -> list[Case]:
 
 def cases() -> list[Case]:
     """All of them."""
-    return [*closed_forms(), *arches(), *walls(), *tilts()]
+    return [*closed_forms(), *arches(), *walls(), *tilting_table(), *bricks(), *tilts()]
 
 
 def main() -> None:
-    FOLDER.mkdir(exist_ok=True)
     for case in cases():
-        write_bytes(FOLDER / f"{case.key}.json", case.text().encode())
-    files = list(FOLDER.glob("*.json"))
+        write_bytes(MODELS / f"{case.key}.json", case.text().encode())
+    files = list(MODELS.glob("*.json"))
     states = sum(len(case.states) for case in cases())
     size = sum(file.stat().st_size for file in files)
     print(f"{len(files)} models, {states} states, {size / 1024:.0f} KiB")

@@ -154,19 +154,21 @@ WALLS = {
 }
 
 
-def wall_of_rows(rows: Sequence[Sequence[float]]) -> Assembly:
-    """The wall on a fixed block, which is as long as it."""
-    total = sum(abs(part) for part in rows[0]) * LENGTH
-    ground = models.box((total, DEPTH, HEIGHT), (0.0, 0.0, -HEIGHT), "ground")
+def wall_of_rows(
+    rows: Sequence[Sequence[float]], length: float = LENGTH, height: float = HEIGHT
+) -> Assembly:
+    """The wall of bricks of a length and a height [m] on a fixed block, which is as long as it."""
+    total = sum(abs(part) for part in rows[0]) * length
+    ground = models.box((total, DEPTH, height), (0.0, 0.0, -height), "ground")
     blocks = [ground]
     for course, row in enumerate(rows):
         x = 0.0
         for place, part in enumerate(row):
-            size = abs(part) * LENGTH
+            size = abs(part) * length
             if part > 0.0:
                 name = f"c{course:02d}-b{place:02d}"
-                corner = (x, 0.0, course * HEIGHT)
-                blocks.append(models.box((size, DEPTH, HEIGHT), corner, name))
+                corner = (x, 0.0, course * height)
+                blocks.append(models.box((size, DEPTH, height), corner, name))
             x += size
     return Assembly(tuple(blocks), np.arange(len(blocks)) == 0)
 

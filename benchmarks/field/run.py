@@ -1,10 +1,11 @@
-"""Ask programs about models with known answers: ``python -m benchmarks.field.run`` writes the page.
+"""Ask programs about models with known answers: ``drystone-benchmarks``.
 
-    python -m benchmarks.field.run --cra CRA/bin/python --lmgc90 LMGC/bin/python --only arch
+    drystone-benchmarks --cra CRA/bin/python --lmgc90 LMGC/bin/python --page run.md
 
-Each program runs in a process of its own, all side by side. It is ended where a state takes longer
-than ``--limit``, and started anew for the next. Seconds are of CPU, told by the program. Ctrl-C
-ends the run with the states that are done.
+In a checkout it is ``python -m benchmarks.field.run``. Each program runs in a process of its own,
+one after the other for each state. It is ended where a state takes more CPU time than ``--limit``,
+and started anew for the next. Ctrl-C ends the run with the states that are done; with the same
+``--rows`` it goes on from there, and asks only programs that have not answered yet.
 """
 
 from __future__ import annotations
@@ -13,33 +14,36 @@ import argparse
 import contextlib
 import json
 import queue
+import signal
 import subprocess
 import sys
 import threading
 import time
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from benchmarks.field.cases import FOLDER
-from benchmarks.machine import description
 from drystone import Assembly, Model, io
 from drystone.base.arrays import Floats
 from drystone.io import Contents
 from drystone.io.simulators.simulator_bodies import gravity_of
 
+from . import MODELS
+from .report import mark, place, tables, write_between
+
 HERE = Path(__file__).parent
-PAGE = HERE.parents[1] / "docs" / "benchmark.md"
+Row: TypeAlias = dict[str, Any]
 ENDED = "{}\n"
 """Stands for a line where there are no more."""
 START = 300.0
 """[s] for a program to start."""
+PATIENCE = 20.0
+"""Time on the clock by CPU time, after which a program on a busy machine is ended all the same."""
 SMALL = 60
 """Faces of a model that is asked before the others."""
 
@@ -79,13 +83,16 @@ class Question:
     def task(self) -> dict[str, Any]:
         """What a solver is asked."""
         (load,) = [load for load in self.contents.loads if load.name == self.state["name"]]
+        assembly, contacts = self.contents.assembly, self.contents.contacts
         friction = self.state["friction"]
-        return task_of(Model.of(self.contents.assembly, friction=friction, load=load), friction)
+        if contacts is None:
+            return task_of(Model.of(assembly, friction=friction, load=load), friction)
+        return task_of(Model(assembly, contacts, load), friction)
 
 
 def questions(only: str = "") -> Iterator[Question]:
     """All states of all models whose name has ``only`` in it."""
-    for path in sorted(path for path in FOLDER.glob("*.json") if only in path.stem):
+    for path in sorted(path for path in MODELS.glob("*.json") if only in path.stem):
         told = json.loads(path.read_text("utf-8"))["_benchmark"]
         contents = io.read_file(path)
         for number, state in enumerate(told["states"]):
@@ -106,6 +113,11 @@ def task_of(model: Model, friction: float) -> dict[str, Any]:
     assembly: Assembly = model.assembly.transformed(turn)
     contacts = model.contacts
     starts = np.searchsorted(contacts.interface, np.arange(contacts.count + 1))
+    capacity: list[dict[str, float]] = [{}] * contacts.count
+    if contacts.capacity is not None:
+        names = ("tension", "cohesion", "shear")
+        values = zip(*(getattr(contacts.capacity, name).tolist() for name in names), strict=True)
+        capacity = [dict(zip(names, each, strict=True)) for each in values]
     return {
         "blocks": [
             {
@@ -125,6 +137,7 @@ def task_of(model: Model, friction: float) -> dict[str, Any]:
                 "points": (contacts.point[starts[i] : starts[i + 1]] @ turn.T).tolist(),
                 "frame": (contacts.frame[i] @ turn.T).tolist(),
                 "area": float(contacts.area[i]),
+                **capacity[i],
             }
             for i in range(contacts.count)
         ],
@@ -146,7 +159,6 @@ class Program:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             text=True,
-            cwd=HERE.parents[1],
         )
         self.lines: queue.Queue[str] = queue.Queue()
         read = (self.process, self.lines)
@@ -164,10 +176,11 @@ class Program:
 
     def ask(self, task: dict[str, Any]) -> dict[str, Any]:
         """Its answer; none where it takes too long or ends."""
+        told = json.dumps(task | {"limit": self.limit})
         try:
-            self.process.stdin.write(json.dumps(task) + "\n")  # type: ignore[union-attr]
+            self.process.stdin.write(told + "\n")  # type: ignore[union-attr]
             self.process.stdin.flush()  # type: ignore[union-attr]
-            line = self.lines.get(timeout=self.limit)
+            line = self.lines.get(timeout=PATIENCE * self.limit)
         except BrokenPipeError:
             line = ENDED
         except queue.Empty:
@@ -175,10 +188,10 @@ class Program:
         if line and line != ENDED:
             answer: dict[str, Any] = json.loads(line)
             return answer
-        late = line != ENDED
         self.close()
-        self._start()
+        late = line != ENDED or -self.process.returncode == getattr(signal, "SIGXCPU", None)
         said = f"more than {self.limit:g} s" if late else "it ended without an answer"
+        self._start()
         return {"stands": None, "said": said, "seconds": None}
 
     def close(self) -> None:
@@ -189,107 +202,87 @@ class Program:
             pass
 
 
-def mark(answer: dict[str, Any], stands: bool) -> str:
-    """Right, wrong or none."""
-    if answer["stands"] is None:
-        return "none"
-    return "right" if answer["stands"] is stands else "wrong"
-
-
 def rows_of(
-    asked: list[Question], programs: list[Program], end: float = float("inf")
-) -> list[dict[str, Any]]:
-    """Every state with the answers of all programs; none is begun after ``end`` (monotonic) [s]."""
-    rows: list[dict[str, Any]] = []
-    threads = ThreadPoolExecutor(len(programs))
-    with contextlib.suppress(KeyboardInterrupt):
-        for question in asked:
-            if time.monotonic() > end:
-                break
-            told = threads.map(lambda one, task=question.task: one.ask(task), programs)
-            answers = dict(zip([program.name for program in programs], told, strict=True))
-            rows.append({"model": question.model, "state": question.state, "answers": answers})
-            marks = [f"{name}: {mark(a, question.state['stands'])}" for name, a in answers.items()]
-            print(question.model, question.state["name"], *marks, sep=", ", flush=True)
-    return rows
+    asked: Iterable[Question],
+    programs: list[Program],
+    told: Iterable[Row] = (),
+    end: float = float("inf"),
+) -> Iterator[tuple[Row, bool]]:
+    """Every state with the answers of all programs, and whether one of them was asked now.
+
+    No state is begun after ``end`` (monotonic) [s]. Answers that are ``told`` already are kept.
+    """
+    known: dict[str, dict[str, Any]] = {}
+    for row in told:
+        known.setdefault(_key(row["model"], row["state"]), {}).update(row["answers"])
+    for question in asked:
+        answers = known.get(_key(question.model, question.state), {})
+        new = [program for program in programs if program.name not in answers]
+        if new and time.monotonic() > end:
+            return
+        answers |= {program.name: program.ask(question.task) for program in new}
+        row = {"model": question.model, "state": question.state, "answers": answers}
+        yield row, bool(new)
 
 
-def tables(rows: list[dict[str, Any]]) -> str:
-    """The counts, and every state."""
-    names = list(rows[0]["answers"])
-    lines = [
-        "| program | right | wrong: said to stand | wrong: said to fall | no answer "
-        "| median [s] | all [s] |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    for name in names:
-        marks: Counter[str] = Counter()
-        spent = []
-        for row in rows:
-            answer, stands = row["answers"][name], row["state"]["stands"]
-            kind = mark(answer, stands)
-            marks[kind if kind != "wrong" else f"wrong {answer['stands']}"] += 1
-            spent += [answer["seconds"]] if answer["seconds"] is not None else []
-        middle = f"{np.median(spent):.2g}" if spent else ""
-        lines.append(
-            f"| {name} | {marks['right']} | {marks['wrong True']} | {marks['wrong False']} "
-            f"| {marks['none']} | {middle} | {sum(spent):.0f} |"
-        )
-    lines += ["", f"| model | state | stands | limit | {' | '.join(names)} |"]
-    lines.append("|---" * (4 + len(names)) + "|")
-    for row in rows:
-        state = row["state"]
-        cells = []
-        for name in names:
-            answer = row["answers"][name]
-            kind = mark(answer, state["stands"])
-            told = kind if kind == "right" else f"**{kind}**"
-            took = "" if answer["seconds"] is None else f" {answer['seconds']:.2g} s"
-            cells.append(told + took)
-        stands = "yes" if state["stands"] else "no"
-        told = [row["model"], state["name"], stands, state["limit"], *cells]
-        lines.append(f"| {' | '.join(told)} |")
-    return "\n".join(lines)
+def _key(model: str, state: dict[str, Any]) -> str:
+    return json.dumps([model, state], sort_keys=True)
+
+
+def started(asked: argparse.Namespace) -> list[Program]:
+    """The programs, side by side: some take seconds to start."""
+    here = __package__ or "benchmarks.field"
+    commands = [[sys.executable, "-m", f"{here}.solve_{name}"] for name in asked.ask]
+    if asked.cra:
+        commands.append([asked.cra, str(HERE / "solve_cra.py")])
+    if asked.lmgc90:
+        commands.append([asked.lmgc90, str(HERE / "solve_lmgc90.py")])
+    commands += asked.solver
+    with ThreadPoolExecutor(max(1, len(commands))) as threads:
+        return list(threads.map(lambda one: Program(one, asked.limit), commands))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description="Ask programs about models with known answers.")
+    parser.add_argument("--ask", nargs="*", default=["drystone", "mujoco"], help="of these two")
     parser.add_argument("--cra", help="python of an environment with compas_cra")
     parser.add_argument("--lmgc90", help="python of an environment with compas_lmgc90")
     parser.add_argument("--solver", nargs="+", action="append", default=[], help="another command")
-    parser.add_argument("--only", default="", help="models with this in their name; no page then")
-    parser.add_argument("--limit", type=float, default=60.0, help="seconds for one state")
+    parser.add_argument("--only", default="", help="models with this in their name")
+    parser.add_argument("--limit", type=float, default=60.0, help="seconds of CPU for one state")
     parser.add_argument("--minutes", type=float, default=float("inf"), help="for the whole run")
+    parser.add_argument("--rows", type=Path, help="a line of JSON for each state; goes on from it")
+    parser.add_argument("--page", type=Path, help="Markdown; left out, the tables are printed")
     asked = parser.parse_args()
     end = time.monotonic() + 60.0 * asked.minutes
-    commands = [
-        [sys.executable, "-m", "benchmarks.field.solve_drystone"],
-        [sys.executable, "-m", "benchmarks.field.solve_mujoco"],
-    ]
-    if asked.cra:
-        commands.append([asked.cra, "-m", "benchmarks.field.solve_cra"])
-    if asked.lmgc90:
-        commands.append([asked.lmgc90, "-m", "benchmarks.field.solve_lmgc90"])
-    commands += asked.solver
-    with ThreadPoolExecutor(len(commands)) as threads:  # they take seconds to start
-        programs = list(threads.map(lambda one: Program(one, asked.limit), commands))
-    every, machine = sorted(questions(asked.only), key=in_turn), description()
+    every, machine = sorted(questions(asked.only), key=in_turn), place()
+    told = []
+    if asked.rows and asked.rows.exists():
+        told = [json.loads(line) for line in asked.rows.read_text("utf-8").splitlines()]
+    rows: list[Row] = []
+    programs = started(asked)
     try:
-        rows = rows_of(every, programs, end)
+        for row, new in rows_of(every, programs, told, end):
+            rows.append(row)
+            marks = [f"{n}: {mark(a, row['state']['stands'])}" for n, a in row["answers"].items()]
+            print(f"{len(rows)}/{len(every)}", row["model"], row["state"]["name"], *marks, sep=", ",
+                  file=sys.stderr, flush=True)  # fmt: skip
+            if asked.rows and new:
+                with asked.rows.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row) + "\n")
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
     finally:
         for program in programs:
             program.close()
     if not rows:
         raise SystemExit("no state was asked")
-    text = f"{len(rows)} of {len(every)} states.\n\n{tables(rows)}"
-    if asked.only:
+    text = f"{len(rows)} of {len(every)} states.\n\n{tables(rows)}\n\n"
+    text += f"At most {asked.limit:g} s of CPU for one state. Measured with {machine}"
+    if asked.page:
+        write_between(asked.page, text)
+    else:
         print(text)
-        return
-    text += f"\n\nAt most {asked.limit:g} s for one state. Measured with {machine}"
-    page = PAGE.read_text("utf-8")
-    before, _, rest = page.partition("<!-- field -->")
-    _, _, after = rest.partition("<!-- end field -->")
-    PAGE.write_text(f"{before}<!-- field -->\n{text}\n<!-- end field -->{after}", "utf-8")
 
 
 if __name__ == "__main__":

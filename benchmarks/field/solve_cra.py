@@ -1,15 +1,15 @@
-"""compas_cra as a solver of the benchmark, run by the Python of an environment that has it.
+"""compas_cra as a solver of the benchmark: ``PYTHON solve_cra.py`` in an environment that has it.
 
-``PYTHON -m benchmarks.field.solve_cra`` in the root of the repository. Imports nothing of drystone.
-The interfaces are those of the task. It falls where IPOPT finds the program infeasible.
+Imports nothing of drystone. The interfaces are those of the task. It falls where IPOPT finds the
+program infeasible.
 """
 
 from __future__ import annotations
 
 from importlib.metadata import version
 
-from benchmarks.cra_peer import solve as cra_solve
-from benchmarks.field.tasks import answer_all
+from cra_peer import solve as cra_solve
+from tasks import answer_all
 
 
 def solve(task):

@@ -1,8 +1,9 @@
 """LMGC90 by compas_lmgc90 as a solver of the benchmark: two seconds of motion from rest.
 
-Run by the Python of an environment that has it; imports nothing of drystone. Non-smooth contact
-dynamics with Coulomb friction, law ``IQS_CLB_g0`` as in the example of the package, time step 5 ms.
-Thresholds of falling and standing as for MuJoCo. Its blocks are convex: others are no answer.
+``PYTHON solve_lmgc90.py`` in an environment that has it; imports nothing of drystone. Non-smooth
+contact dynamics with Coulomb friction, law ``IQS_CLB_g0`` as in the example of the package, time
+step 5 ms. Thresholds of falling and standing as for MuJoCo. Its blocks are convex: others are no
+answer.
 """
 
 from __future__ import annotations
@@ -12,8 +13,7 @@ from importlib.metadata import version
 
 import numpy as np
 from compas_lmgc90.solver import Solver
-
-from benchmarks.field.tasks import answer_all
+from tasks import answer_all
 
 FALLS, STANDS = 0.1, 0.02
 STEP, STEPS = 0.005, 400

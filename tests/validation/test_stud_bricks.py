@@ -9,37 +9,13 @@ import numpy as np
 import pytest
 
 import drystone
+from benchmarks.field.stud_bricks import DESIGNS
 from drystone import JointCapacity, RBEOptions, Verdict, solve_rbe
 from drystone.base.errors import FormatError
 from drystone.joint_capacity import NO_LIMIT
 
 GRAVITY = 9.8 / 9.81
 """The data set uses 9.8 m/s2."""
-PLATE = "4 2 0 2.16"
-STICK = [(0, 0, 8), (6, 1, 4), (8, 2, 4), (10, 3, 8), (16, 2, 8), (22, 3, 6), (26, 2, 6),
-         (30, 3, 6), (34, 2, 6), (38, 3, 6), (42, 2, 6), (44, 3, 4), (44, 4, 4)]  # fmt: skip
-GRAMS = {8: 3.03, 6: 2.28, 4: 1.57}
-
-
-def stair(count):
-    return [f"{2 * i} 21 {i} {PLATE}" for i in range(count)]
-
-
-def stick(*more):
-    return [f"{x} 21 {z} {n} 1 0 {GRAMS[n]}" for x, z, n in STICK] + list(more)
-
-
-HEAVY = "44 21 5 4 1 0 1.57"
-DESIGNS = {
-    "stair-19": (stair(19), 0.9007),
-    "stair-20": (stair(20), 1.0055),
-    "stair-20-good": ([*stair(20), "4 21 0 1 2 0 0.81"], 0.9007),
-    "stick-light": (stick(), 0.9214),
-    "stick-heavy": (stick(HEAVY), 1.0215),
-    "stick-heavy-good": (stick(HEAVY, "8 21 0 2 1 0 0.81"), 0.9341),
-    "external-weight-good": ([*stair(3), "5 21 3 2 2 0 200"], 0.6413),
-    "external-weight-fail": ([*stair(4), "7 21 4 2 2 0 200"], 1.1872),
-}
 
 
 def read(folder: Path, lines):
@@ -49,11 +25,12 @@ def read(folder: Path, lines):
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_the_labelled_designs(tmp_path, name):
-    lines, share = DESIGNS[name]
-    model = read(tmp_path, lines)
+    design = DESIGNS[name]
+    share = design.share
+    model = read(tmp_path, design.lines)
     result = solve_rbe(model, options=RBEOptions.feasibility())
-    stands = share < 1.0
-    assert result.verdict is (Verdict.EQUILIBRIUM_EXISTS if stands else Verdict.UNSTABLE)
+    assert design.stands == (share < 1.0)
+    assert result.verdict is (Verdict.EQUILIBRIUM_EXISTS if design.stands else Verdict.UNSTABLE)
     given = model.contacts.capacity
     for factor, holds in ((1.001 * share, True), (0.999 * share, False)):
         pull = JointCapacity(factor * given.tension, given.cohesion)
@@ -63,8 +40,8 @@ def test_the_labelled_designs(tmp_path, name):
 
 @pytest.mark.parametrize("name", ["external-weight-good", "external-weight-fail", "stick-heavy"])
 def test_the_full_verdict_agrees(tmp_path, name):
-    lines, share = DESIGNS[name]
-    assert drystone.check(read(tmp_path, lines)).stable == (share < 1.0)
+    design = DESIGNS[name]
+    assert drystone.check(read(tmp_path, design.lines)).stable == design.stands
 
 
 def test_a_list_is_read_with_rotations_remarks_and_usual_masses(tmp_path):

@@ -2,17 +2,20 @@
 
 import json
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.field.cases import FOLDER, cases
-from benchmarks.field.run import Program, in_turn, mark, questions, tables, task_of, upright
+from benchmarks.field import MODELS
+from benchmarks.field.cases import cases
+from benchmarks.field.report import mark, tables, write_between
+from benchmarks.field.run import Program, in_turn, questions, rows_of, task_of, upright
 from benchmarks.field.solve_drystone import solve
 from drystone import LoadCase, Model, io, models
 
-FILES = sorted(FOLDER.glob("*.json"))
+FILES = sorted(MODELS.glob("*.json"))
 
 
 def test_the_files_are_what_the_script_writes() -> None:
@@ -36,18 +39,18 @@ def test_a_file_is_a_model_with_a_load_case_for_every_state(path: Any) -> None:
     assert told["title"]
     assert told["citation"]
     for state in told["states"]:
-        assert state["friction"] > 0.0
+        assert state["friction"] > 0.0 or contents.contacts is not None
         assert isinstance(state["stands"], bool)
 
 
 def test_there_are_as_many_as_the_page_says() -> None:
     states = sum(len(json.loads(path.read_text("utf-8"))["_benchmark"]["states"]) for path in FILES)
-    page = (FOLDER.parents[2] / "docs" / "benchmark.md").read_text("utf-8")
+    page = (MODELS.parents[2] / "docs" / "benchmark.md").read_text("utf-8")
     assert f"data: {len(FILES)} files" in page
     assert f"with {states} states" in page
 
 
-@pytest.mark.parametrize("only", ["slide", "topple", "slanted-joint", "overhang"])
+@pytest.mark.parametrize("only", ["slide", "topple", "slanted-joint", "overhang", "external"])
 def test_drystone_knows_the_closed_forms(only: str) -> None:
     for question in questions(only):
         stands, _, _ = solve(question.task)
@@ -115,3 +118,64 @@ def test_small_models_are_asked_first() -> None:
     every = sorted([*questions("slide"), *questions("lemos"), *questions("overhang")], key=in_turn)
     assert every[0].model == "slide"
     assert every[-1].model == "lemos"
+
+
+def test_rows_that_are_known_are_not_asked_again() -> None:
+    class Counted:
+        name = "counted"
+        asked = 0
+
+        def ask(self, task: Any) -> dict[str, Any]:
+            self.asked += 1
+            return {"stands": True, "said": "", "seconds": 0.0}
+
+    program: Any = Counted()
+    every = list(questions("slide"))
+    first = [row for row, _ in rows_of(every, [program])]
+    assert program.asked == len(every) == 2
+    again = list(rows_of(every, [program], json.loads(json.dumps(first[:1]))))
+    assert program.asked == 3
+    assert again == [(first[0], False), (first[1], True)]
+    assert list(rows_of(every, [program], end=0.0)) == []
+
+
+def test_tables_are_written_between_the_marks_of_a_page(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("before <!-- field -->old<!-- end field --> after\n", "utf-8")
+    write_between(page, "new")
+    assert page.read_text("utf-8") == "before <!-- field -->\nnew\n<!-- end field --> after\n"
+
+
+PULLS = """
+import sys
+sys.path.insert(0, FOLDER)
+import tasks
+def solve(task):
+    while task["friction"] == 0.123: pass
+    return True, "", 0.0
+tasks.answer_all("dry", solve)
+"""
+
+
+def test_a_solver_of_dry_joints_has_no_answer_for_joints_that_pull() -> None:
+    script = PULLS.replace("FOLDER", repr(str(MODELS.parent)))
+    (pulls,) = questions("external-weight-good")
+    (dry, *_) = questions("slide")
+    program = Program([sys.executable, "-c", script], 60.0)
+    try:
+        assert program.ask(dry.task)["stands"] is True
+        assert program.ask(pulls.task)["stands"] is None
+    finally:
+        program.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit of CPU time")
+def test_a_state_that_takes_too_much_cpu_has_no_answer() -> None:
+    script = PULLS.replace("FOLDER", repr(str(MODELS.parent)))
+    task = next(questions("slide")).task
+    program = Program([sys.executable, "-c", script], 1.0)
+    try:
+        assert program.ask(task | {"friction": 0.123})["said"] == "more than 1 s"
+        assert program.ask(task)["stands"] is True
+    finally:
+        program.close()

@@ -99,15 +99,16 @@ def _content(model: Contents, path: Path, packer: npz.Packer | None) -> dict[str
             _block_content(block, bool(fixed), packer)
             for block, fixed in zip(assembly.blocks, assembly.fixed, strict=True)
         ],
-        "contacts": None if contacts is None else _contacts_content(contacts, array),
+        "contacts": None if contacts is None else contacts_content(contacts, array),
         "loads": [_load_content(load, number, array) for number, load in enumerate(loads)] or None,
         "results": results or None,
     }
 
 
-def _contacts_content(
+def contacts_content(
     contacts: Contacts, array: Callable[[str, NDArray[Any]], Any]
 ) -> dict[str, Any]:
+    """Contacts as plain values; ``array`` says what stands for an array of a name."""
     content = {name: array(name, getattr(contacts, name)) for name in CONTACTS}
     if contacts.capacity is not None:
         content |= {name: array(name, getattr(contacts.capacity, name)) for name in CAPACITY}
