@@ -46,7 +46,8 @@ def plan_scene(plan: Plan, source: str = "") -> Scene:
     stages.append(summary_stage(plan))
     title = f"drystone plan: {counts_text(plan)}"
     asked = model.model
-    facts = facts_of(asked.assembly, asked.contacts, asked.load, source)
+    facts = dict(facts_of(asked.assembly, asked.contacts, asked.load, source))
+    facts["Plan"] = counts_text(plan)
     number = np.zeros(len(model.assembly), dtype=np.intp)
     for block, position in block_numbers(plan).items():
         number[block] = position
