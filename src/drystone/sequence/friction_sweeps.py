@@ -13,7 +13,6 @@ from drystone.base.progress import Clock, Progress
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.model import Model
-from drystone.results import Verdict
 from drystone.sequence.checked_steps import checked_step, falling_words, without_help
 from drystone.sequence.margins import in_turn
 from drystone.sequence.plans import Plan, placed_before
@@ -95,6 +94,8 @@ def sweep_friction(
     best: tuple[float, Plan] | None = None
     found = in_turn(plan_at, models, "friction", executor, progress, clock)
     for value, plan in zip(values, found, strict=False):
+        if plan.stopped:
+            break
         why, kept = "", plan
         if best is not None and plan.steps and best[1].help < plan.help:
             other, failure = at_other_friction(best[1], plan)
@@ -180,7 +181,7 @@ def least_buildable_friction(
 
 def _unpropped(plan: Plan) -> bool:
     helped = plan.props or plan.impossible
-    return bool(plan.steps) and plan.verdict is Verdict.STABLE and not helped
+    return bool(plan.steps) and plan.stable and not helped
 
 
 __all__ = [

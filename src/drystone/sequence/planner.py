@@ -279,8 +279,8 @@ class _Planner:
         blocks = before.group[::-1]
         placed, motion = before.placed, []
         for block in blocks:
-            way = self.removal.way(block, placed)
-            motion.append(-self.model.up if way is None else -way)
+            out = self.removal.direction(block, placed)
+            motion.append(-self.model.up if out is None else -out)
             placed |= 1 << block
         directions = np.array(motion).reshape(-1, 3)
         some = tuple(members(props))

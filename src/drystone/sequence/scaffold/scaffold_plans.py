@@ -16,7 +16,6 @@ from drystone.base.display import OneLine
 from drystone.base.errors import counted
 from drystone.base.progress import Progress
 from drystone.base.table import Table
-from drystone.results import Verdict
 from drystone.sequence.plans import Plan
 from drystone.sequence.scaffold.scaffold_items import Clamp
 from drystone.sequence.scaffold.scaffolded_stages import (
@@ -136,7 +135,7 @@ def scaffolding(
         length = sum(item.length if not isinstance(item, Clamp) else 1.0 for item in whole.items)
         total += length
         peak = max(peak, largest) if largest == largest else peak
-        if result.verdict is not Verdict.STABLE or bad:
+        if not result.stable or bad:
             failed.append(number)
         told = ", ".join(names[b] for b in sorted(held))
         count = len(whole.items)
