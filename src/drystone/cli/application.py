@@ -25,6 +25,7 @@ from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, Command, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
+from drystone.cli.design.cut_command import cut
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
 from drystone.cli.design.scaffold_command import scaffold
@@ -101,6 +102,7 @@ limit = _group(
 COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
+    cut,
     demo,
     fall,
     inspect,

@@ -1,5 +1,6 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
+from drystone.sequence.cut_loop import CutLoop, CutOptions, cut_until_free
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
 from drystone.sequence.friction_sweeps import (
     FrictionSweep,
@@ -49,6 +50,8 @@ __all__ = [
     "Clamp",
     "Cut",
     "CutDesign",
+    "CutLoop",
+    "CutOptions",
     "DaskWorkers",
     "Evaluator",
     "ExecutorFactory",
@@ -95,6 +98,7 @@ __all__ = [
     "check_thoroughly",
     "compare_scaffolding",
     "cut_block",
+    "cut_until_free",
     "design_cuts",
     "find_path",
     "freedom",

@@ -37,8 +37,8 @@ class Trimmed:
     failures
         Answer of each stage that the scaffolding does not carry; else None.
     spared
-        Whether a stage that the search propped or held stands without it. What is known by then
-        can lead a second search to less help.
+        Whether a stage that the search propped or held stands without it, in models of up to
+        ``SPARED`` blocks. What is known by then can lead a second search to less help.
     """
 
     path: list[Node]
@@ -58,7 +58,8 @@ def trimmed(found: Found, search: Search) -> Trimmed:
     props = props_in_time(path, search)
     cost = _cost(path, props)
     failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
-    return Trimmed(path, props, cost, found.proved, failures, cost < before)
+    spared = cost < before and len(search.model.assembly.free) <= SPARED
+    return Trimmed(path, props, cost, found.proved, failures, spared)
 
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
