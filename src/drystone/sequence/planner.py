@@ -244,7 +244,13 @@ class _Planner:
             step = self.step(path[number - 1], *props)
             fails = order.failures[number]
             if step.answer.stands and fails is not None:
-                step = replace(step, answer=fails)
+                answer = replace(
+                    step.answer,
+                    verdict=fails.verdict,
+                    message=fails.message,
+                    falling=fails.falling,
+                )
+                step = replace(step, answer=answer)
             if told:
                 step = replace(step, why=without_help(self.evaluator, step, props[0]))
             steps.append(step)

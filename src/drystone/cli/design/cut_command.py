@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 @command(
-    "drystone cut tower.obj --blocks 4 --out blocks.json",
-    "drystone cut tower.obj --blocks 6 --friction 0.5 --html built.html",
+    "drystone cut arch.json --block springer-left --blocks 3 --out blocks.json",
+    "drystone cut arch.json --block springer-left --friction 0.5 --html built.html",
 )
 def cut(
     *,

@@ -22,8 +22,8 @@ FEW = 14
 
 
 @command(
-    "drystone scaffold arch.json",
-    "drystone scaffold vault.json --with strut --with centring --order course --csv compared.csv",
+    "drystone scaffold arch.json --with centring --order course",
+    "drystone scaffold arch.json --with clamp --order course --csv compared.csv",
 )
 def scaffold(
     *,
