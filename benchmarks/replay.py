@@ -51,11 +51,11 @@ def stages(found: Plan) -> list[tuple[str, Model]]:
     return out
 
 
-def replay(name: str, found: Plan, contact_s: float) -> str:
-    """A row of the table."""
+def replay(name: str, found: Plan, contact_s: float, some: slice) -> str:
+    """A row of the table, for some of the stages."""
     began = time.process_time()
     worst, where, stays = 0.0, "", 0
-    every = stages(found)
+    every = stages(found)[some]
     for block, some in every:
         far = moved(some, contact_s)
         stays += far <= STAYS
@@ -73,7 +73,9 @@ def replay(name: str, found: Plan, contact_s: float) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", help="bridge, vault, dome; all when left out")
+    parser.add_argument("--stages", nargs=2, type=int, metavar=("FIRST", "END"))
     arguments = parser.parse_args()
+    some = slice(*(arguments.stages or (None,)))
     best = PlanOptions(patience=math.inf)
     course = PlanOptions(rules=BY_COURSE)
     plans = {
@@ -87,7 +89,7 @@ def main() -> None:
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name in arguments.names or plans:
-        lines.append(replay(name, plans[name](), CONTACT[name]))
+        lines.append(replay(name, plans[name](), CONTACT[name], some))
         print(lines[-1], flush=True)
     if not arguments.names:
         text = "\n".join(lines)

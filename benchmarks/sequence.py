@@ -42,6 +42,7 @@ from drystone.sequence import (
     Status,
     least_buildable_friction,
     plan,
+    sweep_friction,
 )
 from drystone.sequence.stage.stages import members
 from drystone.stability import check
@@ -206,6 +207,40 @@ def designs() -> str:
     return "\n".join(lines)
 
 
+FRICTIONS = (0.35, 0.5, 0.66, 0.84, 1.0)
+
+
+def help_by_friction(name: str) -> str:
+    """A row per coefficient: what one model needs, and why where it needs more than at less."""
+    assembly, rules = {
+        "bridge of the source": (bridge(), Rules()),
+        "snake of the source": (snake(), Rules()),
+        "corbelled bridge": (corbelled_bridge(), Rules()),
+        "corbelled wall": (corbelled_wall(), Rules()),
+        "arch, 1 hand": (arch(0.3, 7), Rules(hands=1)),
+        "arch of 13": (arch(0.25, 13), Rules()),
+        "dome": (ring_dome(), BY_COURSE),
+        **{f"vault, wedge {w:g}": (niche(w), BY_COURSE) for w in VAULT_WEDGES},
+    }[name]
+    began = time.process_time()
+    swept = sweep_friction(
+        Model.of(assembly),
+        FRICTIONS,
+        partial(plan, options=PlanOptions(rules=rules)),
+    )
+    cells = []
+    for one, why in zip(swept.plans, swept.why_more, strict=True):
+        props, together = one.help
+        cells.append(f"{props}, {together}{' *' if why else ''}" if one.steps else "")
+    reasons = [
+        f"{name} at friction {friction:g}: {why}."
+        for friction, why in zip(swept.friction, swept.why_more, strict=True)
+        if why
+    ]
+    spent = time.process_time() - began
+    return "\n".join([f"| {name} | {' | '.join(cells)} | {spent:.1f} |", *reasons])
+
+
 def least(assembly: Assembly) -> tuple[float, float]:
     """Friction coefficients around the least one that needs no props."""
     contacts = find_contacts(assembly).contacts
@@ -243,8 +278,12 @@ def write(part: str, text: str) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("parts", nargs="*", help="shells, designs, armadillo; all when left out")
+    parser.add_argument("--friction", metavar="MODEL", help="print help by friction of one model")
     parser.add_argument("--armadillo", type=Path, help="model file of the Armadillo vault")
     arguments = parser.parse_args()
+    if arguments.friction is not None:
+        print(help_by_friction(arguments.friction))
+        return
     machine = description()
     parts: dict[str, Callable[[], str]] = {"designs": designs, "shells": shells}
     if arguments.armadillo is not None:

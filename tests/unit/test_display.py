@@ -130,6 +130,8 @@ def values(folder: Path) -> Iterator[object]:
     yield reproduce.reproduce("6.3")
     plane = sequence.Cut((0.5, 0.5, 0.5), (0.0, 0.0, 1.0))
     yield sequence.design_cuts(box((1.0, 1.0, 2.0)), [[plane]])
+    few = sequence.CutOptions(blocks=2)
+    yield from (few, sequence.cut_until_free(box((1.0, 1.0, 2.0)), options=few))
     yield from (sequence.LocalWorkers(2), sequence.DaskWorkers("tcp://127.0.0.1:8786"))
     shell = shells.sample_shell("barrel")
     yield from (shell, shells.flat_faces(shell, 0), shells.schedule(shell))

@@ -8,6 +8,7 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
+from drystone.sequence.search.best_first import Search
 
 
 def planned(assembly: Assembly, friction: float) -> Plan:
@@ -53,6 +54,25 @@ def test_deeper_wedges_need_less_help():
     assert shallow["free"] + shallow["held"] + shallow["propped"] == 37
     assert deep == {"support": 15, "free": 37, "held": 0, "propped": 0, "impossible": 0}
     assert shallow["free"] < 37
+
+
+def test_no_removal_is_called_a_fall_by_screening_alone(monkeypatch):
+    """Before help each stage has its check, a check of its neighbourhood, or a lone block."""
+    unchecked = []
+    cures = Search.cures
+
+    def watched(search, node, answer):
+        if node.parent is not None and node.cost == node.parent.cost:
+            before = search.evaluator.asked
+            again = search.answer(node)
+            if again.stands or search.evaluator.asked > before:
+                unchecked.append(node)
+        return cures(search, node, answer)
+
+    monkeypatch.setattr(Search, "cures", watched)
+    found = planned(niche(0.05), VAULT_FRICTION)
+    assert found.counts["held"] > 0
+    assert not unchecked
 
 
 def test_no_block_is_propped_that_stands_without_at_all_of_its_stages():

@@ -25,8 +25,10 @@ from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, Command, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
+from drystone.cli.design.cut_command import cut
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
+from drystone.cli.design.scaffold_command import scaffold
 from drystone.cli.design.shape_command import shape
 from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
@@ -100,6 +102,7 @@ limit = _group(
 COMMANDS: tuple[click.Command, ...] = (
     check,
     convert,
+    cut,
     demo,
     fall,
     inspect,
@@ -111,6 +114,7 @@ COMMANDS: tuple[click.Command, ...] = (
     plan,
     push,
     reproduce,
+    scaffold,
     settle,
     shape,
     sharpen,

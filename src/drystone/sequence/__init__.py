@@ -1,6 +1,12 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
+from drystone.sequence.cut_loop import CutLoop, CutOptions, cut_until_free
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
+from drystone.sequence.friction_sweeps import (
+    FrictionSweep,
+    least_buildable_friction,
+    sweep_friction,
+)
 from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.interlocking import (
@@ -9,15 +15,7 @@ from drystone.sequence.interlocking import (
     gravity_region,
     interlocking,
 )
-from drystone.sequence.margins import (
-    FrictionSweep,
-    Margin,
-    MarginOptions,
-    Margins,
-    least_buildable_friction,
-    margins,
-    sweep_friction,
-)
+from drystone.sequence.margins import Margin, MarginOptions, Margins, margins
 from drystone.sequence.motion.directions import Freedom, freedom
 from drystone.sequence.motion.joint_cones import Obstacle
 from drystone.sequence.motion.path_search import find_path
@@ -27,6 +25,7 @@ from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
 from drystone.sequence.rules import Order, Rules
+from drystone.sequence.scaffold.scaffold_comparison import compare_scaffolding
 from drystone.sequence.scaffold.scaffold_items import (
     Centring,
     Clamp,
@@ -36,13 +35,8 @@ from drystone.sequence.scaffold.scaffold_items import (
     Strut,
     with_scaffold,
 )
-from drystone.sequence.scaffold.scaffold_plans import (
-    Scaffolding,
-    ScaffoldOptions,
-    Support,
-    compare_scaffolding,
-    scaffolding,
-)
+from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
+from drystone.sequence.scaffold.scaffolded_stages import ScaffoldOptions, Support
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage
@@ -56,6 +50,8 @@ __all__ = [
     "Clamp",
     "Cut",
     "CutDesign",
+    "CutLoop",
+    "CutOptions",
     "DaskWorkers",
     "Evaluator",
     "ExecutorFactory",
@@ -102,6 +98,7 @@ __all__ = [
     "check_thoroughly",
     "compare_scaffolding",
     "cut_block",
+    "cut_until_free",
     "design_cuts",
     "find_path",
     "freedom",

@@ -164,7 +164,7 @@ def design_cuts(
                     f"{len(below)} below",
                     remedy="turn it, or cut the parts one by one",
                 )
-            result = _stands(below[0], above[0], friction, check)
+            result = stands_on_cut(below[0], above[0], friction, check)
             trials.append(Trial(place, cut, result))
             if trials[-1].accepted:
                 pieces.append(below[0].renamed(f"{name}{place:02d}-block"))
@@ -189,7 +189,8 @@ def tilted_cuts(
     )
 
 
-def _stands(below: Block, above: Block, friction: float, check: Check) -> Result:
+def stands_on_cut(below: Block, above: Block, friction: float, check: Check = check_both) -> Result:
+    """The verdict on the part above a cut, with the part below fixed."""
     pair = Assembly((below.renamed("below"), above.renamed("above")), np.array([True, False]))
     return check(Model.of(pair, friction=friction))
 
@@ -206,4 +207,4 @@ def _blocks(pieces: Sequence[Piece], whole: Block, side: str) -> list[Block]:
     return out
 
 
-__all__ = ["Cut", "CutDesign", "Trial", "cut_block", "design_cuts", "tilted_cuts"]
+__all__ = ["Cut", "CutDesign", "Trial", "cut_block", "design_cuts", "stands_on_cut", "tilted_cuts"]

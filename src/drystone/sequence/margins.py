@@ -1,34 +1,29 @@
-"""Margins of each stage of a plan, and the least friction at which a plan needs no props."""
+"""Margins of each stage of a plan: least friction, and tilt limit."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from drystone.base.arrays import of_type
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
-from drystone.model import Model
 from drystone.sequence.plans import Plan
 from drystone.sequence.stage.stages import Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
 
 Given = TypeVar("Given")
 Found = TypeVar("Found")
-
-PlanAt: TypeAlias = Callable[[Model], Plan]
-"""The planner with all arguments except the model."""
 
 
 @dataclass(frozen=True)
@@ -210,112 +205,4 @@ def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> 
     return Margin(np.inf if least.stands is None else float(least.stands), float(tilt))
 
 
-@dataclass(frozen=True, eq=False)
-class FrictionSweep(OneLine):
-    """Plans of one structure at several friction coefficients.
-
-    Attributes
-    ----------
-    friction : coefficients, ascending
-    plans
-    """
-
-    friction: tuple[float, ...]
-    plans: tuple[Plan, ...]
-
-    def table(self) -> Table:
-        """Counts at each coefficient; None where the complete structure does not stand."""
-        counts = [plan.counts if plan.steps else {} for plan in self.plans]
-        columns = {
-            "friction": self.friction,
-            "stands": [plan.complete.stands for plan in self.plans],
-            **{kind: [one.get(kind) for one in counts] for kind in ("free", "held", "propped")},
-        }
-        return Table("plans by friction", columns)
-
-
-@checked_call
-def sweep_friction(
-    model: Model,
-    frictions: Sequence[float],
-    plan_at: PlanAt,
-    *,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
-    time_limit_s: float = float("inf"),
-) -> FrictionSweep:
-    """Plan at several friction coefficients, each the same for all joints.
-
-    Parameters
-    ----------
-    model
-    frictions
-    plan_at
-    executor
-        Computes coefficients in parallel.
-    progress
-    stop
-        Called between two plans; True ends the work.
-    time_limit_s
-        Time after which the work ends. The sweep then has the plans found so far, from the least
-        friction on.
-    """
-    if not frictions:
-        raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
-    values = tuple(sorted(float(f) for f in frictions))
-    clock = Clock(time_limit_s, stop)
-    models = [model.with_friction(value) for value in values]
-    found = in_turn(plan_at, models, "friction", executor, progress, clock)
-    plans = tuple(itertools.takewhile(lambda plan: not plan.stopped, found))
-    return FrictionSweep(values[: len(plans)], plans)
-
-
-def least_buildable_friction(
-    model: Model, plan_at: PlanAt, *, upper: float, width: float = 0.005
-) -> tuple[float, float]:
-    """Bracket of the least friction without props: (too little, enough).
-
-    It is found by bisection, on the assumption that more friction never increases the help.
-
-    Parameters
-    ----------
-    model
-    plan_at
-    upper
-        Coefficient at which a plan without props exists.
-    width
-        Width of the bracket.
-
-    Raises
-    ------
-    InputError
-        There is no such plan at ``upper``.
-    """
-    low, high = 0.0, float(upper)
-    if not _unpropped(plan_at(model.with_friction(high))):
-        raise InputError(f"there is no plan without props at friction {high:g}")
-    while high - low > width:
-        middle = 0.5 * (low + high)
-        if _unpropped(plan_at(model.with_friction(middle))):
-            high = middle
-        else:
-            low = middle
-    return low, high
-
-
-def _unpropped(plan: Plan) -> bool:
-    helped = plan.props or plan.impossible
-    return bool(plan.steps) and plan.stable and not helped
-
-
-__all__ = [
-    "FrictionSweep",
-    "Margin",
-    "MarginOptions",
-    "Margins",
-    "least_buildable_friction",
-    "margin_of",
-    "margins",
-    "sweep_friction",
-]
+__all__ = ["Margin", "MarginOptions", "Margins", "in_turn", "margin_of", "margins"]

@@ -15,16 +15,22 @@ from drystone.base.progress import Clock, Progress
 from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
+from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words, without_help
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import Bound, Rules, bind
+from drystone.sequence.scaffold.scaffolded_stages import (
+    ScaffoldedStages,
+    ScaffoldOptions,
+    Support,
+)
 from drystone.sequence.search.best_first import Search
 from drystone.sequence.search.exact import search_exactly
-from drystone.sequence.search.helping import SPARED, apart, props_in_time
-from drystone.sequence.search.states import Found, Node, SearchOptions
+from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
+from drystone.sequence.search.states import Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator, Stopped
 from drystone.sequence.stage.stage_checks import Check, check_both, check_thoroughly
-from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
 from drystone.stability.screening import Screening, stage_screening
@@ -33,12 +39,6 @@ EFFORT, LARGE = 800.0, 100.0
 """The planner holds or props blocks after EFFORT / n checks without progress, with n free blocks;
 above LARGE blocks after EFFORT * LARGE / n**2. This gives 100 checks for 8 blocks (most stages can
 be checked), 20 for a vault of 40 blocks, 13 for a dome of 60, and none for 400."""
-
-CHECKED = 500
-"""Largest number of corners of a model with which screened stages of a plan are also checked, and
-with which the complete structure may stand after settling."""
-LISTED = 6
-"""Number of falling blocks named in a message."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,11 @@ class PlanOptions(Options):
         and a few more.
     anyway
         Plan even if the complete structure does not stand; some props then stay in the end.
+    scaffold
+        What holds propped blocks, or its name; each stage must stand with it. When left out: ideal
+        props that hold a block in every direction.
+    scaffold_options
+        Limits of the scaffolding.
     """
 
     rules: Rules = field(default_factory=Rules)
@@ -66,9 +71,13 @@ class PlanOptions(Options):
     patience: float | None = None
     width: int = 16
     anyway: bool = False
+    scaffold: Support | str | None = None
+    scaffold_options: ScaffoldOptions = field(default_factory=ScaffoldOptions)
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.scaffold is not None:
+            object.__setattr__(self, "scaffold", Support.named(self.scaffold))
         self._refuse_below(0.0, "patience")
         self._refuse_below(1, "width")
 
@@ -194,35 +203,57 @@ class _Planner:
         if patience is None:
             patience = EFFORT / max(1.0, free) * min(1.0, LARGE / max(1.0, free))
         whole = self.options.exact or math.isinf(patience)
-        search = Search(
-            self.evaluator,
-            self.bound,
-            self.removal,
-            SearchOptions(
-                math.inf if whole else patience,
-                2**30 if whole else self.options.width,
-                int(min(4.0, max(1.0, patience // 4))),
-            ),
-            bounded=whole and not self.options.exact,
-            progress=self.progress,
+        options = SearchOptions(
+            math.inf if whole else patience,
+            2**30 if whole else self.options.width,
+            int(min(4.0, max(1.0, patience // 4))),
         )
-        root = Node(self.model.everything, 0)
-        if not complete.stands:
-            root = replace(search.prop(root, complete), cost=(0, 0))
-        found = search_exactly(search, root) if self.options.exact else search.run(root)
-        return self.describe(complete, found, search)
+        best = None
+        scaffold = None
+        if self.options.scaffold is not None:
+            kind, bearing = self.options.scaffold, self.options.scaffold_options
+            scaffold = ScaffoldedStages(self.model.model, kind, bearing)
+        while True:
+            search = Search(
+                self.evaluator,
+                self.bound,
+                self.removal,
+                options,
+                bounded=whole and not self.options.exact,
+                progress=self.progress,
+                scaffold=scaffold,
+            )
+            root = Node(self.model.everything, 0)
+            if not complete.stands:
+                root = replace(search.prop(root, complete), cost=(0, 0))
+            found = search_exactly(search, root) if self.options.exact else search.run(root)
+            order = trimmed(found, search)
+            if best is not None and order.cost >= best.cost:
+                break
+            best = order
+            if not order.spared:
+                break
+        return self.describe(complete, best)
 
-    def describe(self, complete: Answer, found: Found, search: Search) -> Plan:
-        path = found.path[::-1]
-        if len(search.levels) > 1:
-            path = apart(path, search)
-        active = props_in_time(path, search)
+    def describe(self, complete: Answer, order: Trimmed) -> Plan:
+        path, active = order.path, order.props
         steps = []
         told = len(self.model.assembly.free) <= SPARED
         for number in range(1, len(path)):
             props = active[number - 1], active[number]
-            step = self.step(path[number - 1], path[number], *props)
-            steps.append(replace(step, why=self.why(step, *props)) if told else step)
+            step = self.step(path[number - 1], *props)
+            fails = order.failures[number]
+            if step.answer.stands and fails is not None:
+                answer = replace(
+                    step.answer,
+                    verdict=fails.verdict,
+                    message=fails.message,
+                    falling=fails.falling,
+                )
+                step = replace(step, answer=answer)
+            if told:
+                step = replace(step, why=without_help(self.evaluator, step, props[0]))
+            steps.append(step)
             if self.progress is not None:
                 self.progress("verifying stages", number, len(path) - 1)
         impossible = dict(self.bound.reasons)
@@ -232,12 +263,13 @@ class _Planner:
             tuple(steps),
             impossible,
             _message(complete, steps, impossible),
-            self.proves(complete, found, steps),
+            self.proves(complete, order.proved, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
+            rules=self.bound.rules,
         )
 
-    def proves(self, complete: Answer, found: Found, steps: list[Step]) -> bool:
+    def proves(self, complete: Answer, proved: bool, steps: list[Step]) -> bool:
         """Whether no order needs less help: there is no help, or the search was complete."""
         props = {block for step in steps for block in step.props}
         together = sum(len(step.blocks) - 1 for step in steps)
@@ -246,55 +278,24 @@ class _Planner:
         if together == 0 and len(props) <= (0 if complete.stands else 1):
             return True
         # other props may support a complete structure that does not stand
-        return found.proved and complete.stands
+        return proved and complete.stands
 
-    def why(self, step: Step, standing: int, props: int) -> str:
-        """The result of a step without its hands and without its new props, as text."""
-        before = step.placed & ~mask_of(step.blocks)
-        alone = []
-        if len(step.blocks) > 1:
-            first = before | 1 << step.blocks[0]
-            alone.append(Stage(first, (props | standing) & first))
-        if props & ~standing:
-            alone.append(Stage(step.placed, props & standing))
-        found = (self.evaluator.answer(stage) for stage in alone)
-        return "; ".join(
-            "without help: " + _falls(one, self.model.assembly.names) + one.message
-            for one in found
-            if not one.stands
-        )
-
-    def step(self, before: Node, after: Node, standing: int, props: int) -> Step:
+    def step(self, before: Node, standing: int, props: int) -> Step:
         """The step from one stage to the next; its order is the reverse of the search."""
         blocks = before.group[::-1]
-        checked = self.model.contacts.corner_count <= CHECKED
-        during = []
-        placed = before.placed
-        for number, block in enumerate(blocks[:-1]):
-            placed |= 1 << block
-            held = mask_of(blocks[: number + 1])
-            stage = Stage(placed, held | (props | standing) & placed)
-            during.append(self.evaluator.answer(stage, forces=True, checked=checked))
-        placed = before.placed
-        motion = []
+        placed, motion = before.placed, []
         for block in blocks:
             out = self.removal.direction(block, placed)
             motion.append(-self.model.up if out is None else -out)
             placed |= 1 << block
-        answer = self.evaluator.answer(Stage(after.placed, props), forces=True, checked=checked)
-        return Step(
-            blocks,
-            np.array(motion).reshape(-1, 3),
-            tuple(members(props)),
-            after.placed,
-            answer,
-            tuple(during),
-        )
+        directions = np.array(motion).reshape(-1, 3)
+        some = tuple(members(props))
+        return checked_step(self.evaluator, before.placed, blocks, directions, standing, some)
 
 
 def _refusal(complete: Answer, names: Sequence[str]) -> str:
     """Why there is no plan."""
-    words = _falls(complete, names)
+    words = falling_words(complete, names)
     words = f": {words.removesuffix('; ')}" if words else ""
     if complete.verdict is Verdict.UNSTABLE:
         return f"the complete structure does not stand{words}; {complete.message}"
@@ -302,17 +303,6 @@ def _refusal(complete: Answer, names: Sequence[str]) -> str:
         f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "
         "check (--thorough) tries more"
     )
-
-
-def _falls(answer: Answer, names: Sequence[str]) -> str:
-    """The blocks that fall, followed by a semicolon; empty if unknown."""
-    falling = answer.falling
-    if not falling:
-        return ""
-    if len(falling) == 1:
-        return f"{names[falling[0]]} falls; "
-    more = f" and {len(falling) - LISTED} more" if len(falling) > LISTED else ""
-    return f"{', '.join(names[b] for b in falling[:LISTED])}{more} fall; "
 
 
 def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]) -> str:

@@ -16,6 +16,7 @@ from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.rules import Rules
 from drystone.sequence.stage.stages import Answer, members
 from drystone.sequence.stage.structure import Structure
 
@@ -122,6 +123,8 @@ class Plan(Card):
         Number of checks of connected parts; ``solve_s`` is their total time.
     stopped
         Why the search stopped before an order was found; else empty.
+    rules
+        Of the search.
     """
 
     model: Structure
@@ -133,6 +136,7 @@ class Plan(Card):
     solved: int = 0
     solve_s: float = 0.0
     stopped: str = ""
+    rules: Rules = field(default_factory=Rules)
 
     def _facts(self) -> tuple[str, Mapping[str, object]]:
         return f"{self.verdict}: {self.message}", {
@@ -216,6 +220,11 @@ class Plan(Card):
             return Status.HELD if block in held else Status.FREE
 
         return tuple(of(block) for block in range(len(fixed)))
+
+    @property
+    def help(self) -> tuple[int, int]:
+        """Number of propped blocks, and of blocks that are placed together with another one."""
+        return len(self.props), sum(len(step.blocks) - 1 for step in self.steps)
 
     def partners(self, block: int) -> tuple[int, ...]:
         """Blocks that are placed together with this one."""

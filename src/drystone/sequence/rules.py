@@ -116,7 +116,7 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> Bound:
         raise InputError(f"{rules.hands} hands", where="hands", remedy="one places a block")
     if not rules.payload > 0.0:
         raise InputError(f"is {rules.payload} kg", where="payload", remedy="give more than zero")
-    hands, lifters, limit = _strength(rules, model)
+    hands, lifters, limit = strength(rules, model)
     after = _after(rules, model)
     core, reasons = _locked(rules, model, removal, after, lifters, hands)
     level = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
@@ -124,7 +124,7 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> Bound:
     return Bound(rules, after, rank, level, hands, lifters, limit, core, reasons)
 
 
-def _strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
+def strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
     """Number of hands, hands needed per block (n,), and mass (n,) [kg] that these can hold."""
     mass = model.assembly.mass
     robots = check_robots(rules.robots)

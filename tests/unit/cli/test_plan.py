@@ -149,3 +149,33 @@ def test_files_that_there_is_no_plan_for_are_named(stack, tmp_path, capsys):
     assert main(["plan", stack, "--payload", "1", "--html", str(page)]) == 1
     assert "not written" in capsys.readouterr().out
     assert not page.exists()
+
+
+def test_a_monolith_is_cut_until_every_block_is_free(tmp_path, capsys):
+    path, out = tmp_path / "tower.json", tmp_path / "blocks.json"
+    io.write(Assembly((box((1.0, 1.0, 3.0), name="tower"),), np.array([False])), path)
+    assert main(["cut", str(path), "--blocks", "3", "--out", str(out), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["free"]
+    assert data["recuts"] == []
+    assert [one["point"][2] for one in data["cuts"]] == pytest.approx([1.0, 2.0])
+    assert io.read(out).assembly.names == ("c00-block", "c01-block", "c02-block")
+    assert main(["cut", str(out)]) == 2
+    assert "the file has 3 blocks" in capsys.readouterr().err
+
+
+def test_scaffolding_is_compared_and_planned_with(tmp_path, capsys):
+    path = tmp_path / "arch.json"
+    io.write(arch(0.3, 5), path)
+    table = tmp_path / "compared.csv"
+    given = [str(path), "--friction", "0.6", "--hands", "1"]
+    code = main(
+        ["scaffold", *given, "--with", "clamp", "--order", "top", "--csv", str(table), "--json"]
+    )
+    rows = json.loads(capsys.readouterr().out)["compared"]
+    assert code == 0
+    assert [(row["support"], row["failed_stages"]) for row in rows] == [("clamp", 0)]
+    assert table.read_text().startswith("support,order")
+    _, data = answer(capsys, *given, "--scaffold", "clamp")
+    assert data["scaffolding"]["failed"] == []
+    assert data["scaffolding"]["cost"] == pytest.approx(rows[0]["cost"])

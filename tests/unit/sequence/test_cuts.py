@@ -10,6 +10,7 @@ from drystone.model import Model
 from drystone.models import box, prism
 from drystone.models.simple import stool
 from drystone.sequence import plan
+from drystone.sequence.cut_loop import CutOptions, cut_until_free, proposed_cuts
 from drystone.sequence.cuts import Cut, cut_block, design_cuts, tilted_cuts
 
 Y = np.array([0.0, 1.0, 0.0])
@@ -102,3 +103,54 @@ def test_a_place_without_a_cut_that_works_is_named():
         design_cuts(
             leaning(), [tilted_cuts(np.array([0.5, 0.5, 1.0]), Z, Y, (40.0, 50.0))], friction=0.3
         )
+
+
+def flared() -> Block:
+    """Its middle leans out and what is above leans back: together they stand, the middle alone not.
+
+    On the level bed at z = 1, 0 <= x <= 0.5, the centroid of the middle lies at x = 0.66.
+    """
+    outline = [(0, 0), (0.5, 0), (0.5, 1), (1.7, 2), (-0.2, 3), (-1, 3), (-0.1, 2), (0, 1)]
+    return prism(outline, (0.0, 0.5), "flared")
+
+
+def test_a_block_that_falls_when_it_is_placed_has_the_cut_under_it_changed():
+    found = cut_until_free(flared(), options=CutOptions(blocks=3))
+    assert found.free
+    assert found.plan.counts["free"] == 2
+    assert found.recuts
+    assert {place for place, _ in found.recuts} == {0}
+    assert "c01-block is held: without help: c01-block falls" in found.recuts[0][1]
+    slope = np.degrees(np.arccos(found.design.cuts[0].normal[2]))
+    assert slope > 1.0
+    assert found.design.cuts[1].normal == pytest.approx(Z)
+    volume = sum(block.volume for block in found.design.assembly.blocks)
+    assert volume == pytest.approx(flared().volume)
+
+
+def test_a_loop_without_a_cut_that_works_says_so():
+    few = CutOptions(blocks=3, tilts_deg=(), notches_deg=(), shifts=())
+    found = cut_until_free(flared(), options=few)
+    assert not found.free
+    assert found.message == "no proposed cuts make every block free"
+    assert cut_until_free(flared(), stop=lambda: True).design is None
+
+
+def test_a_leaning_tower_is_cut_and_planned_in_one_call():
+    found = cut_until_free(leaning(), options=CutOptions(blocks=5))
+    assert found.message == "every block of 5 is free after 0 recuts"
+    assert found.plan.order == ("c01-block", "c02-block", "c03-block", "c04-block")
+
+
+def test_cuts_lie_at_equal_heights_and_turn_about_the_edge_across_the_lean():
+    places = proposed_cuts(leaning(), CutOptions(blocks=4, shifts=()))
+    assert [one[0].point[2] for one in places] == pytest.approx([1.0, 2.0, 3.0])
+    assert all(abs(cut.normal[1]) < 1e-9 for one in places for cut in one)
+
+
+@pytest.mark.parametrize(
+    "bad", [{"blocks": 1}, {"tilts_deg": (70.0,)}, {"shifts": (0.6,)}, {"most": 0}]
+)
+def test_cut_options_out_of_range_are_refused(bad):
+    with pytest.raises(InputError):
+        CutOptions(**bad)

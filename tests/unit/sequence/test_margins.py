@@ -9,15 +9,18 @@ from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.detection import find_contacts
 from drystone.model import Model
-from drystone.models import box, leaning_column, tower
+from drystone.models import arch, box, leaning_column, tower
 from drystone.sequence import (
     MarginOptions,
     Plan,
+    PlanOptions,
+    Rules,
     least_buildable_friction,
     margins,
     plan,
     sweep_friction,
 )
+from drystone.sequence.friction_sweeps import at_other_friction
 
 
 @pytest.fixture(scope="module")
@@ -76,3 +79,24 @@ def test_what_cannot_be_put_in_is_built_at_no_friction():
     assert plan(model).order == ("top",)
     with pytest.raises(InputError, match="no plan without props"):
         least_buildable_friction(model, plan, upper=0.6)
+
+
+def test_help_does_not_grow_with_friction_where_the_better_order_stands():
+    """A planner that is worse at more friction is corrected by the order of less friction."""
+    model = Model.of(arch(0.3, 5), friction=0.6)
+
+    def plan_at(some: Model) -> Plan:
+        hands = 1 if some.contacts.friction[0] > 0.5 else 2
+        return plan(some, options=PlanOptions(rules=Rules(hands=hands)))
+
+    swept = sweep_friction(model, [0.6, 0.45], plan_at)
+    assert plan_at(model).help > swept.plans[0].help == swept.plans[1].help
+    assert swept.plans[1].verdict == "stable"
+    assert swept.why_more == ("", "")
+
+
+def test_a_step_that_fails_at_another_friction_is_told_with_its_stage():
+    model = Model.of(leaning_column(3, 10.0), friction=0.6)
+    found, why = at_other_friction(plan(model), plan(model.with_friction(0.1)))
+    assert found is None
+    assert why.startswith("stage 1 does not stand: c01-block falls; no contact forces")

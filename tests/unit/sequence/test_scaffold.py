@@ -137,10 +137,31 @@ def test_weak_struts_fail_and_a_table_compares(balanced_plan):
     weak = scaffolding(balanced_plan, "strut", options=ScaffoldOptions(limit=1.0))
     assert weak.failed == (0,)
     assert weak.stages["overloaded"].tolist() == [4]
-    table = compare_scaffolding([("top", balanced_plan)], ["strut", "clamp"])
-    assert table["support"].tolist() == ["strut", "clamp"]
-    assert table["failed_stages"].tolist() == [0, 0]
+    table = compare_scaffolding(balanced_plan.model.model, ["strut", "clamp"], ["top", "best"])
+    assert sorted(table["support"].tolist()) == ["clamp", "clamp", "strut", "strut"]
+    assert table["failed_stages"].tolist() == [0, 0, 0, 0]
     assert table["cost"] == pytest.approx(table["metre_stages"] + table["moves"])
+    assert table["cost"].tolist() == sorted(table["cost"].tolist())
+
+
+def test_the_search_avoids_stages_that_one_sided_help_does_not_carry(arch_plan):
+    """Ideal props carry the crown from one side; struts along the load do not."""
+    model = arch_plan.model.model
+    options = PlanOptions(rules=arch_plan.rules, scaffold="strut")
+    found = plan(model, options=options)
+    assert scaffolding(arch_plan, "strut").failed
+    assert found.verdict is Verdict.STABLE
+    assert scaffolding(found, "strut").works
+
+
+def test_a_stage_that_no_scaffolding_within_its_limit_carries_is_told(arch_plan):
+    options = PlanOptions(
+        rules=arch_plan.rules, scaffold="strut", scaffold_options=ScaffoldOptions(limit=1.0)
+    )
+    found = plan(arch_plan.model.model, options=options)
+    assert found.verdict is not Verdict.STABLE
+    assert "could not be shown to stand" in found.message
+    assert any("more than its limit" in step.answer.message for step in found.steps)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base import units
 from drystone.base.errors import InputError, counted
@@ -23,10 +23,11 @@ if TYPE_CHECKING:
     from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.model import Model
-    from drystone.sequence import ExecutorFactory, Margins, Plan, Rules
+    from drystone.sequence import ExecutorFactory, Margins, Plan, Rules, ScaffoldOptions
 
 LISTED = 40
 """Rows shown of a table; --json has all."""
+SCAFFOLDS = ("strut", "rope", "clamp", "centring")
 STYLE = {"held": "bold", "propped": "bold red", "impossible": "bold magenta"}
 
 
@@ -43,6 +44,20 @@ def _pair(text: str) -> tuple[str, str]:
 
 def _names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",")]
+
+
+ScaffoldLimit: TypeAlias = Annotated[
+    float | None,
+    Option("Largest force of one strut, rope, clamp or centring, in N (none).",
+           kind=kinds.POSITIVE, expert=True),
+]  # fmt: skip
+
+
+def scaffold_options(limit: float | None) -> ScaffoldOptions:
+    """Limits of scaffolding, from the command line."""
+    from drystone.sequence import ScaffoldOptions
+
+    return ScaffoldOptions() if limit is None else ScaffoldOptions(limit=limit)
 
 
 @command(
@@ -86,6 +101,12 @@ def plan(
     thorough: Annotated[
         bool, Option("Accept stages that are sensitive to joint stiffness.", expert=True)
     ] = False,
+    scaffold: Annotated[
+        str | None,
+        Option("What holds propped blocks: checked with its one-sided forces (ideal props).",
+               kind=kinds.one_of(SCAFFOLDS)),
+    ] = None,
+    scaffold_limit: ScaffoldLimit = None,
     margins: Annotated[
         bool, Option("Least friction and tilt limit of every stage.", expert=True)
     ] = False,
@@ -133,8 +154,9 @@ def plan(
 
     waiting.stage("plan", "planning")
     chosen = sequence.PlanOptions(
-        rules=rules, exact=exact, patience=float("inf") if best else None, anyway=finding.anyway
-    )
+        rules=rules, exact=exact, patience=float("inf") if best else None, anyway=finding.anyway,
+        scaffold=scaffold, scaffold_options=scaffold_options(scaffold_limit),
+    )  # fmt: skip
     check = sequence.check_thoroughly if thorough else None
 
     def plan_at(model: Model, saved: str | None = None) -> Plan:
@@ -151,8 +173,12 @@ def plan(
             measured = sequence.margins(found, progress=waiting, stop=stop)
         if sweep:
             swept = sequence.sweep_friction(model, list(sweep), plan_at, stop=stop)
+    made = None
+    if scaffold is not None and found.steps:
+        made = sequence.scaffolding(found, scaffold, options=chosen.scaffold_options)
     data = found.to_dict() | {
         "model": subject.model,
+        "scaffolding": None if made is None else made.to_dict(),
         "margins": None if measured is None else measured.to_dict(),
         "friction_sweep": None if swept is None else list(swept.table()),
     }
@@ -242,6 +268,14 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
         styles=[STYLE.get(row["status"], "") for row in rows],
     )  # fmt: skip
     _show_impossible(data, screen)
+    if data["scaffolding"] is not None:
+        made = data["scaffolding"]
+        ends = f"{len(made['failed'])} stages fail" if made["failed"] else "every stage stands"
+        screen.line(
+            f"on {made['support']}: {ends}; {made['metre_stages']:.3g} m times stages, at most "
+            f"{units.quantity(made['peak_force'], 'N')}, {counted(made['moves'], 'move')}, "
+            f"cost {made['cost']:.3g}"
+        )
     if data["margins"] is not None and data["margins"]["stopped"]:
         screen.line(f"margins of some stages are not known: {data['margins']['stopped']}")
     elif data["margins"] is not None:
@@ -255,7 +289,8 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
             words = ", ".join(f"{row[kind]} {kind}" for kind in ("free", "held", "propped"))
         else:
             words = "does not stand when complete"
-        screen.line(f"friction {row['friction']:g}: {words}")
+        more = f" ({row['why_more']})" if row["why_more"] else ""
+        screen.line(f"friction {row['friction']:g}: {words}{more}")
 
 
 def _show_impossible(data: Mapping[str, Any], screen: Screen) -> None:

@@ -7,90 +7,24 @@ with them.
 
 from __future__ import annotations
 
-import enum
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from typing import Any
 
 import numpy as np
-import shapely
 
-from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import counted
 from drystone.base.progress import Progress
-from drystone.base.settings import Options
 from drystone.base.table import Table
-from drystone.geometry.frames import frames_from_normals
-from drystone.model import Model
 from drystone.sequence.plans import Plan
-from drystone.sequence.scaffold.scaffold_items import (
-    Centring,
-    Clamp,
-    Rope,
-    ScaffoldItem,
-    Strut,
-    with_scaffold,
+from drystone.sequence.scaffold.scaffold_items import Clamp
+from drystone.sequence.scaffold.scaffolded_stages import (
+    ScaffoldedStages,
+    ScaffoldOptions,
+    Support,
 )
 from drystone.sequence.stage.stage_checks import Check, check_once
-from drystone.sequence.stage.stages import members
-
-INSET = 0.6
-"""Distance of heads and knots from the middle of their face, by that of its corners; chosen, well
-inside the face."""
-SLOPING = 0.3
-"""Least cosine between a face that carries a block and the direction of its load; chosen, about 70
-degrees."""
-
-
-LEAST_FREE = 0.05
-"""Least share of a face that must be free of joints for an item; chosen."""
-
-
-class Support(enum.Enum):
-    """With what the blocks of a plan are held."""
-
-    STRUT = "strut"
-    """Struts along the load under the lower face, one near each of its corners."""
-    ROPE = "rope"
-    """Ropes along the load from the upper face up to one level."""
-    CLAMP = "clamp"
-    """One clamp, or hand, at the centroid."""
-    CENTRING = "centring"
-    """Centring under the lower face."""
-
-
-@dataclass(frozen=True)
-class ScaffoldOptions(Options):
-    """What scaffolding may bear, and what it costs.
-
-    Attributes
-    ----------
-    limit : [N]
-        Of one strut, rope, clamp, or the centring under one block.
-    moment : [N m]
-        Of one clamp.
-    friction
-        Between centring and blocks.
-    clear : [m]
-        Height of the anchors of ropes above the highest block.
-    stage_cost
-        Of a metre for one stage. A clamp counts as one metre.
-    move_cost
-        Of setting up what holds one block, once.
-    """
-
-    limit: float = float("inf")
-    moment: float = float("inf")
-    friction: float = 0.6
-    clear: float = 1.0
-    stage_cost: float = 1.0
-    move_cost: float = 1.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_unless_positive("limit", "moment")
-        self._refuse_below(0.0, "friction", "clear", "stage_cost", "move_cost")
+from drystone.sequence.stage.stages import mask_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +61,18 @@ class Scaffolding(OneLine):
     def works(self) -> bool:
         """Whether every stage stands within the limits."""
         return not self.failed
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values: what it takes, and the stages."""
+        return {
+            "support": self.support.value,
+            "metre_stages": self.metre_stages,
+            "peak_force": self.peak_force,
+            "moves": self.moves,
+            "cost": self.cost,
+            "failed": list(self.failed),
+            "stages": list(self.stages),
+        }
 
     def _summary(self) -> str:
         ends = "works" if self.works else f"fails at {counted(len(self.failed), 'stage')}"
@@ -171,13 +117,10 @@ def scaffolding(
 
     The crown slides off its one neighbour; struts along the load do not push sideways.
     """
-    chosen = ScaffoldOptions.of(options)
-    kind = _kind(support)
-    model = plan.model.model
+    stages = ScaffoldedStages(plan.model.model, support, options, check)
+    chosen, names = stages.options, plan.model.assembly.names
     rows: list[tuple[object, ...]] = []
     failed, total, peak, held_before, moves = [], 0.0, 0.0, frozenset[int](), 0
-    make = partial(items_of, model, support=kind, options=chosen)
-    items = {block: make(block) for step in plan.steps for block in step.props}
     for number, step in enumerate(plan.steps):
         if progress is not None:
             progress("scaffolding", number, len(plan.steps))
@@ -186,152 +129,22 @@ def scaffolding(
         held_before = held
         if not held:
             continue
-        here = [*np.flatnonzero(model.assembly.fixed).tolist(), *members(step.placed)]
-        mine = [item for block in sorted(held) for item in items[block]]
-        whole = with_scaffold(model.subset(sorted(here)), mine)
-        result = check(whole.model)
+        whole, result = stages.result(step.placed, mask_of(held))
         bad = whole.overloaded(result) if result.force is not None else ()
         largest = float(whole.force(result).max()) if result.force is not None else np.nan
-        length = sum(item.length if not isinstance(item, Clamp) else 1.0 for item in mine)
+        length = sum(item.length if not isinstance(item, Clamp) else 1.0 for item in whole.items)
         total += length
         peak = max(peak, largest) if largest == largest else peak
         if not result.stable or bad:
             failed.append(number)
-        told = ", ".join(model.assembly.names[b] for b in sorted(held))
-        rows.append((number, told, result.verdict.value, len(mine), length, largest, len(bad)))
-    names = ("step", "blocks", "verdict", "items", "length", "peak_force", "overloaded")
-    columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
+        told = ", ".join(names[b] for b in sorted(held))
+        count = len(whole.items)
+        rows.append((number, told, result.verdict.value, count, length, largest, len(bad)))
+    keys = ("step", "blocks", "verdict", "items", "length", "peak_force", "overloaded")
+    columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
     table = Table("scaffolding", columns, {"length": "m", "peak_force": "N"})
     cost = chosen.stage_cost * total + chosen.move_cost * moves
-    return Scaffolding(kind, table, total, peak, moves, cost, tuple(failed))
+    return Scaffolding(stages.support, table, total, peak, moves, cost, tuple(failed))
 
 
-def compare_scaffolding(
-    plans: Sequence[tuple[str, Plan]],
-    supports: Sequence[Support | str] = tuple(Support),
-    *,
-    options: ScaffoldOptions | None = None,
-    progress: Progress | None = None,
-) -> Table:
-    """A row per plan and kind of scaffolding.
-
-    Parameters
-    ----------
-    plans
-        Plans of one model, with what to call them, such as the order.
-    supports
-    options
-    progress
-    """
-    rows = []
-    for name, plan in plans:
-        for support in supports:
-            found = scaffolding(plan, support, options=options, progress=progress)
-            rows.append((name, plan.counts, found))
-    return Table(
-        "scaffolding compared",
-        {
-            "plan": [name for name, _, _ in rows],
-            "support": [one.support.value for _, _, one in rows],
-            "propped": [counts["propped"] for _, counts, _ in rows],
-            "metre_stages": [one.metre_stages for _, _, one in rows],
-            "peak_force": [one.peak_force for _, _, one in rows],
-            "moves": [one.moves for _, _, one in rows],
-            "cost": [one.cost for _, _, one in rows],
-            "failed_stages": [len(one.failed) for _, _, one in rows],
-        },
-        {"metre_stages": "m", "peak_force": "N"},
-    )
-
-
-def items_of(
-    model: Model, block: int, *, support: Support, options: ScaffoldOptions
-) -> tuple[ScaffoldItem, ...]:
-    """The items of one kind that hold one block.
-
-    Parameters
-    ----------
-    model
-        Complete: faces that are joints in it carry no item.
-    block
-    support
-    options
-
-    Raises
-    ------
-    InputError
-        It has no free face that looks along, or against, the load.
-    """
-    name = model.assembly.names[block]
-    if support is Support.CLAMP:
-        return (Clamp(name, options.limit, options.moment),)
-    total = model.load.wrench[model.assembly.free, :3].sum(axis=0)
-    down = total / np.linalg.norm(total)
-    facing = -1.0 if support is Support.ROPE else 1.0
-    face = _free_face(model, block, facing * down)
-    if face is None:
-        raise InputError(
-            f"no free face of it takes a {support.value}",
-            where=f"block '{name}'",
-            remedy="use a clamp",
-        )
-    heights = [float((one.vertices @ down).max()) for one in model.assembly.blocks]
-    ground, top = max(heights), min(float((b.vertices @ down).min()) for b in model.assembly.blocks)
-    points = face.mean(axis=0) + INSET * (face - face.mean(axis=0))
-    if support is Support.CENTRING:
-        height = ground - float(face.mean(axis=0) @ down)
-        return (Centring(name, options.limit, face, options.friction, height),)
-    if support is Support.ROPE:
-        return tuple(
-            Rope(name, options.limit, at, at - (at @ down - top + options.clear) * down)
-            for at in points
-        )
-    reach = 1e-3 * float(model.assembly.size[block])
-    return tuple(
-        Strut(name, options.limit, head, head + max(ground - float(head @ down), reach) * down)
-        for head in points
-    )
-
-
-def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
-    """The part (c, 3) of a face without joints that looks most along a direction, by its area."""
-    body, contacts = model.assembly.blocks[block], model.contacts
-    own = np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block))
-    best, found = 0.0, None
-    for loop in body.faces:
-        corner = body.vertices[list(loop)]
-        area = 0.5 * np.cross(corner - corner[0], np.roll(corner, -1, 0) - corner[0]).sum(0)
-        size = float(np.linalg.norm(area))
-        slope = float(area @ direction) / size
-        if slope <= SLOPING:
-            continue
-        frame = frames_from_normals((area / size)[None])[0]
-        face = shapely.Polygon((corner - corner[0]) @ frame[1:].T)
-        for k in own.tolist():
-            joint = contacts.polygon(k) - corner[0]
-            if len(joint) >= 3 and np.abs(joint @ frame[0]).max() < 1e-3 * np.sqrt(size):
-                face = face.difference(shapely.Polygon(joint @ frame[1:].T).buffer(0.0))
-        free = max(shapely.get_parts(face), key=lambda part: part.area, default=None)
-        if free is not None and free.area > LEAST_FREE * size and free.area * slope > best:
-            best = free.area * slope
-            ring = shapely.get_coordinates(shapely.geometry.polygon.orient(free).exterior)[:-1]
-            found = corner[0] + ring @ frame[1:]
-    return found
-
-
-def _kind(support: Support | str) -> Support:
-    try:
-        return Support(support)
-    except ValueError as error:
-        known = ", ".join(one.value for one in Support)
-        raise InputError(f"support '{support}' is not known", remedy=f"use {known}") from error
-
-
-__all__ = [
-    "ScaffoldOptions",
-    "Scaffolding",
-    "Support",
-    "compare_scaffolding",
-    "items_of",
-    "scaffolding",
-]
+__all__ = ["Scaffolding", "scaffolding"]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from drystone.base.arrays import Floats
 from drystone.loads import STANDARD_GRAVITY
 from drystone.sequence.rules import Bound
 from drystone.sequence.search.states import Node
@@ -29,21 +30,35 @@ def can_hold(
     """
     if len(node.group) < 2 or node.parent is None:
         return True
-    load, mass = model.load.wrench, model.assembly.mass
     for stage in held_stages(node):
         answer = answer_of(stage)
-        if not answer.stands:
+        if not answer.stands or overloads(answer, node.group, bound.limit, model):
             return False
-        for block in node.group:
-            if block not in answer.reaction:
-                continue
-            weight = float(np.linalg.norm(load[block, :3])) / float(mass[block])
-            limit = float(bound.limit[block])
-            force = float(np.linalg.norm(answer.reaction[block][:3]))
-            # without a load: standard gravity
-            if force > (1.0 + 1e-6) * limit * (weight or STANDARD_GRAVITY):
-                return False
     return True
+
+
+def overloads(answer: Answer, group: Sequence[int], limit: Floats, model: Structure) -> bool:
+    """Whether a hand carries more than its payload while a group is placed.
+
+    Parameters
+    ----------
+    answer
+        Of a stage in between.
+    group
+    limit : (n,) [kg]
+        Mass whose weight the hands of a block can hold.
+    model
+    """
+    load, mass = model.load.wrench, model.assembly.mass
+    for block in group:
+        if block not in answer.reaction:
+            continue
+        # without a load: standard gravity
+        weight = float(np.linalg.norm(load[block, :3])) / float(mass[block]) or STANDARD_GRAVITY
+        force = float(np.linalg.norm(answer.reaction[block][:3]))
+        if force > (1.0 + 1e-6) * float(limit[block]) * weight:
+            return True
+    return False
 
 
 def held_stages(node: Node) -> list[Stage]:
@@ -58,4 +73,4 @@ def held_stages(node: Node) -> list[Stage]:
     return out
 
 
-__all__ = ["can_hold", "held_stages"]
+__all__ = ["can_hold", "held_stages", "overloads"]

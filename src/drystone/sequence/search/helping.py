@@ -1,17 +1,17 @@
 """Removal of unnecessary help from an order.
 
 The search relies on its screening and never removes a prop. So a block may be propped or held
-without need at the end.
+without need at the end. Here the full check is asked without each help.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from drystone.sequence.search.best_first import Search
-from drystone.sequence.search.states import Node
-from drystone.sequence.stage.stages import Stage, mask_of, members
+from drystone.sequence.search.states import Cost, Found, Node
+from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 
 POLISHED = 8
 """Largest number of props of one stage that are tested one by one."""
@@ -19,6 +19,55 @@ POLISHED = 8
 SPARED = 100
 """Largest number of free blocks with which every prop is tested at all of its stages. A vault of
 366 blocks has hundreds of props, each in dozens of stages."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trimmed:
+    """An order without its unnecessary help.
+
+    Attributes
+    ----------
+    path
+        Stages in the order of assembly.
+    props
+        Props at each stage.
+    cost
+    proved
+        Whether no order has a lower cost.
+    failures
+        Answer of each stage that the scaffolding does not carry; else None.
+    spared
+        Whether a stage that the search propped or held stands without it, in models of up to
+        ``SPARED`` blocks. What is known by then can lead a second search to less help.
+    """
+
+    path: list[Node]
+    props: list[int]
+    cost: Cost
+    proved: bool
+    failures: list[Answer | None]
+    spared: bool
+
+
+def trimmed(found: Found, search: Search) -> Trimmed:
+    """The order of a search without its unnecessary help."""
+    path = found.path[::-1]
+    before = _cost(path, [node.props for node in path])
+    if len(search.levels) > 1:
+        path = apart(path, search)
+    props = props_in_time(path, search)
+    cost = _cost(path, props)
+    failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
+    spared = cost < before and len(search.model.assembly.free) <= SPARED
+    return Trimmed(path, props, cost, found.proved, failures, spared)
+
+
+def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
+    """Number of blocks with a prop at some stage, and of blocks placed with another one."""
+    ever = 0
+    for mask in props:
+        ever |= mask
+    return ever.bit_count(), sum(max(0, len(node.group) - 1) for node in path)
 
 
 def apart(path: Sequence[Node], search: Search) -> list[Node]:
@@ -37,7 +86,7 @@ def apart(path: Sequence[Node], search: Search) -> list[Node]:
             placed = node.placed | mask_of(node.group[start:])
             props = (node.props | (node.parent.props if node.parent else 0)) & placed
             early = replace(node, placed=placed, props=props, group=node.group[:start])
-            if search.answer(early).stands and search.can_hold(early):
+            if search.answer(early, sure=True).stands and search.can_hold(early):
                 out.append(replace(late, group=node.group[start:end], parent=early))
                 late, end = early, start
         out.append(late)
@@ -62,8 +111,8 @@ def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
     ]
     answers = search.evaluator.answers(stages)
     active = [
-        mask if answer.stands else least
-        for mask, answer, least in zip(active, answers, needed, strict=True)
+        mask if answer.stands and search.failure(node.placed, mask) is None else least
+        for node, mask, answer, least in zip(path, active, answers, needed, strict=True)
     ]
     if len(search.model.assembly.free) <= SPARED:
         _spare(path, active, search)
@@ -108,8 +157,8 @@ def _spare(path: Sequence[Node], active: list[int], search: Search) -> None:
 
 def _stands(node: Node, search: Search, *, well: bool) -> bool:
     """Whether a stage stands, and hands can hold the blocks placed together until the next one."""
-    answer = search.answer(node) if well else search.look(node)
+    answer = search.answer(node, sure=True) if well else search.look(node)
     return answer.stands and search.can_hold(node)
 
 
-__all__ = ["apart", "props_in_time"]
+__all__ = ["Trimmed", "apart", "props_in_time", "trimmed"]

@@ -1,0 +1,139 @@
+"""``drystone cut``: a monolith cut into blocks until each of them is placed alone."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.base.errors import InputError, counted
+from drystone.cli.base import kinds
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.inputs import options
+from drystone.cli.inputs.model_input import Source
+
+if TYPE_CHECKING:
+    from drystone.assembly import Assembly, Block
+    from drystone.base.files import Job
+
+
+@command(
+    "drystone cut arch.json --block springer-left --blocks 3 --out blocks.json",
+    "drystone cut arch.json --block springer-left --friction 0.5 --html built.html",
+)
+def cut(
+    *,
+    source: Source,
+    blocks: Annotated[int, Option("Number of blocks (4).", kind=kinds.whole(2))] = 4,
+    block: Annotated[
+        str | None, Option("The block that is cut (the only one).", metavar="NAME")
+    ] = None,
+    friction: options.Friction = None,
+    most: Annotated[
+        int, Option("Number of plans after which it ends (40).", kind=kinds.whole(1), expert=True)
+    ] = 40,
+    out: Annotated[
+        Path | None, Option("Write the blocks.", OUTPUT, kind=kinds.target(".json"))
+    ] = None,
+    html: options.Html = None,
+    time_limit: options.TimeLimit = None,
+    waiting: Waiting,
+) -> Answer:
+    """Cut a monolith from the bottom up into blocks that are placed one by one without help.
+
+    Each place takes its first cut on which the part above stands: the horizontal plane, a turned
+    one, a notch, or one at another height. The blocks are planned. Where a block needs help, the
+    cut under it is changed, and so on. The lowest block is the support.
+
+    Exit code 0: every block is free. 1: none of the cuts that are tried makes it so. 2: bad input.
+    """
+    from drystone import io, sequence
+
+    waiting.stage("read", f"reading {source.model}")
+    read = io.read_file(source.model, **source.how())
+    whole = _chosen(read.assembly, block)
+    asked: dict[str, Any] = {} if friction is None else {"friction": friction}
+    waiting.stage("cut", "cutting")
+    with waiting.stoppable() as stop:
+        found = sequence.cut_until_free(
+            whole,
+            options=sequence.CutOptions(blocks=blocks, most=most, **asked),
+            progress=waiting,
+            stop=stop,
+            time_limit_s=float("inf") if time_limit is None else time_limit,
+        )
+    trials = () if found.design is None else found.design.trials
+    data: dict[str, Any] = {
+        "model": source.model,
+        "free": found.free,
+        "message": found.message,
+        "cuts": [
+            {
+                "place": one.place,
+                "point": list(map(float, one.cut.point)),
+                "normal": list(map(float, one.cut.normal)),
+                "notch_deg": one.cut.wedge_deg,
+            }
+            for one in trials
+            if one.accepted
+        ],
+        "recuts": [{"place": place, "why": why} for place, why in found.recuts],
+        "plan": None if found.plan is None else found.plan.to_dict(),
+    }
+    return Answer(
+        data,
+        partial(_show, data),
+        0 if found.free else 1,
+        read.notes,
+        partial(_files, found, out, html, source.model),
+    )
+
+
+def _chosen(assembly: Assembly, name: str | None) -> Block:
+    if name is not None:
+        return assembly.blocks[int(assembly.indices([name])[0])]
+    if len(assembly) != 1:
+        raise InputError(
+            f"the file has {counted(len(assembly), 'block')}",
+            where="model",
+            remedy="name the one that is cut: --block NAME",
+        )
+    return assembly.blocks[0]
+
+
+def _files(
+    found: Any, out: Path | None, html: Path | None, source: str
+) -> tuple[list[Job], list[str]]:
+    wanted = [str(path) for path in (out, html) if path is not None]
+    if found.plan is None:
+        return [], [f"not written: {', '.join(wanted)}"] if wanted else []
+    from drystone import io
+    from drystone.view import save_page
+
+    jobs: list[Job] = []
+    if out is not None:
+        jobs.append((out, partial(io.write, found.plan.model.model)))
+    if html is not None:
+        jobs.append((html, partial(save_page, found.plan, source=source)))
+    return jobs, []
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    screen.line(str(data["model"]), "FREE" if data["free"] else "NOT FREE", "bold")
+    screen.line(data["message"])
+    for one in data["recuts"]:
+        screen.dim(f"cut {one['place']} changed: {one['why']}")
+    for one in data["cuts"]:
+        slope = _slope(one["normal"])
+        kind = f"notch of {one['notch_deg']:g} degrees" if one["notch_deg"] else "plane"
+        screen.line(f"cut {one['place']} at z = {one['point'][2]:.3g} m: {kind}, slope {slope:.3g}")
+
+
+def _slope(normal: list[float]) -> float:
+    """[degrees]"""
+    import math
+
+    return math.degrees(math.acos(min(1.0, normal[2] / math.hypot(*normal))))

@@ -1,0 +1,103 @@
+"""``drystone scaffold``: one model planned with each kind of scaffolding, and what each takes."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+from drystone.base import units
+from drystone.cli.base import kinds
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.design.plan_command import SCAFFOLDS, ScaffoldLimit, scaffold_options
+from drystone.cli.inputs import options
+from drystone.cli.inputs.model_input import Finding, Subject
+
+ORDERS = ("top", "course", "boundary", "best")
+FEW = 14
+"""Free blocks up to which the best order is searched without being asked for."""
+
+
+@command(
+    "drystone scaffold arch.json --with centring --order course",
+    "drystone scaffold arch.json --with clamp --order course --csv compared.csv",
+)
+def scaffold(
+    *,
+    subject: Subject,
+    finding: Finding,
+    with_: Annotated[
+        tuple[str, ...],
+        Option(
+            "What holds propped blocks; several times (all of them).",
+            flags=("--with",),
+            kind=kinds.one_of(SCAFFOLDS),
+        ),
+    ] = (),
+    order: Annotated[
+        tuple[str, ...],
+        Option(
+            "Order of removal; several times (top, course; best for few blocks).",
+            kind=kinds.one_of(ORDERS),
+        ),
+    ] = (),
+    hands: Annotated[int, Option("Hands or robots: one places, others hold (2).")] = 2,
+    limit: ScaffoldLimit = None,
+    csv: Annotated[
+        Path | None, Option("Write the table, .csv.", OUTPUT, kind=kinds.target(".csv"))
+    ] = None,
+    time_limit: options.TimeLimit = None,
+    waiting: Waiting,
+) -> Answer:
+    """Plan a model with each kind of scaffolding in each order, and compare what it takes.
+
+    Struts push, ropes pull, clamps or hands do both, centring carries a face; each stage is checked
+    with their one-sided forces. The cheapest comes first.
+
+    Exit code 0: with some of them every stage stands. 1: with none. 2: bad input.
+    """
+    model = subject.prepared(waiting, finding)
+    from drystone import sequence
+
+    few = len(model.assembly.free) <= FEW
+    orders = order or (("top", "course", "best") if few else ("top", "course"))
+    waiting.stage("plan", "planning")
+    with waiting.stoppable() as stop:
+        table = sequence.compare_scaffolding(
+            model,
+            with_ or SCAFFOLDS,
+            orders,
+            options=sequence.PlanOptions(
+                rules=sequence.Rules(hands),
+                anyway=finding.anyway,
+                scaffold_options=scaffold_options(limit),
+            ),
+            progress=waiting,
+            stop=stop,
+            time_limit_s=float("inf") if time_limit is None else time_limit,
+        )
+    rows = list(table)
+    data: dict[str, Any] = {"model": subject.model, "compared": rows}
+    jobs = [(csv, table.to_csv)] if csv is not None else []
+    code = 0 if any(row["failed_stages"] == 0 and row["cost"] == row["cost"] for row in rows) else 1
+    return Answer(data, partial(_show, rows), code, model.notes, lambda: (list(jobs), []))
+
+
+def _show(rows: list[dict[str, Any]], screen: Screen) -> None:
+    screen.table(
+        ("with", "order", "propped", "held", "m x stages", "peak force", "moves", "cost", "fails"),
+        [
+            (
+                row["support"], row["order"], str(row["propped"]), str(row["held"]),
+                f"{row['metre_stages']:.3g}", units.quantity(row["peak_force"], "N"),
+                f"{row['moves']:.0f}", f"{row['cost']:.3g}", str(row["failed_stages"] or ""),
+            )
+            if row["cost"] == row["cost"]
+            else (row["support"], row["order"], row["message"], *[""] * 6)
+            for row in rows
+        ],
+        styles=["red" if row["failed_stages"] else "" for row in rows],
+    )  # fmt: skip

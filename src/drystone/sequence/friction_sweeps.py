@@ -1,0 +1,193 @@
+"""Plans at several friction coefficients, and the least one at which a plan needs no props."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+from drystone.base.display import OneLine
+from drystone.base.errors import InputError
+from drystone.base.progress import Clock, Progress
+from drystone.base.settings import checked_call
+from drystone.base.table import Table
+from drystone.model import Model
+from drystone.sequence.checked_steps import checked_step, falling_words, without_help
+from drystone.sequence.margins import in_turn
+from drystone.sequence.plans import Plan, placed_before
+from drystone.sequence.rules import strength
+from drystone.sequence.search.hands import overloads
+from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.stages import mask_of
+
+PlanAt: TypeAlias = Callable[[Model], Plan]
+"""The planner with all arguments except the model."""
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionSweep(OneLine):
+    """Plans of one structure at several friction coefficients.
+
+    A search may end at another order at more friction. Where a plan needs
+    more help than the best one at less friction, the steps of that one are checked at the present
+    friction, and taken if every stage stands.
+
+    Attributes
+    ----------
+    friction : coefficients, ascending
+    plans
+    why_more
+        Per coefficient, why it needs more help than a smaller one: the first stage of the best plan
+        at a smaller one that does not stand. Empty if it needs no more.
+    """
+
+    friction: tuple[float, ...]
+    plans: tuple[Plan, ...]
+    why_more: tuple[str, ...]
+
+    def table(self) -> Table:
+        """Counts at each coefficient; None where the complete structure does not stand."""
+        counts = [plan.counts if plan.steps else {} for plan in self.plans]
+        columns = {
+            "friction": self.friction,
+            "stands": [plan.complete.stands for plan in self.plans],
+            **{kind: [one.get(kind) for one in counts] for kind in ("free", "held", "propped")},
+            "why_more": self.why_more,
+        }
+        return Table("plans by friction", columns)
+
+
+@checked_call
+def sweep_friction(
+    model: Model,
+    frictions: Sequence[float],
+    plan_at: PlanAt,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    time_limit_s: float = float("inf"),
+) -> FrictionSweep:
+    """Plan at several friction coefficients, each the same for all joints.
+
+    Parameters
+    ----------
+    model
+    frictions
+    plan_at
+    executor
+        Computes coefficients in parallel.
+    progress
+    stop
+        Called between two plans; True ends the work.
+    time_limit_s
+        Time after which the work ends. The sweep then has the plans found so far, from the least
+        friction on.
+    """
+    if not frictions:
+        raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
+    values = tuple(sorted(float(f) for f in frictions))
+    clock = Clock(time_limit_s, stop)
+    models = [model.with_friction(value) for value in values]
+    plans, reasons = [], []
+    best: tuple[float, Plan] | None = None
+    found = in_turn(plan_at, models, "friction", executor, progress, clock)
+    for value, plan in zip(values, found, strict=False):
+        if plan.stopped:
+            break
+        why, kept = "", plan
+        if best is not None and plan.steps and best[1].help < plan.help:
+            other, failure = at_other_friction(best[1], plan)
+            if other is not None:
+                kept = other
+            else:
+                why = f"with the order of friction {best[0]:g}, {failure}"
+        if kept.steps and (best is None or kept.help <= best[1].help):
+            best = value, kept
+        plans.append(kept)
+        reasons.append(why)
+    return FrictionSweep(values[: len(plans)], tuple(plans), tuple(reasons))
+
+
+def at_other_friction(plan: Plan, other: Plan) -> tuple[Plan | None, str]:
+    """The steps of a plan in the model of another one; if a stage fails, None and the reason.
+
+    Parameters
+    ----------
+    plan
+    other
+        Plan of the same blocks and joints at another friction.
+    """
+    if set(plan.impossible) != set(other.impossible):
+        return None, "other blocks cannot be put in"
+    steps = []
+    limit = strength(plan.rules, other.model)[2]
+    with Evaluator(other.model) as evaluator:
+        for number, old in enumerate(plan.steps):
+            before = placed_before(plan, number)
+            standing = mask_of(plan.steps[number - 1].props if number else ())
+            step = checked_step(evaluator, before, old.blocks, old.motion, standing, old.props)
+            bad = next((one for one in (*step.during, step.answer) if not one.stands), None)
+            if bad is not None:
+                words = falling_words(bad, other.model.assembly.names)
+                return None, f"stage {number + 1} does not stand: {words}{bad.message}"
+            if any(overloads(one, step.blocks, limit, other.model) for one in step.during):
+                return None, f"at stage {number + 1} a hand carries more than its payload"
+            steps.append(replace(step, why=without_help(evaluator, step, standing)))
+        return replace(
+            other,
+            steps=tuple(steps),
+            impossible=plan.impossible,
+            message="every stage stands, in the order of less friction",
+            proved=False,
+            solved=other.solved + evaluator.solved,
+            solve_s=other.solve_s + evaluator.solve_s,
+        ), ""
+
+
+def least_buildable_friction(
+    model: Model, plan_at: PlanAt, *, upper: float, width: float = 0.005
+) -> tuple[float, float]:
+    """Bracket of the least friction without props: (too little, enough).
+
+    It is found by bisection, on the assumption that more friction never increases the help.
+
+    Parameters
+    ----------
+    model
+    plan_at
+    upper
+        Coefficient at which a plan without props exists.
+    width
+        Width of the bracket.
+
+    Raises
+    ------
+    InputError
+        There is no such plan at ``upper``.
+    """
+    low, high = 0.0, float(upper)
+    if not _unpropped(plan_at(model.with_friction(high))):
+        raise InputError(f"there is no plan without props at friction {high:g}")
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        if _unpropped(plan_at(model.with_friction(middle))):
+            high = middle
+        else:
+            low = middle
+    return low, high
+
+
+def _unpropped(plan: Plan) -> bool:
+    helped = plan.props or plan.impossible
+    return bool(plan.steps) and plan.stable and not helped
+
+
+__all__ = [
+    "FrictionSweep",
+    "PlanAt",
+    "at_other_friction",
+    "least_buildable_friction",
+    "sweep_friction",
+]

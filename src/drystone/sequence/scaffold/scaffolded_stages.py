@@ -1,0 +1,281 @@
+"""Stages of an assembly whose propped blocks are held by struts, ropes, clamps or centring."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.base.settings import Options
+from drystone.geometry.frames import frames_from_normals
+from drystone.model import Model
+from drystone.results import Result, Verdict
+from drystone.sequence.scaffold.scaffold_items import (
+    Centring,
+    Clamp,
+    Rope,
+    ScaffoldedModel,
+    ScaffoldItem,
+    Strut,
+    with_scaffold,
+)
+from drystone.sequence.stage.stage_checks import Check, check_once
+from drystone.sequence.stage.stages import Answer, mask_of, members
+
+INSET = 0.6
+"""Distance of heads and knots from the middle of their face, by that of its corners; chosen, well
+inside the face."""
+SLOPING = 0.3
+"""Least cosine between a face that carries a block and the direction of its load; chosen, about 70
+degrees."""
+
+
+LEAST_FREE = 0.05
+"""Least share of a face that must be free of joints for an item; chosen."""
+
+
+class Support(enum.Enum):
+    """With what the blocks of a plan are held."""
+
+    STRUT = "strut"
+    """Struts along the load under the lower face, one near each of its corners."""
+    ROPE = "rope"
+    """Ropes along the load from the upper face up to one level."""
+    CLAMP = "clamp"
+    """One clamp, or hand, at the centroid."""
+    CENTRING = "centring"
+    """Centring under the lower face."""
+
+    @classmethod
+    def named(cls, support: Support | str) -> Support:
+        """The kind of a name.
+
+        Raises
+        ------
+        InputError
+            It is not known.
+        """
+        try:
+            return cls(support)
+        except ValueError as error:
+            known = ", ".join(one.value for one in cls)
+            raise InputError(f"support '{support}' is not known", remedy=f"use {known}") from error
+
+
+@dataclass(frozen=True)
+class ScaffoldOptions(Options):
+    """What scaffolding may bear, and what it costs.
+
+    Attributes
+    ----------
+    limit : [N]
+        Of one strut, rope, clamp, or the centring under one block.
+    moment : [N m]
+        Of one clamp.
+    friction
+        Between centring and blocks.
+    clear : [m]
+        Height of the anchors of ropes above the highest block.
+    stage_cost
+        Of a metre for one stage. A clamp counts as one metre.
+    move_cost
+        Of setting up what holds one block, once.
+    """
+
+    limit: float = float("inf")
+    moment: float = float("inf")
+    friction: float = 0.6
+    clear: float = 1.0
+    stage_cost: float = 1.0
+    move_cost: float = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._refuse_unless_positive("limit", "moment")
+        self._refuse_below(0.0, "friction", "clear", "stage_cost", "move_cost")
+
+
+class ScaffoldedStages:
+    """Stages with items of one kind, each checked once.
+
+    Parameters
+    ----------
+    model
+        Complete: faces that are joints in it carry no item.
+    support
+        The kind, or its name.
+    options
+    check
+        Tells whether a stage stands.
+
+    Attributes
+    ----------
+    takes
+        Free blocks with a face for an item, as bits.
+
+    Raises
+    ------
+    InputError
+        A kind that is not known.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        support: Support | str,
+        options: ScaffoldOptions | None = None,
+        check: Check = check_once,
+    ) -> None:
+        self.model = model
+        self.support = Support.named(support)
+        self.options = ScaffoldOptions.of(options)
+        self.check = check
+        self._items: dict[int, tuple[ScaffoldItem, ...]] = {}
+        self._known: dict[tuple[int, int], tuple[ScaffoldedModel, Result]] = {}
+
+    @cached_property
+    def takes(self) -> int:
+        """Free blocks with a face for an item, as bits."""
+        return mask_of(b for b in self.model.assembly.free.tolist() if self._can_take(b))
+
+    def items(self, block: int) -> tuple[ScaffoldItem, ...]:
+        """The items of one block.
+
+        Raises
+        ------
+        InputError
+            It has no free face that looks along, or against, the load.
+        """
+        if block not in self._items:
+            made = items_of(self.model, block, support=self.support, options=self.options)
+            self._items[block] = made
+        return self._items[block]
+
+    def result(self, placed: int, held: int) -> tuple[ScaffoldedModel, Result]:
+        """A stage with its items, and its check.
+
+        Parameters
+        ----------
+        placed, held
+            Free blocks in place, and those of them that are held, as bits.
+
+        Raises
+        ------
+        InputError
+            A held block has no face for an item.
+        """
+        if (placed, held) not in self._known:
+            here = [*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)]
+            mine = [item for block in members(held) for item in self.items(block)]
+            whole = with_scaffold(self.model.subset(sorted(here)), mine)
+            self._known[placed, held] = whole, self.check(whole.model)
+        return self._known[placed, held]
+
+    def answer(self, placed: int, held: int) -> Answer:
+        """Whether a stage stands with its items, none of them beyond its limit."""
+        bare = held & ~self.takes
+        if bare:
+            names = ", ".join(self.model.assembly.names[b] for b in members(bare))
+            kind = self.support.value
+            return Answer(Verdict.UNSTABLE, f"no free face of {names} takes a {kind}")
+        whole, result = self.result(placed, held)
+        here = sorted([*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)])
+        if not result.stable:
+            falling = tuple(here[i] for i in result.falling if i < len(here))
+            return Answer(result.verdict, f"on {self.support.value}: {result.message}", falling)
+        over = whole.overloaded(result)
+        if over:
+            force = float(whole.force(result)[list(over)].max())
+            words = f"a {self.support.value} carries {force:.3g} N, more than its limit"
+            return Answer(Verdict.UNSTABLE, words)
+        return Answer(Verdict.STABLE)
+
+    def _can_take(self, block: int) -> bool:
+        try:
+            self.items(block)
+        except InputError:
+            return False
+        return True
+
+
+def items_of(
+    model: Model, block: int, *, support: Support, options: ScaffoldOptions
+) -> tuple[ScaffoldItem, ...]:
+    """The items of one kind that hold one block.
+
+    Parameters
+    ----------
+    model
+        Complete: faces that are joints in it carry no item.
+    block
+    support
+    options
+
+    Raises
+    ------
+    InputError
+        It has no free face that looks along, or against, the load.
+    """
+    name = model.assembly.names[block]
+    if support is Support.CLAMP:
+        return (Clamp(name, options.limit, options.moment),)
+    total = model.load.wrench[model.assembly.free, :3].sum(axis=0)
+    down = total / np.linalg.norm(total)
+    facing = -1.0 if support is Support.ROPE else 1.0
+    face = _free_face(model, block, facing * down)
+    if face is None:
+        raise InputError(
+            f"no free face of it takes a {support.value}",
+            where=f"block '{name}'",
+            remedy="use a clamp",
+        )
+    heights = [float((one.vertices @ down).max()) for one in model.assembly.blocks]
+    ground, top = max(heights), min(float((b.vertices @ down).min()) for b in model.assembly.blocks)
+    points = face.mean(axis=0) + INSET * (face - face.mean(axis=0))
+    if support is Support.CENTRING:
+        height = ground - float(face.mean(axis=0) @ down)
+        return (Centring(name, options.limit, face, options.friction, height),)
+    if support is Support.ROPE:
+        return tuple(
+            Rope(name, options.limit, at, at - (at @ down - top + options.clear) * down)
+            for at in points
+        )
+    reach = 1e-3 * float(model.assembly.size[block])
+    return tuple(
+        Strut(name, options.limit, head, head + max(ground - float(head @ down), reach) * down)
+        for head in points
+    )
+
+
+def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
+    """The part (c, 3) of a face without joints that looks most along a direction, by its area."""
+    body, contacts = model.assembly.blocks[block], model.contacts
+    own = np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block))
+    best, found = 0.0, None
+    for loop in body.faces:
+        corner = body.vertices[list(loop)]
+        area = 0.5 * np.cross(corner - corner[0], np.roll(corner, -1, 0) - corner[0]).sum(0)
+        size = float(np.linalg.norm(area))
+        slope = float(area @ direction) / size
+        if slope <= SLOPING:
+            continue
+        frame = frames_from_normals((area / size)[None])[0]
+        face = shapely.Polygon((corner - corner[0]) @ frame[1:].T)
+        for k in own.tolist():
+            joint = contacts.polygon(k) - corner[0]
+            if len(joint) >= 3 and np.abs(joint @ frame[0]).max() < 1e-3 * np.sqrt(size):
+                face = face.difference(shapely.Polygon(joint @ frame[1:].T).buffer(0.0))
+        free = max(shapely.get_parts(face), key=lambda part: part.area, default=None)
+        if free is not None and free.area > LEAST_FREE * size and free.area * slope > best:
+            best = free.area * slope
+            ring = shapely.get_coordinates(shapely.geometry.polygon.orient(free).exterior)[:-1]
+            found = corner[0] + ring @ frame[1:]
+    return found
+
+
+__all__ = ["ScaffoldOptions", "ScaffoldedStages", "Support", "items_of"]
