@@ -13,22 +13,20 @@ import numpy as np
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.limits.bounds import bisected_bound
-from drystone.limits.limit_families import Family
-from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.search import (
+from drystone.limits.brackets import Bracket, Found
+from drystone.limits.limit_checks import (
     SEARCHED,
     STANDS,
     STANDS_OR_NOT,
-    Bracket,
     Check,
-    Found,
-    Search,
     Stop,
-    Stopped,
     every_stiffness,
     one_stiffness,
     verdict,
 )
+from drystone.limits.limit_families import Family
+from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.limits.search import Search, Stopped
 from drystone.results import Result, Verdict
 from drystone.stability.problem import Clock
 from drystone.statics import build_statics
