@@ -157,12 +157,12 @@ def _in_two_steps(
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
         width = max(width, COARSE * abs(last - start))
     search = means.search(family, one_stiffness, STANDS_OR_NOT)
-    uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
+    uniform = search.from_start(start, last, width=width, scan=scan, beyond=outer)
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     means.tell("verdict where stiffness decides", 2)
     full = means.search(family, verdict)
     near = start if edge is None else edge
-    far = last if falls is None or falls == outer.falls else falls
+    far = last if edge is None or falls in (None, outer.falls) else falls
     if means.options.width is None:
         width = max(width, SENSITIVE * abs(last - start))
     try:

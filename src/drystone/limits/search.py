@@ -109,6 +109,18 @@ class Search:
         except Stopped:
             return self.so_far(start, beyond)
 
+    def from_start(
+        self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
+    ) -> Found:
+        """As :meth:`run`; where it falls at the start no other value is tried."""
+        try:
+            held = self.stands(start)
+        except Stopped:
+            return self.so_far(start, beyond)
+        if held is False:
+            return self.so_far(start)
+        return self.run(start, end, width=width, scan=scan, beyond=beyond)
+
     def so_far(self, start: float, beyond: Bracket | None = None) -> Found:
         """The result of the values tried so far, in order from the start."""
         tried = sorted(self.results, key=lambda value: abs(value - start))
