@@ -73,7 +73,11 @@ def pixels(tab: Tab) -> bytes:
 def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, standing):
     tab = opened(standing)
     assert tab.text("h1") == "Stands, whichever joints press more"
-    assert "10 blocks" in tab.text("#asked")
+    asked = tab.text("#asked")
+    for one in ("10 blocks", "free mass ", "density 2400 kg/m³", "friction 0.7", "gravity"):
+        assert one in asked
+    assert "supports: springer-left, springer-right" in asked
+    assert asked.endswith(f"drystone {drystone.__version__}")
     assert "normal force at a corner" in tab.text("#legend")
     assert "force network, up to" in tab.text("#legend")
     assert tab.run("document.querySelector('[data-preset=forces]').ariaPressed") == "true"
@@ -235,6 +239,9 @@ def test_exports_hold_the_picture_and_the_joints(opened, standing):
     tab.click("#svg")
     root = ET.fromstring(tab.run("window.made.text()"))
     assert len(root.findall(".//{http://www.w3.org/2000/svg}polygon")) > 30
+    told = [text.text for text in root.findall(".//{http://www.w3.org/2000/svg}text")]
+    assert "Stands, whichever joints press more" in told
+    assert any(text.startswith("normal force at a corner: 0 N to ") for text in told)
     tab.click("#png")
     tab.until("window.made.type === 'image/png'")
     assert tab.run("window.made.size") > 20_000
@@ -283,6 +290,36 @@ def test_the_model_fills_the_view(opened):
         })()"""
     )
     assert ratio > 0.7
+
+
+def test_what_falls_and_the_help_that_it_needs_are_inside_the_view(opened):
+    tab = opened(drystone.check(arch(0.2, 8), friction=0.2), size=(900, 600))
+    tab.run("document.querySelector('[data-layer=ground]').click()")
+    tab.frames(3)
+    assert tab.run("document.querySelector('[data-layer=help]') !== null")
+    drawn = tab.run(
+        """new Promise((done) => requestAnimationFrame(() => {
+          const c = document.getElementById('view');
+          const pen = document.createElement('canvas').getContext('2d');
+          [pen.canvas.width, pen.canvas.height] = [c.width, c.height];
+          window.dispatchEvent(new Event('resize'));
+          requestAnimationFrame(() => {
+            pen.drawImage(c, 0, 0);
+            const d = pen.getImageData(0, 0, c.width, c.height).data;
+            const dark = { left: 0, right: 0, top: 0, all: 0 };
+            for (let y = 0, i = 0; y < c.height; y++) for (let x = 0; x < c.width; x++, i += 4) {
+              if (d[i] + d[i + 1] + d[i + 2] >= 600) continue;
+              dark.all += 1;
+              if (x < 2) dark.left += 1;
+              if (x >= c.width - 2) dark.right += 1;
+              if (y < 2) dark.top += 1;
+            }
+            done(dark);
+          });
+        }))"""
+    )
+    assert (drawn["left"], drawn["right"], drawn["top"]) == (0, 0, 0)
+    assert drawn["all"] > 1000
 
 
 def test_a_settlement_plays_its_states_and_blocks_come_apart(opened):

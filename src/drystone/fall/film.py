@@ -103,7 +103,7 @@ class Film(OfModel, OneLine):
         seconds = f"{self.time[-1]:.3g} s"
         if not count:
             return f"nothing fell in {seconds}"
-        end = "and lies" if self.lies else "and still moved then"
+        end = f"and {'lies' if count == 1 else 'lie'}" if self.lies else "and still moved then"
         why = f" ({self.stopped})" if self.stopped else ""
         return f"{counted(count, 'block')} fell in {seconds} {end}{why}"
 

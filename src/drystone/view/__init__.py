@@ -8,6 +8,7 @@ from drystone.view.paper.polar_figure import save_polar
 from drystone.view.paper.report import save_report
 from drystone.view.paper.share_figure import save_share
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
+from drystone.view.scenes.mend_scenes import mended_scene
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 from drystone.view.scenes.staging import stage_of
 from drystone.view.scenes.subjects import scene_of
@@ -29,6 +30,7 @@ __all__ = [
     "State",
     "inspection_scene",
     "interact",
+    "mended_scene",
     "page_text",
     "save_cad",
     "save_curve",

@@ -43,21 +43,25 @@ def test_states_of_different_blocks_are_not_mixed() -> None:
     def build(thickness: float) -> drystone.Assembly:
         return arch(thickness, 9)
 
-    limit = limit_thickness(build, 0.3, 0.02, friction=0.9)
+    limit = limit_thickness(build, 0.3, 0.02, friction=0.9, parameter="thickness_ratio")
     scene = scene_of(limit)
     assert len(scene.stages) == 1
-    assert scene.stages[0].headline.startswith("Falls at thickness 0.")
+    assert scene.stages[0].headline.startswith("Stands down to thickness ratio 0.")
+    assert scene.stages[0].headline.endswith(", then falls as shown")
 
 
-def test_every_value_that_was_tried_is_in_the_panel(tilt: Limit) -> None:
+def test_every_value_that_was_tried_and_both_sides_are_in_the_panel(tilt: Limit) -> None:
     text = evaluations_panel(tilt)
-    assert text.count("<circle") + text.count('stroke="var(--bad)"') == len(tilt.evaluations)
+    assert text.count("<circle") == len(tilt.evaluations)  # all of them stand
+    assert tilt.best.falls not in [one.value for one in tilt.evaluations]
+    assert text.count('stroke="var(--bad)"') == 1
 
 
 def test_a_sweep_shows_its_weakest_direction() -> None:
     sweep = tilt_sweep(tower(2), 4, friction=0.3)
     scene = scene_of(sweep)
     assert "the weakest of 4 directions" in scene.stages[0].message
+    assert scene.stages[0].headline.endswith(" degrees about y: the weakest of 4 directions")
     assert len(scene.panels) == 2
     assert "towards 0 degrees" in polar_panel(sweep)
 

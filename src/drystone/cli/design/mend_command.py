@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from drystone.design import DesignMargin, Diagnosis
     from drystone.model import Model
     from drystone.results import Result
-    from drystone.view import Scene
 
 SHORT = 3
 """Regions that ``check`` tells; ``mend`` tells all."""
@@ -109,22 +108,24 @@ def mend(
             found = design.diagnose(model, progress=waiting, stop=late)
             data = {"model": subject.model, **found.to_dict()}
             code = verdict.exit_code(found.result, strict=False)
-            return Answer(
-                data, partial(_show, data), code, model.notes, partial(_files, found, wanted)
-            )
+            pictures = partial(_files, found, wanted, subject.model)
+            return Answer(data, partial(_show, data), code, model.notes, pictures)
         chosen = design.MendOptions(margin=asked, keep=keep, **({"kinds": only} if only else {}))
         waiting.stage("mend", "mending")
         if auto:
             made = design.mend(model, options=chosen, progress=waiting, stop=late)
             data = {"model": subject.model, **made.to_dict()}
-            files = partial(files_after, model, made.result, made.model, wanted, out)
+            files = partial(
+                files_after, model, made.result, made.model, wanted, out, subject.model,
+                "; ".join(one.description for one in made.steps),
+            )  # fmt: skip
             return Answer(
                 data, partial(_show_auto, data), 0 if made.stands else 1, model.notes, files
             )
         mends = design.find_mends(model, options=chosen, progress=waiting, stop=late)
     stands = not mends.mends and not mends.diagnosis.regions
     data = {"model": subject.model, **mends.diagnosis.to_dict(), **mends.to_dict()}
-    files = partial(_files, mends.diagnosis, wanted)
+    files = partial(_files, mends.diagnosis, wanted, subject.model)
     code = 0 if stands and mends.diagnosis.result.stable else 1
     if apply is not None and not stands:
         if not 1 <= apply <= len(mends.mends):
@@ -135,7 +136,9 @@ def mend(
 
         result = check(one.model)
         data |= {"applied": {**one.to_dict(), "verdict": result.verdict.value}}
-        files = partial(files_after, model, result, one.model, wanted, out)
+        files = partial(
+            files_after, model, result, one.model, wanted, out, subject.model, one.description
+        )
         code = verdict.exit_code(result, strict=False)
     return Answer(data, partial(_show, data), code, model.notes, files)
 
@@ -185,7 +188,13 @@ def margins(asked: tuple[str, ...]) -> DesignMargin:
 
 
 def files_after(
-    before: Model, result: Result, model: Model, wanted: Pictures, out: Path | None
+    before: Model,
+    result: Result,
+    model: Model,
+    wanted: Pictures,
+    out: Path | None,
+    source: str = "",
+    change: str = "",
 ) -> Files:
     """The mended model, and its pictures with the edges of what it was."""
     jobs: list[Any] = []
@@ -196,35 +205,9 @@ def files_after(
     if wanted.html is not None or wanted.png is not None:
         from drystone import view  # as above
 
-        scene = mended_scene(before, result)
+        scene = view.mended_scene(before, result, source, change)
         jobs += wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene))
     return jobs, []
-
-
-def mended_scene(before: Model, result: Result) -> Scene:
-    """A mended model, with the edges of blocks that changed as they were."""
-    from dataclasses import replace
-
-    import numpy as np
-
-    from drystone import view  # as above
-    from drystone.geometry.body.polyhedron import edges_of
-
-    kept = {id(block) for block in result.assembly.blocks}
-    lines = [
-        block.vertices[edges_of(block.faces)]
-        for block in before.assembly.blocks
-        if id(block) not in kept
-    ]
-    stage = view.stage_of(result, "mended")
-    if lines:
-        ends = np.concatenate(lines)
-        ghost = view.Layer(
-            "before", "edges before", view.LayerKind.LINES, "missed", ends[:, 0],
-            ends[:, 1] - ends[:, 0],
-        )  # fmt: skip
-        stage = replace(stage, layers=(*stage.layers, ghost))
-    return view.Scene(result.assembly, result.contacts, (stage,), "drystone: mended")
 
 
 def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:
@@ -238,37 +221,13 @@ def short(result: Result, waiting: Waiting) -> dict[str, Any] | None:
         return diagnose(result.model, result=result, options=few, stop=stop).to_dict()
 
 
-def _files(found: Diagnosis, wanted: Pictures) -> Files:
+def _files(found: Diagnosis, wanted: Pictures, source: str) -> Files:
     if wanted.html is None and wanted.png is None:
         return [], []
     from drystone import view  # as above
 
-    scene = diagnosis_scene(found)
+    scene = view.scene_of(found, source=source)
     return wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene)), []
-
-
-def diagnosis_scene(found: Diagnosis) -> Scene:
-    """The model with its first motion and the forces that would hold it."""
-    from dataclasses import replace
-
-    from drystone import view  # as above
-
-    stage = view.stage_of(found.result, "diagnosis")
-    point, force = found.props
-    props = view.Layer(
-        "props", "props that would hold it", view.LayerKind.ARROWS, "resultant", point, force,
-        inward=True, width=1.8,
-    )  # fmt: skip
-    shown = [layer for layer in stage.layers if layer.kind is not view.LayerKind.ARROWS]
-    stage = replace(
-        stage,
-        message="; ".join(found.sentences),
-        motion=found.motion if found.regions else None,
-        prop=None,
-        layers=(*shown, props) if len(point) else tuple(shown),
-    )
-    result = found.result
-    return view.Scene(result.assembly, result.contacts, (stage,), f"drystone: {stage.headline}")
 
 
 def _show(data: dict[str, Any], screen: Screen) -> None:

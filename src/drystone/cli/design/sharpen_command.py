@@ -79,7 +79,9 @@ def sharpen(
             model, options=chosen, progress=waiting, stop=lambda: stop() or clock.late()
         )
     data = {"model": subject.model, **found.to_dict()}
-    files = partial(files_after, model, found.result, found.model, wanted, out)
+    files = partial(
+        files_after, model, found.result, found.model, wanted, out, subject.model, found.message
+    )
     return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 

@@ -30,6 +30,7 @@ svg { width: 100%; height: auto; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .2rem .6rem; border-bottom: 1px solid #d5d1c7; }
 th { color: #5d5950; font-weight: 500; }
+td:nth-child(3), td:nth-child(6) { white-space: nowrap; }
 td.n, th.n { text-align: right; }
 tr.held td:nth-child(4) { background: #e69f00; } tr.propped td:nth-child(4) { background: #d55e00;
   color: #ffffff; }
@@ -65,7 +66,7 @@ def instructions_text(plan: Plan) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>Assembly plan</title><style>{INSTRUCTIONS_STYLE}</style></head><body>"
         f"<h1>Assembly plan</h1>"
-        f"<p>{html.escape(counts_text(plan))}. {html.escape(plan.message)}.</p>"
+        f"<p>{html.escape(counts_text(plan))}; {html.escape(plan.message)}.</p>"
         f"{_numbered_drawing(plan)}"
         f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
         "</div></body></html>\n"

@@ -64,6 +64,42 @@ def facts_of(
     return {name: text for name, text in facts.items() if text}
 
 
+def asked_line(facts: Mapping[str, str], made: str = "") -> str:
+    """What was asked, in one line.
+
+    Parameters
+    ----------
+    facts
+        Of a scene and its stage; see :func:`facts_of`.
+    made
+        When and with what the picture was made.
+
+    Examples
+    --------
+    >>> asked_line({"File": "arch.json", "Blocks": "17", "Friction": "0.6", "Supports": "none"})
+    'arch.json · 17 blocks · friction 0.6 · no supports'
+    """
+    shown = [facts.get("File", "")]
+    for name, text in (
+        ("Blocks", "{} blocks"),
+        ("Free mass", "free mass {}"),
+        ("Density", "density {}"),
+        ("Friction", "friction {}"),
+        ("Load", "{}"),
+        ("Supports", "supports: {}"),
+        ("Supports that move", "moved: {}"),
+        ("Plan", "plan of {}"),
+        ("Changed", "changed: {}"),
+    ):
+        if facts.get(name) == "none":
+            shown.append(f"no {name.lower()}")
+        elif name in facts:
+            shown.append(text.format(facts[name]))
+    if "Left out" in facts:
+        shown.append("shown without details, see below")
+    return " \N{MIDDLE DOT} ".join(one for one in (*shown, made) if one)
+
+
 def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
     """Where up is in the picture and where the masses are pulled, both (3,) unit.
 
@@ -101,4 +137,4 @@ def _range(values: Floats, unit: str) -> str:
     return text + unit
 
 
-__all__ = ["directions", "facts_of", "mass_text", "sentence"]
+__all__ = ["asked_line", "directions", "facts_of", "mass_text", "sentence"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from drystone.base import units
 from drystone.base.arrays import Floats
@@ -12,6 +13,7 @@ from drystone.fall import Film
 from drystone.settlement import LargeDisplacement, LargeState
 from drystone.view.scenes.header import directions, facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.scenes.staging import interface_layers
 from drystone.view.style.palette import State
 
 WIDTH, HEIGHT = 280.0, 170.0
@@ -32,31 +34,30 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     >>> from drystone.settlement import push
     >>> scene = large_scene(push(tower(2), friction=0.3, to=0.01))
     >>> scene.stages[0].motion_name, scene.stages[0].headline
-    ('Push', 'As far as asked for')
+    ('Push', 'Push: at most 0.3; followed to 0.01 m, where it is 0.3')
     """
     assembly, contacts, model = found.assembly, found.contacts, found.model
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     up, gravity = directions(assembly, model.load)
-    end = found.end.value
-    headline = end[0].upper() + end[1:]
     name = NAMES[found.drive.value]
+    headline = f"{name}: {found.message}"
     last = found.states[-1]
     path = np.stack([one.positions for one in found.states])
     message = "; ".join([found.message, *model.notes])
     whole = Stage(
         "all states", headline, message, state, motion=last.positions, motion_name=name,
         path=path if len(path) > 1 else None, seconds=SECONDS, plays=True, up=up, gravity=gravity,
-        layers=_marks(last),
+        layers=(*interface_layers(contacts), *_marks(found, last)),
     )  # fmt: skip
     facts = facts_of(assembly, contacts, model.load, source)
-    title = f"drystone: {headline.lower()}"
+    title = f"drystone: {headline[0].lower()}{headline[1:]}"
     return Scene(
         assembly, contacts, (whole,), title, facts, panels=(curve_panel(found),), preset="solid"
     )
 
 
-def _marks(state: LargeState) -> tuple[Layer, ...]:
-    """Hinges and sliding joints where they are in this state."""
+def _marks(found: LargeDisplacement, state: LargeState) -> tuple[Layer, ...]:
+    """Hinges and sliding joints of a state; they are where their second blocks carry them."""
     made = []
     for key, label, colour, shape, joints in (
         ("hinges", "hinge: presses on one edge", "hinge", Shape.DISC, state.hinges),
@@ -64,8 +65,14 @@ def _marks(state: LargeState) -> tuple[Layer, ...]:
     ):
         number = np.array(joints, dtype=np.intp)
         if len(number):
-            place = state.resultants.position[number]
-            made.append(Layer(key, label, LayerKind.MARKERS, colour, place, shape=shape))
+            block = state.contacts.block_b[number]
+            moved, turn = np.split(state.positions[block], 2, axis=1)
+            centroid = found.assembly.centroid[block]
+            arm = state.resultants.position[number] - centroid - moved
+            place = centroid + Rotation.from_rotvec(turn).inv().apply(arm)
+            made.append(
+                Layer(key, label, LayerKind.MARKERS, colour, place, block=block, shape=shape)
+            )
     return tuple(made)
 
 

@@ -15,8 +15,8 @@ from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import UP, Scene, Stage
 from drystone.view.scenes.staging import stage_of
 
-WIDTH, HEIGHT = 280.0, 120.0
-LEFT, RIGHT, TOP, BOTTOM = 12.0, 12.0, 14.0, 30.0
+WIDTH, HEIGHT = 280.0, 130.0
+LEFT, RIGHT, TOP, BOTTOM = 12.0, 12.0, 26.0, 30.0
 """[px] of the drawing, and its margins."""
 
 NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
@@ -55,7 +55,7 @@ def limit_scene(limit: Limit, source: str = "") -> Scene:
     if any(not _same_shape(state, last) for state, _, _ in same):
         same = states[-1:]
     model = last.model
-    stages = tuple(_stage(limit, state, value, falls) for state, value, falls in same)
+    stages = tuple(_stage(limit, *one, alone=len(same) < len(states)) for one in same)
     facts = facts_of(model.assembly, model.contacts, model.load, source)
     asked = {name: text for name, text in facts.items() if name not in ("Load", "Friction")}
     title = f"drystone: {_summary(limit, last)}"
@@ -74,7 +74,12 @@ def sweep_scene(sweep: TiltSweep, source: str = "") -> Scene:
     lowest = sweep.lowest
     scene = limit_scene(sweep.limits[lowest], source)
     message = f"{sweep.rank} leans towards {sweep.azimuth[lowest]:g} degrees"
-    stages = tuple(replace(one, message=f"{message}; {one.message}") for one in scene.stages)
+    stages = tuple(
+        replace(
+            one, headline=f"{one.headline}: {sweep.rank}", message=f"{message}; {one.message}"
+        )
+        for one in scene.stages
+    )  # fmt: skip
     return replace(scene, stages=stages, panels=(polar_panel(sweep), *scene.panels))
 
 
@@ -86,13 +91,18 @@ def _same_shape(first: Result, second: Result) -> bool:
     return bool(np.array_equal(one.bounds, other.bounds))
 
 
-def _stage(limit: Limit, state: Result, value: float, falls: bool) -> Stage:
+def _stage(limit: Limit, state: Result, value: float, falls: bool, alone: bool) -> Stage:
+    """One side of the limit; ``alone`` where the other side is not shown."""
     told = quantity_text(limit, value, state)
-    verb = "Falls at" if falls else _verb(limit)
+    stands = limit.best.stands
+    headline = f"{'Falls at' if falls else _verb(limit)} {told}"
+    if alone and falls and stands is not None:
+        last = quantity_text(limit, stands, state)
+        headline = f"{_verb(limit)} {last}, then falls as shown"
     facts = facts_of(state.assembly, state.contacts, state.load)
     return replace(
         stage_of(state, f"{'falls' if falls else 'stands'} at {_short(limit, value)}"),
-        headline=f"{verb} {told}",
+        headline=headline,
         message=_means(limit, state),
         facts={name: text for name, text in facts.items() if name in ("Load", "Friction")},
     )
@@ -120,7 +130,12 @@ def quantity_text(limit: Limit, value: float, state: Result) -> str:
     if limit.parameter == "tilt":
         return f"{value:.3g} degrees{_about(state)}"
     unit = f" {limit.unit}" if limit.unit else ""
-    return f"{limit.parameter} {value:.4g}{unit}"
+    return f"{_name(limit)} {value:.4g}{unit}"
+
+
+def _name(limit: Limit) -> str:
+    """The parameter as a person writes it."""
+    return limit.parameter.replace("_", " ")
 
 
 def _short(limit: Limit, value: float) -> str:
@@ -168,8 +183,9 @@ def evaluations_panel(limit: Limit) -> str:
     if not tried:
         return ""
     value = np.array([one.value for one in tried])
-    low, high = float(value.min()), float(value.max())
     best = limit.best
+    ends = [end for end in (best.stands, best.falls) if end is not None]
+    low, high = min(*ends, *value), max(*ends, *value)
     marks = [
         f'<path d="M{LEFT:g} {TOP:g}V{HEIGHT - BOTTOM:g}H{WIDTH - RIGHT:g}" fill="none"'
         ' stroke="var(--line)"/>'
@@ -178,16 +194,15 @@ def evaluations_panel(limit: Limit) -> str:
         at = _across(np.array([best.stands]), low, high)[0]
         marks.append(
             f'<path d="M{at:.1f} {TOP:g}V{HEIGHT - BOTTOM:g}" stroke="var(--ink)"'
-            f' stroke-dasharray="3 3"/><text x="{_within(at):.1f}" y="{TOP - 4:g}"'
+            f' stroke-dasharray="3 3"/><text x="{_within(at):.1f}" y="{TOP - 9:g}"'
             f' text-anchor="middle">{html.escape(_short(limit, best.stands))}</text>'
         )
+    if best.falls is not None and best.falls not in value:  # shown by equilibrium alone
+        marks.append(_cross(_across(np.array([best.falls]), low, high)[0], HEIGHT - BOTTOM))
     for x, one in zip(_across(value, low, high), tried, strict=True):
         y = HEIGHT - BOTTOM - _share(one) * (HEIGHT - TOP - BOTTOM)
         if one.verdict is Verdict.UNSTABLE:
-            marks.append(
-                f'<path d="M{x - 3.5:.1f} {y - 3.5:.1f}l7 7m0 -7l-7 7" stroke="var(--bad)"'
-                ' stroke-width="1.5"/>'
-            )
+            marks.append(_cross(x, y))
         else:
             fill = "var(--good)" if one.verdict is Verdict.STABLE else "none"
             marks.append(
@@ -199,7 +214,7 @@ def evaluations_panel(limit: Limit) -> str:
             f'<text x="{_within(at):.1f}" y="{HEIGHT - BOTTOM + 13:g}" text-anchor="middle">'
             f"{html.escape(_short(limit, end))}</text>"
         )
-    name = html.escape(limit.parameter)
+    name = html.escape(_name(limit))
     return f"""    <fieldset><legend>Values that were tried</legend>
       <svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" width="100%" role="img" fill="var(--quiet)"
         font-size="11" aria-label="Share of contact stiffnesses that stand, by {name}">
@@ -209,6 +224,11 @@ def evaluations_panel(limit: Limit) -> str:
       <p>Discs stand, crosses fall; the height is the share of the contact stiffnesses tried that
       stand.</p>
     </fieldset>"""
+
+
+def _cross(x: float, y: float) -> str:
+    path = f"M{x - 3.5:.1f} {y - 3.5:.1f}l7 7m0 -7l-7 7"
+    return f'<path d="{path}" stroke="var(--bad)" stroke-width="1.5"/>'
 
 
 def _share(one: Evaluation) -> float:

@@ -21,8 +21,8 @@ MOST_ARROWS = 200_000
 """Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
 stays below 20 MB."""
 
-WAY = 1.0
-"""Length of the way in that is shown, by the size of the block; chosen by eye."""
+INSERTED = 1.0
+"""Length of the path of insertion that is shown, by the size of the block; chosen by eye."""
 
 STATE_OF = {
     Status.SUPPORT: State.SUPPORT,
@@ -46,7 +46,8 @@ def plan_scene(plan: Plan, source: str = "") -> Scene:
     stages.append(summary_stage(plan))
     title = f"drystone plan: {counts_text(plan)}"
     asked = model.model
-    facts = facts_of(asked.assembly, asked.contacts, asked.load, source)
+    facts = dict(facts_of(asked.assembly, asked.contacts, asked.load, source))
+    facts["Plan"] = counts_text(plan)
     number = np.zeros(len(model.assembly), dtype=np.intp)
     for block, position in block_numbers(plan).items():
         number[block] = position
@@ -95,9 +96,9 @@ def _stages(plan: Plan, number: int, forces: bool) -> list[Stage]:
 
 
 def _way_in(plan: Plan, block: int, direction: Floats) -> Floats:
-    """The motion (n, 6) that takes a block out of its place: the way in, backwards."""
+    """The motion (n, 6) that takes a block out of its place: the path of insertion, backwards."""
     motion = np.zeros((len(plan.model.assembly), 6))
-    motion[block, :3] = -WAY * plan.model.assembly.size[block] * direction
+    motion[block, :3] = -INSERTED * plan.model.assembly.size[block] * direction
     return motion
 
 
@@ -129,7 +130,7 @@ def _stage(
     help_needed = help_layer(model.assembly, prop, "props and hands")
     stage = Stage(
         label, _sentence(answer, state), message, state, answer.verdict,
-        motion_name="Way in", arrives=True, prop=prop, up=up, gravity=gravity,
+        motion_name="Insertion", arrives=True, prop=prop, up=up, gravity=gravity,
         layers=interface_layers(contacts, shown) + help_needed,
     )  # fmt: skip
     if not forces or not len(answer.corner):

@@ -8,6 +8,7 @@ from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
+from drystone.design.causes.diagnosed import Diagnosis
 from drystone.fall import Film
 from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
@@ -16,6 +17,7 @@ from drystone.sequence import Plan
 from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
 from drystone.view.scenes.large_scenes import film_scene, large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
+from drystone.view.scenes.mend_scenes import diagnosis_scene
 from drystone.view.scenes.plan_scenes import plan_scene
 from drystone.view.scenes.scene import Scene
 from drystone.view.scenes.settlement_scenes import followed_scene, settlement_scene
@@ -32,6 +34,7 @@ Subject: TypeAlias = (
     | Settlement
     | LargeDisplacement
     | Film
+    | Diagnosis
     | Scene
 )
 
@@ -79,6 +82,8 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
             return large_scene(subject, source)
         case Film():
             return film_scene(subject, source)
+        case Diagnosis():
+            return diagnosis_scene(subject, source)
         case Settlement():
             return followed_scene(subject, source)
         case _:

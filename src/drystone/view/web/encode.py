@@ -26,9 +26,9 @@ The format (``format`` "drystone-page", ``version`` 2):
 ``presets``, ``preset``
     Pictures by key, each with label, layers, opacity, numbers and ghost; the one shown at first.
 ``stages``
-    Each with label, headline, message, verdict, facts, ``state`` per block, the optional arrays of
-    :class:`drystone.view.scenes.scene.Stage`, and ``layers``. ``scale`` of a layer is how long [m]
-    an arrow of 1 N is, ``top`` the end of its colour bar.
+    Each with label, headline, ``asked`` in one line, message, verdict, facts, ``state`` per block,
+    the optional arrays of :class:`drystone.view.scenes.scene.Stage`, and ``layers``. ``scale`` of
+    a layer is how long [m] an arrow of 1 N is, ``top`` the end of its colour bar.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.scenes.exploded import exploded
+from drystone.view.scenes.header import asked_line
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 from drystone.view.style.palette import (
@@ -249,6 +250,7 @@ def _stage(stage: Stage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
     data: dict[str, Any] = {
         "label": stage.label,
         "headline": stage.headline,
+        "asked": asked_line({**scene.facts, **stage.facts}, scene.made),
         "message": stage.message,
         "verdict": stage.verdict.name if stage.verdict is not None else None,
         "facts": list(stage.facts.items()),

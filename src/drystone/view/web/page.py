@@ -16,8 +16,9 @@ from drystone.view.web.encode import encode, to_text
 SCRIPTS = (
     "linear.js", "data.js", "shaders.js", "shadow.js", "graphics.js",
     "renderer.js", "picking.js", "camera.js", "pointers.js",
-    "legend.js", "panel.js", "overlay.js", "export.js", "state.js", "drawing.js", "playing.js",
-    "choosing.js", "pointing.js", "views.js", "framed.js", "taking-out.js", "main.js",
+    "legend.js", "panel.js", "overlay.js", "captions.js", "export.js", "extent.js", "state.js",
+    "drawing.js", "playing.js", "choosing.js", "pointing.js", "views.js", "framed.js",
+    "taking-out.js", "main.js",
 )  # fmt: skip
 """In the order in which they are put into the page; one scope, so that later ones use earlier."""
 

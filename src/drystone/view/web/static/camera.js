@@ -3,7 +3,6 @@
 
 const FIELD_OF_VIEW = (28 * Math.PI) / 180;
 const SLOPE = Math.tan(FIELD_OF_VIEW / 2);
-const MOST_POINTS = 100000; // looked at to fit the model into the view
 const FLIGHT = 350; // [ms] from one view to another
 const VERTICAL = Math.PI / 2 - 1e-4;
 

@@ -1,6 +1,7 @@
 // One picture: what is switched on, drawn by the renderer, with names and scales over it.
 
 const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
+const PAPER = 700; // [CSS pixels], about the width of a printed page
 const MANY = 3000; // blocks, from which lines wait where pictures come slowly
 
 function sizeOf() {
@@ -13,6 +14,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
   const colours = Object.fromEntries(
     Object.entries(data.colours[theme()]).map(([role, hex]) => [role, colourOf(hex)]),
   );
+  colours.background = colourOf(groundColour());
   const stateColours = new Float32Array(24);
   for (const [code, state] of Object.entries(data.states)) {
     stateColours.set(colourOf(state[theme()]), 3 * Number(code));
@@ -87,20 +89,33 @@ function draw() {
   drawMarks(marks.getContext("2d"), view, ratio);
 }
 
+// The ground of the page: that of the system where it forces its colours.
+function groundColour() {
+  const own = data.colours[theme()].background;
+  if (!forcing.matches || page.printing) return own;
+  const parts = getComputedStyle(document.body).backgroundColor.match(/\d+/g) ?? [];
+  return parts.length < 3
+    ? own : `#${parts.slice(0, 3).map((x) => Number(x).toString(16).padStart(2, "0")).join("")}`;
+}
+
 function markColours() {
   const light = theme() === "light";
   const roles = data.colours[theme()];
   return {
-    ink: light ? "#1d1b18" : "#eceae5", paper: roles.background, accent: roles.pressure,
+    ink: light ? "#1d1b18" : "#eceae5", paper: groundColour(), accent: roles.pressure,
     kern: roles.kern, network: roles.network,
     x: light ? "#b3343c" : "#ff8d94", y: light ? "#2e7d32" : "#8fd694", z: light ? "#2b5fb4" : "#9cc3ff",
   };
 }
 
-function drawMarks(pen, view, ratio) {
-  const size = sizeOf();
+// On paper the picture is made smaller, and its marks are drawn larger by as much.
+function drawMarks(pen, seen, ratio) {
+  const whole = sizeOf();
+  const grown = page.printing ? Math.max(1, whole.width / PAPER) : 1;
+  const size = { width: whole.width / grown, height: whole.height / grown };
+  const view = { ...seen, metresPerPixel: seen.metresPerPixel * grown };
   const colours = markColours();
-  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.setTransform(ratio * grown, 0, 0, ratio * grown, 0, 0);
   pen.clearRect(0, 0, size.width, size.height);
   const names = shownLayers.get("names");
   const numbers = shownLayers.get("numbers");

@@ -14,41 +14,6 @@ function fileName(data, ending) {
   return `${stem || "drystone"}.${ending}`;
 }
 
-// Head and legend drawn beside a picture `width` wide; returns the heights that they take.
-function drawTexts(pen, data, stage, theme, shown, width, bottom, ink) {
-  pen.fillStyle = ink;
-  pen.textAlign = "left";
-  pen.textBaseline = "top";
-  pen.font = "600 18px system-ui, sans-serif";
-  pen.fillText(stage.headline || data.title, 16, 14, width - 32);
-  pen.font = "12px system-ui, sans-serif";
-  pen.fillText(document.getElementById("asked").textContent, 16, 40, width - 32);
-  const rows = legendRows(data, stage, theme, shown);
-  let y = bottom - 18 * rows.length - 10;
-  for (const row of rows) {
-    if (row.bar) {
-      const fill = pen.createLinearGradient(16, 0, 136, 0);
-      data.ramp[theme].forEach((stop, i, all) => fill.addColorStop(i / (all.length - 1), stop));
-      pen.fillStyle = fill;
-      pen.fillRect(16, y + 1, 120, 11);
-      pen.fillStyle = ink;
-      pen.fillText(`${row.text}: ${barTexts(row.bar)[0]} to ${barTexts(row.bar)[2]}`, 144, y);
-    } else {
-      pen.fillStyle = row.colour;
-      if (row.shape === "thin" || row.shape === "thick") pen.fillRect(16, y + 5, 16, 4);
-      else if (row.shape === "disc") pen.arc(24, y + 7, 5, 0, 7);
-      else pen.fillRect(16, y + 1, 16, 12);
-      if (row.shape === "disc") {
-        pen.fill();
-        pen.beginPath();
-      }
-      pen.fillStyle = ink;
-      pen.fillText(row.text, 40, y);
-    }
-    y += 18;
-  }
-}
-
 // One row a joint: numbers as they are, in SI units.
 function jointsCsv(data, stage) {
   const { a, b, area, friction } = data.contacts;
@@ -88,7 +53,7 @@ function pictureSvg(data, stage, view, size, theme, options) {
   const title = escapeXml(stage.headline || data.title);
   return `<svg xmlns="${SVG}" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`
     + `<title>${title}</title><rect width="100%" height="100%" fill="${paper}"/>`
-    + `${parts.join("")}</svg>\n`;
+    + `${parts.join("")}${options.captions}</svg>\n`;
 }
 
 function escapeXml(text) {
@@ -184,7 +149,12 @@ function layerMarks(layer, data, view, theme, place, options) {
     const from = layer.position.subarray(3 * i, 3 * i + 3);
     const p = place(from);
     if (layer.kind === "markers") {
-      if (p) out.push(`<circle cx="${p.x.toFixed(1)}" cy="${p.y.toFixed(1)}" r="5" fill="${colour}" stroke="#fff"/>`);
+      const look = `fill="${colour}" stroke="${cssColour(view.outline)}"`;
+      if (!p) continue;
+      const [x, y] = [p.x.toFixed(1), p.y.toFixed(1)];
+      if (layer.shape === "diamond") {
+        out.push(`<path d="M${x} ${y}m-6 0l6 -6l6 6l-6 6z" ${look}/>`);
+      } else out.push(`<circle cx="${x}" cy="${y}" r="5" ${look}/>`);
       continue;
     }
     const vector = layer.vector.subarray(3 * i, 3 * i + 3);

@@ -94,12 +94,7 @@ function showHeader(data, stage) {
   headline.textContent = stage.headline || data.title;
   headline.className = stage.verdict ?? "";
   const facts = [...new Map([...data.facts, ...stage.facts])];
-  const of = (name) => facts.find(([known]) => known === name)?.[1];
-  const short = [
-    of("File"), of("Blocks") && `${of("Blocks")} blocks`, of("Friction") && `friction ${of("Friction")}`,
-    of("Load"), of("Left out") && "shown without details, see below",
-  ];
-  document.getElementById("asked").textContent = short.filter(Boolean).join(" \u00b7 ");
+  document.getElementById("asked").textContent = stage.asked;
   document.getElementById("message").textContent = stage.message;
   const list = document.getElementById("facts");
   list.replaceChildren();

@@ -66,6 +66,16 @@ function turnedBetween(v, from, to) {
   return vec.add(vec.add(vec.scale(v, cosine), vec.cross(axis, v)), vec.scale(axis, onto));
 }
 
+// A vector turned by a rotation vector [rad].
+function turned(v, w) {
+  const angle = vec.length(w);
+  if (angle < 1e-9) return Array.from(v);
+  const axis = vec.scale(w, 1 / angle);
+  const [cosine, sine] = [Math.cos(angle), Math.sin(angle)];
+  const along = vec.scale(axis, vec.dot(axis, v) * (1 - cosine));
+  return vec.add(vec.add(vec.scale(v, cosine), vec.scale(vec.cross(axis, v), sine)), along);
+}
+
 // Place on the picture [CSS pixels] and depth of a point; null behind the eye.
 function projected(matrix, p, width, height) {
   const row = (i) => matrix[i] * p[0] + matrix[4 + i] * p[1] + matrix[8 + i] * p[2] + matrix[12 + i];

@@ -88,7 +88,7 @@ function connect() {
   }).observe(canvas);
   window.addEventListener("resize", redraw); // a new pixel ratio
   window.addEventListener("hashchange", () => readView(location.hash.slice(1)));
-  darkness.addEventListener("change", refreshPanels);
+  for (const one of [darkness, forcing]) one.addEventListener("change", refreshPanels);
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
   canvas.addEventListener("webglcontextrestored", () => {
     renderer.build();

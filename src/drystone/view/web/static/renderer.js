@@ -167,7 +167,8 @@ class Renderer extends Graphics {
     }
   }
 
-  // Forces first, then blocks like glass over them, then their edges: faint behind, clear in front.
+  // Forces first, then blocks like glass over them, then their edges, faint behind and clear in
+  // front, then marks and arrows.
   drawGlass(view) {
     const gl = this.gl;
     const inside = view.layers.filter((layer) => layer.kind === "polygons" || layer.value);
@@ -182,19 +183,19 @@ class Renderer extends Graphics {
       gl.depthMask(false);
       this.drawEdges(view, BEHIND * view.fine);
     }
-    gl.depthMask(false);
-    for (const layer of view.layers.filter((one) => !inside.includes(one))) {
-      gl.disable(gl.DEPTH_TEST);
-      this.drawLayer(layer, view, 1);
-      gl.enable(gl.DEPTH_TEST);
-    }
-    gl.depthMask(true);
     if (view.showEdges && view.showBlocks) {
+      gl.depthMask(true);
       this.drawDepth(view);
       gl.depthMask(false);
       this.drawEdges(view, 0.75 * view.fine);
-      gl.depthMask(true);
     }
+    gl.depthMask(false);
+    gl.disable(gl.DEPTH_TEST);
+    for (const layer of view.layers.filter((one) => !inside.includes(one))) {
+      this.drawLayer(layer, view, 1);
+    }
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthMask(true);
   }
 
   drawGround(view) {

@@ -8,6 +8,7 @@ const still = matchMedia("(prefers-reduced-motion: reduce)");
 const byId = (id) => document.getElementById(id);
 const canvas = byId("view");
 const data = readData();
+const forcing = matchMedia("(forced-colors: active)");
 const darkness = matchMedia("(prefers-color-scheme: dark)");
 const known = new Set(data.known);
 const shownLayers = new Map();
@@ -48,27 +49,3 @@ function settle() {
 }
 
 const camera = new Camera(placesAt, data.half, data.toward, redraw);
-
-// Corners of the blocks, every so-many-th where there are many, taken apart by `spread`; and where
-// blocks come from that are moved into their places.
-function placesAt(spread) {
-  const { point, points, centroid, away } = data.blocks;
-  const step = Math.max(1, Math.ceil(point.length / 3 / MOST_POINTS));
-  const places = [];
-  let p = 0;
-  for (let block = 0; block < data.count; block++) {
-    for (let k = 0; k < points[block]; k++, p++) {
-      if (p % step) continue;
-      for (let i = 0; i < 3; i++) places.push(point[3 * p + i] + spread * away[3 * block + i]);
-    }
-  }
-  for (const one of data.stages) {
-    if (!one.arrives || !one.motion) continue;
-    for (let i = 0; i < data.count; i++) {
-      const way = one.motion.subarray(6 * i, 6 * i + 3);
-      if (vec.length(way) === 0) continue;
-      places.push(...vec.add(centroid.subarray(3 * i, 3 * i + 3), vec.scale(way, 1.3)));
-    }
-  }
-  return new Float32Array(places);
-}

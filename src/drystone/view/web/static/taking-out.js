@@ -21,9 +21,18 @@ function pictureOf(ratio) {
 function exportPng() {
   const { sheet, pen } = pictureOf(2);
   const { width, height } = sizeOf();
-  drawTexts(pen, data, stage(), theme(), shown, width, height, markColours().ink);
+  const marks = captions(data, stage(), theme(), shown, { width, height });
+  paintCaptions(pen, marks, markColours().ink, data.ramp[theme()]);
   sheet.toBlob((blob) => download(fileName(data, "png"), blob), "image/png");
   draw();
+}
+
+// The picture as SVG, with head, legend and scale.
+function linesOf() {
+  const [view, size, colours] = [currentView(), sizeOf(), markColours()];
+  const marks = captions(data, stage(), theme(), shown, size);
+  const texts = captionsSvg(marks, colours.ink, data.ramp[theme()]) + labelsSvg(view, size, colours);
+  return pictureSvg(data, stage(), view, size, theme(), { hidden: page.hidden, captions: texts });
 }
 
 // A picture in the colours of paper stands in for the canvas while the page is printed.
@@ -47,8 +56,7 @@ function afterPrint() {
 function connectExports() {
   byId("png").addEventListener("click", exportPng);
   byId("svg").addEventListener("click", () => {
-    const text = pictureSvg(data, stage(), currentView(), sizeOf(), theme(), { hidden: page.hidden });
-    download(fileName(data, "svg"), text, "image/svg+xml");
+    download(fileName(data, "svg"), linesOf(), "image/svg+xml");
   });
   byId("csv").addEventListener("click", () => {
     download(fileName(data, "csv"), jointsCsv(data, stage()), "text/csv");

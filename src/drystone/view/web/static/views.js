@@ -8,7 +8,7 @@ function insets() {
   const shareOf = (id) => byId(id).offsetHeight / height;
   const top = Math.min(0.3, shareOf("verdict") + 8 / height);
   const legend = byId("legend");
-  const beside = legend.offsetWidth < 0.3 * width;
+  const beside = width > height && legend.offsetWidth < 0.3 * width;
   const bottom = beside ? 64 / height : Math.min(0.35, shareOf("legend") + 8 / height);
   const left = beside ? (legend.offsetWidth + 8) / width : 16 / width;
   return { left, right: Math.max(24, beside ? 40 : 24) / width, top, bottom };

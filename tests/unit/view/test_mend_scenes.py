@@ -1,0 +1,64 @@
+"""Why a model falls and what it became, as scenes; blocks that are pushed; what was asked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import drystone
+from drystone.models import arch, box, tower
+from drystone.settlement import push
+from drystone.view import LayerKind, State, mended_scene, scene_of
+from drystone.view.scenes.header import asked_line
+
+
+def test_a_diagnosis_shows_the_props_that_would_hold_it_and_nothing_else_pulls():
+    model = drystone.Model.of(arch(0.2, 8), friction=0.2)
+    found = drystone.diagnose(model)
+    scene = scene_of(found, source="folder/arch.json")
+    (stage,) = scene.stages
+    (props,) = [layer for layer in stage.layers if layer.kind is LayerKind.ARROWS]
+    assert (props.key, props.colour, props.single) == ("help", "help", True)
+    np.testing.assert_array_equal(props.vector, found.props[1])
+    assert scene.facts["File"] == "arch.json"
+    assert "friction" in stage.message
+    assert (stage.state == State.FALLING).any()
+
+
+def test_a_mended_model_says_what_was_changed_and_shows_the_edges_of_what_it_was():
+    before = drystone.Model.of(tower(2), friction=0.6)
+    lower = box((1.0, 1.0, 0.5), (0.0, 0.0, 1.0), "block-1")
+    changed = replace(before.assembly, blocks=(before.assembly.blocks[0], lower))
+    after = drystone.check(drystone.Model.of(changed, friction=0.6))
+    scene = mended_scene(before, after, "tower.json", "block 'block-1' lower")
+    (ghost,) = [layer for layer in scene.stages[0].layers if layer.key == "before"]
+    assert ghost.count == 12  # the edges of one box
+    assert scene.facts["Changed"] == "block 'block-1' lower"
+    assert asked_line(scene.facts).endswith("changed: block 'block-1' lower")
+
+
+def test_hinges_of_a_pushed_model_are_carried_to_where_they_are_at_the_end():
+    found = push(drystone.Model.of(arch(0.2, 6), friction=0.9))
+    last = found.states[-1]
+    (stage,) = scene_of(found).stages
+    (marks,) = [layer for layer in stage.layers if layer.key == "hinges"]
+    motion = last.positions[marks.block]
+    centroid = found.assembly.centroid[marks.block]
+    arm = Rotation.from_rotvec(motion[:, 3:]).apply(marks.position - centroid)
+    place = last.resultants.position[list(last.hinges)]
+    np.testing.assert_allclose(centroid + motion[:, :3] + arm, place, atol=1e-9)
+    assert stage.headline == f"Push: {found.message}"
+
+
+def test_what_was_asked_is_told_in_one_line():
+    result = drystone.check(drystone.Model.of(tower(2), friction=0.5))
+    scene = scene_of(result, source="a/b/tower.json")
+    line = asked_line(scene.facts, "2026, drystone 1")
+    assert line == (
+        "tower.json · 2 blocks · free mass 2,400 kg · density 2400 kg/m³ · friction 0.5 · gravity"
+        " · supports: block-0 · 2026, drystone 1"
+    )
+    bare = replace(tower(2), fixed=np.zeros(2, dtype=bool))
+    assert "no supports" in asked_line(scene_of(bare).facts)
