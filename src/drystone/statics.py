@@ -138,21 +138,21 @@ class Statics:
 
     def wrench(self, force: Floats) -> Floats:
         """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
-        if self._few is not None:
-            return (force.ravel() @ self._few).reshape(-1, 6)
+        if self.full_transposed is not None:
+            return (force.ravel() @ self.full_transposed).reshape(-1, 6)
         result: Floats = (self.matrix @ force.ravel()).reshape(-1, 6)
         return result
 
     def displacement(self, motion: Floats) -> Floats:
         """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
-        if self._few is not None:
-            return (self._few @ motion.ravel()).reshape(-1, 3)
+        if self.full_transposed is not None:
+            return (self.full_transposed @ motion.ravel()).reshape(-1, 3)
         result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
         return result
 
     @cached_property
-    def _few(self) -> Floats | None:
-        """A^T as a full matrix, where the model is small."""
+    def full_transposed(self) -> Floats | None:
+        """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
         rows, columns = 3 * self.corner_count, 6 * self.free_count
         return self.matrix_transposed.toarray() if rows * columns <= FULL else None
 

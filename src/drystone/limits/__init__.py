@@ -1,11 +1,13 @@
 """Limits of tilt, load, friction and thickness; imperfections."""
 
+from drystone.limits.brackets import Bracket, Evaluation
 from drystone.limits.imperfections import (
     Imperfections,
     StandingShare,
     imperfect,
     imperfections,
 )
+from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import Family, Friction, LoadFactor, Parametric, Shrunk, Tilt
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import (
@@ -16,7 +18,6 @@ from drystone.limits.limits import (
     limit_tilt,
 )
 from drystone.limits.polar import TiltSweep, tilt_sweep
-from drystone.limits.search import Bracket, Check, Evaluation
 from drystone.limits.thrust import ThrustBounds, thrust_bounds
 
 __all__ = [

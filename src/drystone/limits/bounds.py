@@ -15,8 +15,10 @@ from drystone.formulations.equilibrium import (
     FrictionCone,
     solve_load_factor,
 )
+from drystone.limits.brackets import Bracket
+from drystone.limits.limit_checks import Stop
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
-from drystone.limits.search import Bracket, Search, Stop, Stopped
+from drystone.limits.search import Search, Stopped
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result

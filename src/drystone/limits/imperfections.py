@@ -21,7 +21,7 @@ from drystone.base.table import Table
 from drystone.contacts import Contacts
 from drystone.geometry.plane.polygon import following
 from drystone.io.opening import Given, How, as_model
-from drystone.limits.search import STANDS, Check, verdict
+from drystone.limits.limit_checks import STANDS, Check, verdict
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.settlement import Loading, Outcome, SettlementOptions, settle

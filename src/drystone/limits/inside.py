@@ -13,22 +13,20 @@ import numpy as np
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.limits.bounds import bisected_bound
-from drystone.limits.limit_families import Family
-from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.search import (
+from drystone.limits.brackets import Bracket, Found
+from drystone.limits.limit_checks import (
     SEARCHED,
     STANDS,
     STANDS_OR_NOT,
-    Bracket,
     Check,
-    Found,
-    Search,
     Stop,
-    Stopped,
     every_stiffness,
     one_stiffness,
     verdict,
 )
+from drystone.limits.limit_families import Family
+from drystone.limits.limit_types import Limit, LimitOptions
+from drystone.limits.search import Search, Stopped
 from drystone.results import Result, Verdict
 from drystone.stability.problem import Clock
 from drystone.statics import build_statics
@@ -159,12 +157,12 @@ def _in_two_steps(
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
         width = max(width, COARSE * abs(last - start))
     search = means.search(family, one_stiffness, STANDS_OR_NOT)
-    uniform = search.run(start, last, width=width, scan=scan, beyond=outer)
+    uniform = search.from_start(start, last, width=width, scan=scan, beyond=outer)
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     means.tell("verdict where stiffness decides", 2)
     full = means.search(family, verdict)
     near = start if edge is None else edge
-    far = last if falls is None or falls == outer.falls else falls
+    far = last if edge is None or falls in (None, outer.falls) else falls
     if means.options.width is None:
         width = max(width, SENSITIVE * abs(last - start))
     try:

@@ -11,7 +11,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.base.table import Table
 from drystone.formulations.equilibrium import FrictionCone
-from drystone.limits.search import Bracket, Evaluation, plain
+from drystone.limits.brackets import Bracket, Evaluation, plain
 from drystone.results import Verdict
 from drystone.settlement import Outcome
 

@@ -24,6 +24,7 @@ from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import (
     Friction,
     LoadFactor,
@@ -33,7 +34,6 @@ from drystone.limits.limit_families import (
     found,
 )
 from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.search import Check
 from drystone.loads import LoadCase
 
 AXES = {

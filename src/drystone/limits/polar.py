@@ -17,9 +17,10 @@ from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.io.opening import Given, How, supported_model
+from drystone.limits.brackets import Bracket
+from drystone.limits.limit_checks import Check
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import limit_tilt
-from drystone.limits.search import Bracket, Check
 from drystone.model import Model
 from drystone.stability.problem import Clock
 

@@ -2,148 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from operator import itemgetter
-from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone import stability
-from drystone.base.display import OneLine
+from drystone.limits.brackets import Bracket, Evaluation, Found
+from drystone.limits.limit_checks import STANDS, Check, Stop
 from drystone.limits.limit_families import Family
-from drystone.model import Model
-from drystone.results import Result, Samples, Verdict
-from drystone.settlement import Outcome
-
-Check: TypeAlias = Callable[[Model], Result]
-"""A function that gives the verdict on a model."""
-
-Stop: TypeAlias = Callable[[], bool]
-"""Whether to stop. Once True, it must stay True."""
-
-SEARCHED = 500
-"""Largest number of corners with which uniform stiffness is checked as thoroughly as by
-:func:`drystone.check`. Chosen: for larger models that fall one such try takes seconds; two quick
-ones are made instead."""
-
-ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
-STIFFNESSES = stability.CheckOptions(settle=False)
-
-UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
-"""Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
-the quick level gives the same limits as the patient one in half of the time."""
-
-
-def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """Whether it stands with uniform contact stiffness: the fastest proof."""
-    if model.contacts.corner_count > SEARCHED:
-        return stability.try_rest(model, screening=UNIFORM, stop=stop)
-    return stability.check(model, options=ONE_STIFFNESS, stop=stop)
-
-
-def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """Whether it stands with every contact stiffness that is tried: robust."""
-    found = stability.check(model, options=STIFFNESSES, stop=stop)
-    if found.stable and found.samples.standing < found.samples.tried:
-        return replace(found, verdict=Verdict.UNDECIDED)
-    return found
-
-
-def verdict(model: Model, *, stop: Stop | None = None) -> Result:
-    """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
-    return stability.check(model, stop=stop)
-
-
-STANDS: Mapping[Verdict, bool | None] = {
-    Verdict.STABLE: True,
-    Verdict.EQUILIBRIUM_EXISTS: True,
-    Verdict.UNSTABLE: False,
-    Verdict.UNDECIDED: None,
-}
-"""Whether a verdict counts as standing; ``None`` counts as neither."""
-
-STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
-    kind: stands is True for kind, stands in STANDS.items()
-}
-"""As above, but an undecided value counts as falling."""
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """One value that was tried.
-
-    Attributes
-    ----------
-    value
-    verdict
-    samples
-    settled
-        How it ended where the blocks were followed by finite steps, because contact stiffness
-        decides; else ``None``.
-    """
-
-    value: float
-    verdict: Verdict
-    samples: Samples = field(default_factory=Samples)
-    settled: Outcome | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Bracket(OneLine):
-    """Both sides of a limit.
-
-    Attributes
-    ----------
-    stands
-        The last value at which it stands; ``None`` if none was found.
-    falls
-        The first value beyond at which it falls; ``None`` if it stands at all tried values.
-    standing, falling
-        The states there; the falling one has the mechanism.
-    computed
-        The limit from a convex program, if there is one.
-    """
-
-    stands: float | None = None
-    falls: float | None = None
-    standing: Result | None = None
-    falling: Result | None = None
-    computed: float | None = None
-
-    def _summary(self) -> str:
-        return f"stands={self.stands}, falls={self.falls}, computed={self.computed}"
-
-    @property
-    def value(self) -> float | None:
-        """The limit: computed, or the middle of the bracket; ``None`` where a side is missing."""
-        if self.stands is None or self.falls is None:
-            return None
-        if self.computed is not None:
-            return self.computed
-        return 0.5 * (self.stands + self.falls)
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """Result of a search.
-
-    Attributes
-    ----------
-    bracket
-        Around the first change of the verdict, seen from the start.
-    islands
-        Values beyond it between which the structure stands again, as far as they were tried.
-    evaluations
-        In ascending order of the value.
-    """
-
-    bracket: Bracket
-    islands: tuple[tuple[float, float], ...]
-    evaluations: tuple[Evaluation, ...]
-
+from drystone.results import Result, Verdict
 
 GROWTH = 4.0
 """Of a step from a guess to the next: less than the bisections that follow."""
@@ -238,6 +108,18 @@ class Search:
             return self._run(start, end, width, scan, beyond)
         except Stopped:
             return self.so_far(start, beyond)
+
+    def from_start(
+        self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
+    ) -> Found:
+        """As :meth:`run`; where it falls at the start no other value is tried."""
+        try:
+            held = self.stands(start)
+        except Stopped:
+            return self.so_far(start, beyond)
+        if held is False:
+            return self.so_far(start)
+        return self.run(start, end, width=width, scan=scan, beyond=beyond)
 
     def so_far(self, start: float, beyond: Bracket | None = None) -> Found:
         """The result of the values tried so far, in order from the start."""
@@ -399,8 +281,4 @@ def _runs(
     return tuple(runs)
 
 
-def plain(bracket: Bracket | None) -> dict[str, Any] | None:
-    """A bracket as plain values."""
-    if bracket is None:
-        return None
-    return {"stands": bracket.stands, "falls": bracket.falls, "value": bracket.value}
+__all__ = ["Search", "Stopped", "evaluate"]

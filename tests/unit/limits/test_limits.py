@@ -316,6 +316,28 @@ def test_a_robust_limit_needs_two_verdicts_more(monkeypatch: pytest.MonkeyPatch)
     assert limit.remarks == ()
 
 
+def test_a_uniform_stiffness_that_falls_at_the_start_is_tried_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from drystone.limits import inside
+
+    asked: list[float] = []
+
+    def falls(model: Model, *, stop: object = None) -> Result:
+        asked.append(1.0)
+        return Result("given", Verdict.UNSTABLE, model, samples=Samples(1, 0))
+
+    monkeypatch.setattr(inside, "one_stiffness", falls)
+    monkeypatch.setattr(inside, "verdict", stands_up_to(10.0, 2))
+    monkeypatch.setattr(inside, "every_stiffness", stands_up_to(8.0, 5))
+    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(width=0.1))
+    assert limit.uniform is not None
+    assert (limit.uniform.stands, limit.uniform.falls) == (None, 0.0)
+    assert limit.rest is not None
+    assert limit.rest.value == pytest.approx(10.0, abs=0.1)
+    assert len(asked) == 1
+
+
 def after(calls: int) -> Callable[[], bool]:
     """Says so once only: who hears it must remember."""
     left = iter([False] * calls + [True])

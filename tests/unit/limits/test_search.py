@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import pytest
 
 from drystone import LoadCase, Result, Verdict
-from drystone.limits.search import Bracket, Search
+from drystone.limits.brackets import Bracket
+from drystone.limits.search import Search
 from drystone.model import Model
 from drystone.models import tower
 from tests.oracle import touching_faces

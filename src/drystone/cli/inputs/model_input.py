@@ -153,7 +153,7 @@ class Subject(Source):
             return ()
         if turned.fixed.all():
             return ()
-        from drystone.limits.search import one_stiffness
+        from drystone.limits.limit_checks import one_stiffness
         from drystone.loads import LoadCase
 
         down = LoadCase.gravity(turned, direction=(0.0, -1.0, 0.0))

@@ -152,7 +152,7 @@ class Form:
         tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, 0.0)[:, None]
         tangent[:, 1:, 1:] = friction.by_slide
         back = np.ascontiguousarray(np.swapaxes(tangent, 1, 2))
-        adjoint = system.factorise(back, weight).solve(by_motion)
+        adjoint = system.factorise(back, weight)(by_motion)
         forces = -np.einsum("kij,kj->ki", back, statics.displacement(adjoint))
         return adjoint, forces
 

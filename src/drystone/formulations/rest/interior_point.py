@@ -219,7 +219,7 @@ class _Path:
         net = borne - shift * (self.glue / self.kn)
         correction = np.concatenate([net[:, None], -by_normal * borne[:, None]], axis=1)
         right = point.unbalanced + statics.wrench(correction)
-        motion = self.system.factorise(tangent, self.ground).solve(right)
+        motion = self.system.factorise(tangent, self.ground)(right)
         moved = statics.displacement(motion)
         return motion, moved, shift - stiffness * moved[:, 0]
 

@@ -99,7 +99,7 @@ def _descend(
         tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[:, None]
         tangent[:, 1:, 1:] = friction.by_slide
         try:
-            motion = motion + system.factorise(tangent, weight).solve(rest)
+            motion = motion + system.factorise(tangent, weight)(rest)
         except SolverError:
             return None
         steps += 1

@@ -7,13 +7,19 @@ once per model.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.frames import skew
-from drystone.solvers.multifrontal import BlockFactor, BlockOrdering
+from drystone.solvers.dense_factor import inverse
+from drystone.solvers.multifrontal import BlockOrdering
 from drystone.statics import Statics
+
+FULL = 60
+"""Largest number of unknowns with a full matrix: from timings."""
 
 
 class TangentSystem:
@@ -79,15 +85,20 @@ class TangentSystem:
         out[self.diagonal[:, None], index, index] += weight
         return out
 
-    def factorise(self, tangent: Floats, weight: Floats) -> BlockFactor:
-        """Factors of ``A D A' + diag(weight)``.
+    def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
+        """From wrenches to motions (n, 6): the inverse of ``A D A' + diag(weight)``.
 
         Raises
         ------
         SolverError
             The matrix is singular.
         """
-        return self.ordering.factorise(self.blocks(tangent, weight))
+        few, size = self.statics.full_transposed, 6 * self.statics.free_count
+        if few is None or size > FULL:
+            return self.ordering.factorise(self.blocks(tangent, weight)).solve
+        matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
+        matrix.reshape(-1)[:: size + 1] += weight.ravel()
+        return inverse(matrix)
 
 
 def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matrix:

@@ -1,0 +1,74 @@
+"""The checks of one value of a limit: from fast to complete."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TypeAlias
+
+from drystone import stability
+from drystone.model import Model
+from drystone.results import Result, Verdict
+
+Check: TypeAlias = Callable[[Model], Result]
+"""A function that gives the verdict on a model."""
+
+Stop: TypeAlias = Callable[[], bool]
+"""Whether to stop. Once True, it must stay True."""
+
+SEARCHED = 500
+"""Largest number of corners with which uniform stiffness is checked as thoroughly as by
+:func:`drystone.check`. Chosen: for larger models that fall one such try takes seconds; two quick
+ones are made instead."""
+
+ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
+STIFFNESSES = stability.CheckOptions(settle=False)
+
+UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
+"""Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
+the quick level gives the same limits as the patient one in half of the time."""
+
+
+def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+    """Whether it stands with uniform contact stiffness: the fastest proof."""
+    if model.contacts.corner_count > SEARCHED:
+        return stability.try_rest(model, screening=UNIFORM, stop=stop)
+    return stability.check(model, options=ONE_STIFFNESS, stop=stop)
+
+
+def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+    """Whether it stands with every contact stiffness that is tried: robust."""
+    found = stability.check(model, options=STIFFNESSES, stop=stop)
+    if found.stable and found.samples.standing < found.samples.tried:
+        return replace(found, verdict=Verdict.UNDECIDED)
+    return found
+
+
+def verdict(model: Model, *, stop: Stop | None = None) -> Result:
+    """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
+    return stability.check(model, stop=stop)
+
+
+STANDS: Mapping[Verdict, bool | None] = {
+    Verdict.STABLE: True,
+    Verdict.EQUILIBRIUM_EXISTS: True,
+    Verdict.UNSTABLE: False,
+    Verdict.UNDECIDED: None,
+}
+"""Whether a verdict counts as standing; ``None`` counts as neither."""
+
+STANDS_OR_NOT: Mapping[Verdict, bool | None] = {
+    kind: stands is True for kind, stands in STANDS.items()
+}
+"""As above, but an undecided value counts as falling."""
+
+__all__ = [
+    "SEARCHED",
+    "STANDS",
+    "STANDS_OR_NOT",
+    "Check",
+    "Stop",
+    "every_stiffness",
+    "one_stiffness",
+    "verdict",
+]
