@@ -54,14 +54,14 @@ KNOWN = frozenset(
 """Layers that presets decide upon."""
 
 
-def first_preset(scene: Scene) -> str:
-    """The picture that suits a scene: forces where there are some."""
+def first_preset(scene: Scene, stage: int = 0) -> str:
+    """The picture that suits a stage of a scene: forces where there are some."""
     if scene.preset:
         return scene.preset
-    keys = {layer.key for layer in scene.stages[0].layers}
+    keys = {layer.key for layer in scene.stages[stage].layers}
     if "network" in keys:
         return "forces"
-    if scene.stages[0].motion is not None:
+    if scene.stages[stage].motion is not None:
         return "solid"
     return "contacts"
 
