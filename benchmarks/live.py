@@ -1,6 +1,7 @@
 """How fast the live page answers, and whether anything grows: ``python -m benchmarks.live``.
 
-A wish is sent as the page sends it, by HTTP; the time runs until its quick answer has arrived.
+A wish is sent as the page sends it, by HTTP; the time runs until its quick answer has arrived. Each
+model is tilted to and fro, then its highest free block is pushed, then a support is moved.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ WISHES = 200
 MANY = 1000
 TILT = 2.0
 """[degrees] within which the tilt goes to and fro, as a slider that is dragged."""
+PUSH = 0.1
+"""Push by the weight of the block, at most."""
+MOVE = 0.01
+"""Way of a support by the size of a block, at most."""
 
 
 class Asker:
@@ -45,15 +50,17 @@ class Asker:
         for line in self.lines:
             if line.startswith(b"data: "):
                 event: dict[str, Any] = json.loads(line[6:])
+                if event["event"] == "error":
+                    raise SystemExit(event["what"])
                 if event["event"] == kind and event["wish"] == self.number:
                     return event
         raise SystemExit("the stream has ended")
 
-    def wish(self, tilt: float, kind: str = "quick") -> float:
+    def wish(self, wish: dict[str, Any], kind: str = "quick") -> float:
         """Seconds from a wish to its answer."""
         self.number += 1
         body = {"window": "bench", "number": self.number, "model": self.live.desk.current,
-                "wish": {"tilt": tilt}}  # fmt: skip
+                "wish": wish}  # fmt: skip
         began = time.perf_counter()
         connection = http.client.HTTPConnection("127.0.0.1", self.live.port)
         connection.request("POST", "/live/wish", json.dumps(body), self.head)
@@ -63,9 +70,38 @@ class Asker:
         return time.perf_counter() - began
 
 
-def tilts(count: int) -> np.ndarray:
-    """To and fro in small steps."""
-    return TILT * 0.5 * (1.0 - np.cos(np.linspace(0.0, 8.0 * np.pi, count)))
+def to_and_fro(count: int) -> np.ndarray:
+    """Numbers from 0 to 1 and back, four times, in small steps."""
+    return 0.5 * (1.0 - np.cos(np.linspace(0.0, 8.0 * np.pi, count)))
+
+
+def tilts(count: int) -> list[dict[str, Any]]:
+    """Load cases of a slider that is dragged."""
+    return [{"tilt": TILT * float(share)} for share in to_and_fro(count)]
+
+
+def drags(model: drystone.Model, count: int) -> dict[str, list[dict[str, Any]]]:
+    """Load cases by what is dragged."""
+    assembly = model.assembly
+    top = max(assembly.free, key=lambda i: assembly.centroid[i, 2])
+    weight = 9.81 * float(assembly.mass[top])
+    foot = int(np.flatnonzero(assembly.fixed)[-1])
+    out = assembly.centroid[foot] - assembly.centroid.mean(axis=0)
+    way = MOVE * float(np.median(assembly.size)) * np.sign(out[0] or 1.0)
+    shares = [float(share) for share in to_and_fro(count)]
+
+    def pushed(share: float) -> dict[str, Any]:
+        return {"pushes": [{"block": assembly.names[top], "force": [PUSH * weight * share, 0, 0]}]}
+
+    def moved(share: float) -> dict[str, Any]:
+        by = [float(way) * (0.1 + 0.9 * share), 0.0, 0.0]
+        return {"moves": [{"block": assembly.names[foot], "by": by}]}
+
+    return {
+        "tilt": tilts(count),
+        "push": [pushed(one) for one in shares],
+        "support": [moved(one) for one in shares],
+    }
 
 
 def spent(live: Live) -> float:
@@ -89,51 +125,70 @@ def holdings(live: Live) -> dict[str, int]:
     return told
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--wishes", type=int, default=WISHES)
-    parser.add_argument("--many", type=int, default=MANY, help="wishes of the look at growth")
-    parser.add_argument("--armadillo", type=Path, help="a model file of 399 blocks")
-    chosen = parser.parse_args()
-    print(f"drystone {drystone.__version__}, commit {commit()}; {processor()}")
-    print(
-        "| model | blocks | first [ms] | median [ms] | worst [ms] | CPU by wish [ms] | whole [s] |"
-    )
-    print("|---|---|---|---|---|---|---|")
-    with tempfile.TemporaryDirectory() as folder:
-        files = [Path(folder) / "arch.json", Path(folder) / "vault.json"]
-        io.write(drystone.Model.of(arch(0.2, 28), friction=0.9), files[0])
-        io.write(drystone.Model.of(vault(), friction=0.7), files[1])
-        if chosen.armadillo:
-            files.append(chosen.armadillo)
-        for file in files:
-            with Live(file, port=0) as live:
-                asker = Asker(live)
-                first = asker.wish(0.0)
-                began = spent(live)
-                times = [asker.wish(float(tilt)) for tilt in tilts(chosen.wishes)]
-                each = (spent(live) - began) / chosen.wishes
-                whole = asker.wish(1.0, "whole")
-                blocks = len(io.read(file))
-                print(
-                    f"| {file.stem} | {blocks} | {1e3 * first:.0f} "
-                    f"| {1e3 * statistics.median(times):.0f} | {1e3 * max(times):.0f} "
-                    f"| {1e3 * each:.0f} | {whole:.2f} |",
-                    flush=True,
-                )
-        if not chosen.many:
-            return
-        with Live(files[0], port=0) as live:
+def latency(file: Path, wishes: int) -> None:
+    """Print a row for each thing that is dragged."""
+    model = io.read(file)
+    for what, cases in drags(model, wishes).items():
+        with Live(file, port=0) as live:
             asker = Asker(live)
-            for tilt in tilts(50):  # caches are filled
-                asker.wish(float(tilt))
-            before = holdings(live)
-            for tilt in tilts(chosen.many):
-                asker.wish(float(tilt))
-            after = holdings(live)
-    print(f"\n| {chosen.many} wishes | before | after |\n|---|---|---|")
+            first = asker.wish(cases[0])
+            began = spent(live)
+            times = [asker.wish(one) for one in cases]
+            each = (spent(live) - began) / len(cases)
+            whole = asker.wish(cases[len(cases) // 8], "whole")
+            print(
+                f"| {file.stem} | {len(model)} | {what} | {1e3 * first:.0f} "
+                f"| {1e3 * statistics.median(times):.0f} | {1e3 * max(times):.0f} "
+                f"| {1e3 * each:.0f} | {whole:.2f} |",
+                flush=True,
+            )
+
+
+def growth(file: Path, many: int) -> None:
+    """Print what is held before and after many wishes."""
+    with Live(file, port=0) as live:
+        asker = Asker(live)
+        for one in tilts(50):  # caches are filled
+            asker.wish(one)
+        before = holdings(live)
+        for one in tilts(many):
+            asker.wish(one)
+        after = holdings(live)
+    print(f"\n| {many} wishes | before | after |\n|---|---|---|")
     for name, value in before.items():
         print(f"| {name} | {value} | {after[name]} |")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "models", nargs="*", default=["arch", "vault"], help="arch, vault, or a file of supports"
+    )
+    parser.add_argument("--wishes", type=int, default=WISHES)
+    parser.add_argument("--many", type=int, default=MANY, help="wishes of the look at growth")
+    chosen = parser.parse_args()
+    load = f", load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"
+    print(f"drystone {drystone.__version__}, commit {commit()}; {processor()}{load}")
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for name in chosen.models:
+            file = Path(folder) / f"{name}.json"
+            if name == "arch":
+                io.write(drystone.Model.of(arch(0.2, 28), friction=0.9), file)
+            elif name == "vault":
+                io.write(drystone.Model.of(vault(), friction=0.7), file)
+            else:
+                file = Path(name)
+            files.append(file)
+        if chosen.wishes:
+            print(
+                "| model | blocks | dragged | first [ms] | median [ms] | worst [ms] "
+                "| CPU by wish [ms] | whole [s] |\n|---|---|---|---|---|---|---|---|"
+            )
+            for file in files:
+                latency(file, chosen.wishes)
+        if chosen.many:
+            growth(files[0], chosen.many)
 
 
 if __name__ == "__main__":

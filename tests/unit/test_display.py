@@ -75,6 +75,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (design.mend(tower(2)), design.sharpen(tower(2)), design.SharpenOptions(step=5.0))
     still = design.block_moves(rare, ["block-1"], (1.0, 0.0, 0.0), 0.1)
     yield from (design.shape(tower(2), still), still, design.ShapeOptions(rounds=3))
+    yield design.FamilyMoves.of(arch, {"thickness_ratio": 0.2}, {"thickness_ratio": 0.1})
     edge = design.Parameter("edge", 0.5, 2.0)
     count = design.Parameter("count", choices=(2, 3))
     yield from (edge, design.TuneOptions(trials=2))

@@ -10,7 +10,9 @@ from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mending import Mending, mend
 from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends
 from drystone.design.shaping.free_moves import Moves, block_moves, free_vertices, thickening
-from drystone.design.shaping.shaping import ShapeAim, Shaped, ShapeOptions, shape
+from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
+from drystone.design.shaping.shaping import shape
+from drystone.design.shaping.variables import FamilyMoves
 from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
 from drystone.design.tuning.tuning import TuneOptions, tune
 from drystone.design.wedges.sharpening import Sharpened, SharpenOptions, sharpen
@@ -20,6 +22,7 @@ __all__ = [
     "DesignMargin",
     "Diagnosis",
     "DiagnosisOptions",
+    "FamilyMoves",
     "JointMotion",
     "JointState",
     "Mend",

@@ -71,15 +71,18 @@ class Desk:
 
     Attributes
     ----------
+    given, file
+        The file of the model, as it was named and as an absolute path.
     current
         Number of the model of the file as it was read last; 0 before.
     broken
         Why the file cannot be read now; ``None`` where it can.
     """
 
-    def __init__(self, file: Path, how: Mapping[str, Any], largest_mib: float, seconds: float):
+    def __init__(self, given: Path, how: Mapping[str, Any], largest_mib: float, seconds: float):
+        file = given.resolve()
         self.folder = Folder.of(file.parent, largest_mib)
-        self.file, self.how, self.seconds = file, dict(how), seconds
+        self.given, self.file, self.how, self.seconds = given, file, dict(how), seconds
         self.helper = Helper()
         self.windows: dict[str, Window] = {}
         self.models: dict[int, Kept] = {}
@@ -275,7 +278,10 @@ class Desk:
                 while len(self.models) > MODELS:
                     del self.models[min(one for one in self.models if one != self.current)]
             if job.do == "read" and event["event"] == "error":
-                self.broken = {key: event[key] for key in ("what", "where", "remedy")}
+                self.broken = {
+                    key: event[key].replace(str(self.file), str(self.given))
+                    for key in ("what", "where", "remedy")
+                }
             self._changed.notify_all()
             windows = [w for w in self.windows.values() if job.window in ("", w.name)]
         if job.do == "read":

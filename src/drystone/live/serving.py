@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import multiprocessing
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -26,9 +27,9 @@ TIME_LIMIT = 60.0
 """[s] for a verdict, a task, or a call of the JSON interface."""
 SIZE_LIMIT = 16.0
 """[MiB] of a model that is sent or read, as in :mod:`drystone.mcp`."""
-ALONE = 60.0
-"""[s] after the last window was closed until the server ends. Chosen: a page that is loaded again,
-or a computer that slept, is back by then."""
+ALONE = 10.0
+"""[s] after the last window was closed until the server ends. Chosen: a page that is loaded again
+is back by then, also on a slow machine."""
 
 
 class Live:
@@ -65,11 +66,11 @@ class Live:
         for name, value in (("time_limit", time_limit), ("size_limit", size_limit)):
             if not 0.0 < value < float("inf"):
                 raise InputError(f"is {value}", where=name, remedy="give a number above zero")
-        file = Path(model).resolve()
+        file = Path(model)
         if not file.is_file():
             raise InputError("there is no such file", where=str(model), remedy="check the path")
         self.desk = Desk(file, how or {}, size_limit, time_limit)
-        self.desk.folder.model(file.name)
+        self.desk.folder.model(self.desk.file.name)
         self.calls = ToolCalls(self.desk.folder, time_limit)
         self.asked_port = port
         self.server = self._bound(port, int(size_limit * MIB))
@@ -107,6 +108,11 @@ class Live:
         InputError
             The model cannot be read.
         """
+        if getattr(multiprocessing.current_process(), "_inheriting", False):
+            raise InputError(
+                "the live server is started while Python imports the main module for its process",
+                remedy="put the lines that start it below: if __name__ == '__main__':",
+            )
         self._watch = Watch(self.desk.file, self.desk.read)
         self._thread.start()
         try:

@@ -1,6 +1,7 @@
 """Shape by gradient: true derivatives, known optima, and shapes checked again from their files."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from drystone import Assembly, InputError, Model
 from drystone.cli import main
 from drystone.design import (
     DesignMargin,
+    FamilyMoves,
     ShapeOptions,
     block_moves,
     free_vertices,
@@ -125,6 +127,49 @@ def test_a_margin_makes_it_thicker() -> None:
         return 0.25 + float(found.x[0])
 
     assert thinnest(DesignMargin(tilt=3.0)) > thinnest(DesignMargin()) + 0.005
+
+
+def test_a_family_is_shaped_as_its_vertices_are() -> None:
+    options = ShapeOptions(aim="volume")
+    model = Model.of(arch(0.2, 8), friction=0.8)
+    moves = FamilyMoves.of(partial(arch, voussoirs=8), {"thickness_ratio": 0.2},
+                           {"thickness_ratio": 0.15})  # fmt: skip
+    by_family = shape(model, moves, options=options)
+    by_vertices = shape(model, thickening(model, (0.0, 0.0, 0.0), 0.15), options=options)
+    assert by_family.stands
+    assert float(by_family.x[0]) == pytest.approx(float(by_vertices.x[0]), abs=2e-4)
+    with pytest.raises(InputError, match="not those of the model"):
+        shape(Model.of(arch(0.25, 8), friction=0.8), moves)
+    with pytest.raises(InputError, match="keep the blocks"):
+        shape(Model.of(arch(0.2, 6), friction=0.8), moves)
+    with pytest.raises(InputError, match="differ"):
+        FamilyMoves.of(arch, {"thickness_ratio": 0.2}, {"radius": 0.1})
+    with pytest.raises(InputError, match="above zero"):
+        FamilyMoves.of(arch, {"thickness_ratio": 0.2}, {"thickness_ratio": 0.0})
+
+
+def test_the_largest_tilt_of_a_block_is_where_its_width_ends(tmp_path: Path) -> None:
+    """A column 1 m high on a base topples at atan(width / height) in x, up to 1.2 m wide."""
+
+    def column(width: float) -> Assembly:
+        foot, block = (
+            box((3.0, 3.0, 0.2), (-0.5, -0.5, -0.2)),
+            box((width, 2.0, 1.0), name="column"),
+        )
+        return Assembly((foot, block)).with_fixed([0])
+
+    moves = FamilyMoves.of(column, {"width": 0.8}, {"width": 0.4})
+    model = Model.of(column(0.8), friction=3.0)
+    found = shape(model, moves, options=ShapeOptions(aim="tilt"))
+    assert found.stands
+    assert found.first == pytest.approx(np.rad2deg(np.arctan(0.8)), abs=0.2)
+    assert found.value == pytest.approx(np.rad2deg(np.arctan(1.2)), abs=0.3)
+    path = tmp_path / "wide.json"
+    drystone.write(found.model, path)
+    again = drystone.read(path)
+    assert DesignMargin(tilt=found.value).stands(again)
+    with pytest.raises(InputError, match="contradict"):
+        ShapeOptions(aim="tilt", margin=DesignMargin(tilt=2.0))
 
 
 def test_what_stands_already_is_told_and_what_falls_is_not_made_lighter() -> None:

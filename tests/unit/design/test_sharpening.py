@@ -54,15 +54,24 @@ def test_wedges_keep_the_sum_of_the_volumes_and_all_blocks(sharpened: Sharpened)
     assert after.volume.sum() == pytest.approx(before.volume.sum(), rel=1e-9)
 
 
-def test_a_joint_made_plane_again_is_the_joint_that_it_was(sharpened: Sharpened) -> None:
+def test_the_same_sharpness_gives_the_same_blocks_whatever_was_cut_before(
+    sharpened: Sharpened,
+) -> None:
     joints = PlaneJoints.of(THIN)
     k = int(np.flatnonzero(sharpened.sharpness)[0])
     without = np.where(np.arange(THIN.contacts.count) == k, 0.0, sharpened.sharpness)
-    again = joints.plane_again(sharpened.model, sharpened.sharpness, k)
-    direct = joints.wedged(without)
-    assert again.contacts.count == direct.contacts.count
-    np.testing.assert_allclose(again.assembly.volume, direct.assembly.volume, rtol=1e-9)
-    np.testing.assert_allclose(again.assembly.centroid, direct.assembly.centroid, atol=1e-9)
+    joints.wedged(without)
+    after = joints.wedged(sharpened.sharpness)
+    np.testing.assert_array_equal(after.contacts.point, sharpened.model.contacts.point)
+    np.testing.assert_array_equal(after.assembly.centroid, sharpened.model.assembly.centroid)
+
+
+def test_wedges_that_would_take_the_same_part_of_a_block_are_refused() -> None:
+    plates = (box((1.0, 1.0, 1.0)), box((1.0, 1.0, 0.1), (0.0, 0.0, 1.0), "plate"),
+              box((1.0, 1.0, 1.0), (0.0, 0.0, 1.1), "above"))  # fmt: skip
+    thin = Model.of(Assembly(plates).with_fixed([0]), friction=0.6)
+    with pytest.raises(InputError):
+        PlaneJoints.of(thin).wedged(np.full(thin.contacts.count, 30.0))
 
 
 def test_what_stands_already_is_left_as_it_is() -> None:

@@ -1,14 +1,16 @@
 """The live server: verdicts of wishes, two windows, a file that is watched, nothing left behind."""
 
 import json
+import multiprocessing
 import os
+import pickle
 import signal
 import subprocess
 import sys
 import threading
 import time
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -137,21 +139,35 @@ def test_the_model_of_a_wish_can_be_saved(window: Window, tmp_path: Path) -> Non
     assert set(model.contacts.friction) == {0.4}
 
 
-def test_a_mend_is_shown_made_and_stands(tmp_path: Path) -> None:
-    path = tmp_path / "out.json"
-    io.write(drystone.Model.of(overhang(), friction=0.9), path)
-    with Live(path, port=0) as live:
+def test_a_mend_is_shown_made_saved_and_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    io.write(drystone.Model.of(overhang(), friction=0.9), "out.json")
+    with Live("out.json", port=0) as live:
         window = Window(live, "mend")
-        assert window.answer()["verdict"] == "unstable"
-        found = window.until("mends", window.task("mends"))
+        assert window.answer(tilt=1.0)["verdict"] == "unstable"
+        found = window.until("mends", window.task("mends", tilt=1.0))
         assert found["mends"]
         assert all(len(line) == 6 for one in found["mends"] for line in one["ghost"])
-        number = window.task("apply", {"mend": 0})
+        number = window.task("apply", {"mend": 0}, tilt=1.0)
         made = window.until("model", number)
+        assert made["state"]["tilt"] == 1.0
         assert made["model"] != live.desk.current
         assert ask(live, f"/model/{made['model']}")[0] == 200
         window.wish(model=made["model"], **made["state"])
         assert window.until("whole", window.number)["answer"]["verdict"] == "stable"
+
+        number = window.task("save", model=made["model"], **made["state"])
+        Path("out-model.json").write_text(window.until("saved", number)["text"])
+        body = {"window": "mend", "model": made["model"], "wish": made["state"],
+                "extra": {"saved": "out-model.json"}}  # fmt: skip
+        printed: list[drystone.Result] = []
+        exec(ask(live, "/live/python", body)[1]["python"], {"print": printed.append})
+        assert printed[0].verdict is drystone.Verdict.STABLE
+        kept = pickle.loads(live.desk.models[made["model"]].blob)
+        load = asked(kept, wish_of(**made["state"])).part.load  # tilted once, not twice
+        np.testing.assert_allclose(printed[0].load.wrench, load.wrench, atol=1e-6)
         window.task("apply", {"mend": 99})
         assert "no such mend" in window.until("error", window.number)["what"]
         window.close()
@@ -166,7 +182,8 @@ def test_the_python_lines_give_the_same(
         "tilt": 3.5, "direction": 30.0, "friction": 0.7, "gravity": 5.0, "removed": [names[5]],
         "supports": list(names[:2]), "pushes": [{"block": KEYSTONE, "force": [10.0, 5.0, -1.0]}],
     }  # fmt: skip
-    status, told = ask(live, "/live/python", {"window": "w", "wish": sent})
+    body = {"window": "w", "model": live.desk.current, "wish": sent}
+    status, told = ask(live, "/live/python", body)
     assert status == 200
     made: dict[str, object] = {"print": lambda *_: None}
     exec(told["python"], made)
@@ -181,7 +198,7 @@ def test_the_python_lines_give_the_same(
 
 def test_the_load_case_is_one_of_our_json(folder: Path, tmp_path: Path) -> None:
     sent = {"tilt": 6.0, "direction": 90.0, "pushes": [{"block": KEYSTONE, "force": [9.0, 0, 0]}]}
-    case = python_lines("arch.json", {}, sent)["case"]
+    case = python_lines("arch.json", {}, sent, {"gravity": 9.81, "moves": False})["case"]
     content = json.loads((folder / "arch.json").read_text())
     content["loads"] = [case]
     (tmp_path / "with.json").write_text(json.dumps(content))
@@ -211,12 +228,18 @@ def test_a_file_saved_anew_is_read_anew_and_a_broken_one_keeps_the_last_good_one
         window.close()
 
 
-def test_a_model_that_cannot_be_read_is_refused_and_nothing_is_left(tmp_path: Path) -> None:
+def test_a_model_that_cannot_be_read_is_refused_and_nothing_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "broken.json"
     path.write_text('{"blocks": [')
     before = {thread.name for thread in threading.enumerate()}
-    with pytest.raises(InputError, match="broken"), Live(path, port=0):
+    with pytest.raises(InputError) as refused, Live(path, port=0):
         pass
+    assert refused.value.where.startswith(str(path))
+    monkeypatch.chdir(tmp_path)
+    assert main(["live", "broken.json"]) == 2
+    assert capsys.readouterr().err.startswith("drystone: broken.json, line 1")
     assert {thread.name for thread in threading.enumerate()} <= before
     with pytest.raises(InputError, match="no such file"):
         Live(tmp_path / "none.json")
@@ -301,3 +324,34 @@ def test_the_command_says_what_is_wrong_and_writes_the_client(
     assert "no such file" in capsys.readouterr().err
     assert main(["live", "--client", str(tmp_path / "client.py")]) == 0
     compile((tmp_path / "client.py").read_text(), "client.py", "exec")
+
+
+def test_a_taken_port_and_a_missing_browser_are_told_with_the_link(
+    live: Live, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def serve(model: str, *, began: Callable[[Live], None], **how: object) -> None:
+        with_another = Live(model, port=live.port)
+        try:
+            began(with_another)
+        finally:
+            with_another.close()
+
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("webbrowser.open", lambda link: False)
+    monkeypatch.setattr("drystone.live.serve", serve)
+    assert main(["live", str(live.desk.file), "--port", str(live.port)]) == 0
+    told = capsys.readouterr().out
+    assert f"port {live.port} is taken: port " in told
+    assert "http://127.0.0.1:" in told
+    assert "no browser could be opened: open the link in one" in told
+
+
+def test_a_script_without_a_main_guard_is_told_to_have_one(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    live = Live(folder / "arch.json", port=0)
+    monkeypatch.setattr(multiprocessing.current_process(), "_inheriting", True, raising=False)
+    with pytest.raises(InputError, match="__main__"):
+        live.start()
+    live.close()

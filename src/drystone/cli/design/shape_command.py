@@ -27,7 +27,10 @@ def shape(
     finding: Finding,
     aim: Annotated[
         str,
-        Option("To stand, or the least volume (stand).", kind=kinds.one_of(("stand", "volume"))),
+        Option(
+            "To stand, the least volume, or the largest tilt to each side (stand).",
+            kind=kinds.one_of(("stand", "volume", "tilt")),
+        ),
     ] = "stand",
     most: Annotated[
         float | None,
@@ -68,7 +71,7 @@ def shape(
     wanted: Pictures,
     waiting: Waiting,
 ) -> Answer:
-    """Move the vertices of free blocks until a model stands, or to the least volume that stands.
+    """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
 
     Vertices at one place move together, so that joints stay shared. The check decides. --html and
     --png show it, with edges of what it was.
@@ -112,7 +115,7 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
     screen.line(f"{data['message']}; {data['check']}")
     if data["aim"] == "volume":
         screen.line(f"volume {data['value']:.4g} m3, {data['first']:.4g} m3 before")
-    else:
+    elif data["aim"] == "stand":
         told = f"{data['value']:.2g} of the load needs help, {data['first']:.2g} before"
         screen.line(told)
     moved = max((abs(one) for one in data["variables"]), default=0.0)

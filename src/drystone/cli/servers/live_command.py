@@ -52,11 +52,11 @@ def live(
     ] = 16.0,
     waiting: Waiting,
 ) -> Answer:
-    """Open a page on which a model can be tilted, pushed, supported and mended.
+    """Open a page on which a model can be tilted, pushed and mended, and its supports moved.
 
     The verdict follows at once. The model file is watched: saved anew, it is read anew. Programs
     can ask the same server by JSON (docs/json-interface.md). Only this machine is served. It ends
-    with Ctrl-C, or a minute after the last window was closed.
+    with Ctrl-C, or ten seconds after the last window was closed.
     """
     if client is not None:
         text = resources.files("drystone.live").joinpath("client.py").read_bytes()

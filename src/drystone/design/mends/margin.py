@@ -80,6 +80,19 @@ class DesignMargin(Options):
                 return result
         return first
 
+    def stands(self, model: Model) -> bool:
+        """Whether a model stands at the margin, for searches: the first case that falls ends it.
+
+        Settlement is followed only where it counts.
+        """
+        options = CheckOptions(settle=not self.robust)
+        for case in (model, *self.cases(model)):
+            if self.robust and not check(case, options=QUICK).stable:
+                return False
+            if not self.meets(check(case, options=options)):
+                return False
+        return True
+
     def meets(self, result: Result) -> bool:
         """Whether a result is good enough."""
         samples = result.samples

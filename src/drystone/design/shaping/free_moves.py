@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from drystone.base.arrays import Floats, Ints, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.design.shaping.vertex_measures import vertices_of
 from drystone.model import Model
 
 TOGETHER = 1e-6
@@ -45,19 +46,25 @@ class Moves(OneLine):
         return int(self.matrix.shape[1])
 
     def moved(self, vertex: Floats, x: Floats) -> Floats:
-        """The vertices (v, 3) moved by variables (p,)."""
+        """The vertices (v, 3) moved by variables (p,).
+
+        Raises
+        ------
+        InputError
+            The moves are those of a model with other vertices.
+        """
+        if self.matrix.shape[0] != vertex.size:
+            raise InputError(
+                f"the moves are of {self.matrix.shape[0] // 3} vertices, the model has "
+                f"{len(vertex)}",
+                remedy="make the moves of this model",
+            )
         out: Floats = vertex + (self.matrix @ x).reshape(-1, 3)
         return out
 
-    def pulled_back(self, gradient: Floats) -> Floats:
-        """The derivative (p,) by the variables, from that by the vertices (v, 3)."""
-        out: Floats = self.matrix.T @ gradient.ravel()
-        return out
-
-
-def vertices_of(model: Model) -> Floats:
-    """The vertices (v, 3) of all blocks, one after the other."""
-    return np.concatenate([block.vertices for block in model.assembly.blocks])
+    def matrix_at(self, x: Floats) -> sparse.csr_matrix:  # noqa: ARG002
+        """Derivative (3 v, p) of the vertices by the variables: the same everywhere."""
+        return self.matrix
 
 
 def free_vertices(
@@ -91,7 +98,7 @@ def free_vertices(
     InputError
         An axis is unknown, a face would not stay plane, or nothing is left to move.
     """
-    vertex, owner = vertices_of(model), _owners(model)
+    vertex, owner = vertices_of(model.assembly), _owners(model)
     size = float(np.ptp(vertex, axis=0).max())
     axes = [_axis(axis) for axis in directions]
     kept = model.assembly.fixed.copy()
@@ -135,7 +142,7 @@ def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
     InputError
         A vertex is on the line.
     """
-    vertex = vertices_of(model)
+    vertex = vertices_of(model.assembly)
     free = ~model.assembly.fixed[_owners(model)]
     away = (vertex - np.asarray(middle, dtype=np.float64)) * np.array([1.0, 0.0, 1.0])
     radius = np.linalg.norm(away, axis=1)
@@ -237,4 +244,4 @@ def _require_plane(model: Model, along: str | None) -> None:
             )
 
 
-__all__ = ["Moves", "block_moves", "free_vertices", "thickening", "vertices_of"]
+__all__ = ["Moves", "block_moves", "free_vertices", "thickening"]

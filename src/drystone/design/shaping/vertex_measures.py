@@ -11,6 +11,11 @@ from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import InputError
 
 
+def vertices_of(assembly: Assembly) -> Floats:
+    """The vertices (v, 3) of all blocks, one after the other."""
+    return np.concatenate([block.vertices for block in assembly.blocks])
+
+
 @dataclass(frozen=True, eq=False)
 class Bodies:
     """The blocks of an assembly as one array of vertices.
@@ -49,7 +54,7 @@ class Bodies:
                 owner += [i] * (len(loop) - 2)
         return cls(
             assembly,
-            np.concatenate([block.vertices for block in assembly.blocks]),
+            vertices_of(assembly),
             start,
             np.repeat(np.arange(len(counts)), counts),
             np.array(fan, dtype=np.intp),
@@ -113,4 +118,4 @@ class Bodies:
         return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
 
 
-__all__ = ["Bodies"]
+__all__ = ["Bodies", "vertices_of"]

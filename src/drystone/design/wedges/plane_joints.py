@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
 
+from drystone.assembly import Block
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
@@ -16,6 +19,12 @@ from drystone.design.surgery.joint_surgery import wedge_joint
 from drystone.model import Model
 from drystone.stability.problem import Problem
 from drystone.stability.programs.penalty import glued_state
+
+SHARED = 1e-9
+"""The sum of the volumes of the blocks changes by less than this share: rounding."""
+
+REMEMBERED = 512
+"""Blocks with wedges that are kept for the next model, chosen: some for every joint of an arch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +60,9 @@ class PlaneJoints(OneLine):
     def wedged(self, sharpness: Floats) -> Model:
         """The model with wedges in its joints.
 
+        Each block is made of its plane form and the sharpness of its own joints alone. So the
+        same sharpness always gives the same model, and a change of one joint makes two blocks anew.
+
         Parameters
         ----------
         sharpness : (j,) [degrees]
@@ -59,37 +71,48 @@ class PlaneJoints(OneLine):
         Raises
         ------
         InputError
-            A wedge would swallow a face or cut a block in two.
+            A wedge would swallow a face or cut a block in two, or two wedges would take the same
+            part of a block.
         """
-        model = self.model
-        for k in np.flatnonzero(sharpness > 0.0).tolist():
-            model = self.cut(model, k, float(sharpness[k]))
-        return model
+        contacts, assembly = self.model.contacts, self.model.assembly
+        sharp = sharpness > 0.0
+        if not sharp.any():
+            return self.model
+        touched = np.union1d(contacts.block_a[sharp], contacts.block_b[sharp])
+        blocks: dict[int, Block] = {}
+        for i in touched.tolist():
+            own = np.flatnonzero(sharp & ((contacts.block_a == i) | (contacts.block_b == i)))
+            wedges = tuple((k, float(sharpness[k])) for k in own.tolist())
+            blocks[i] = self._part_of(i, wedges).assembly.blocks[0]
+        before, after = (
+            float(assembly.volume[touched].sum()),
+            sum(block.volume for block in blocks.values()),
+        )
+        if abs(after - before) > SHARED * before:
+            raise InputError(
+                "two wedges would take the same part of a block", remedy="make them less sharp"
+            )
+        return changed(self.model, blocks)
 
-    def plane_again(self, wedged: Model, sharpness: Floats, joint: int) -> Model:
-        """A model with wedges of some sharpness (j,), with one joint plane again.
-
-        Only the two blocks of the joint are made anew, with the wedges in their other joints.
-        """
+    @cached_property
+    def _part_of(self) -> Callable[[int, tuple[tuple[int, float], ...]], Model]:
+        """A block, the first one, and its neighbours, with wedges in some of its joints."""
         contacts = self.model.contacts
-        pair = [int(contacts.block_a[joint]), int(contacts.block_b[joint])]
-        own = np.isin(contacts.block_a, pair) | np.isin(contacts.block_b, pair)
-        around = np.union1d(contacts.block_a[own], contacts.block_b[own]).tolist()
-        part = self.model.subset(around)
-        slot = {block: i for i, block in enumerate(around)}
-        for k in np.flatnonzero(own & (sharpness > 0.0)).tolist():
-            if k != joint:
-                ends = slot[int(contacts.block_a[k])], slot[int(contacts.block_b[k])]
-                part = _cut(part, *ends, contacts.centroid[k], float(sharpness[k]))
-        return changed(wedged, {i: part.assembly.blocks[slot[i]] for i in pair})
 
-    def cut(self, model: Model, joint: int, sharpness: float) -> Model:
-        """A model in which the joint is plane still, with a wedge there [degrees]."""
-        if sharpness <= 0.0:
-            return model
-        contacts = self.model.contacts
-        a, b = int(contacts.block_a[joint]), int(contacts.block_b[joint])
-        return _cut(model, a, b, contacts.centroid[joint], sharpness)
+        @lru_cache(maxsize=REMEMBERED)
+        def part_of(block: int, wedges: tuple[tuple[int, float], ...]) -> Model:
+            own = (contacts.block_a == block) | (contacts.block_b == block)
+            around = np.union1d(contacts.block_a[own], contacts.block_b[own])
+            order = [block, *around[around != block].tolist()]
+            if not wedges:
+                return self.model.subset(order)
+            k, sharpness = wedges[-1]
+            a, b = order.index(contacts.block_a[k]), order.index(contacts.block_b[k])
+            part = part_of(block, wedges[:-1])
+            near = interface_near(part, a, b, contacts.centroid[k])
+            return wedge_joint(part, near, sharpness, first=a)
+
+        return part_of
 
     def tension(self, model: Model) -> Floats:
         """Tension (j,) [N] of each joint if all joints of a model with wedges were weakly glued.
@@ -109,11 +132,6 @@ class PlaneJoints(OneLine):
             except InputError:  # two blocks touch that did not touch before
                 continue
         return tension
-
-
-def _cut(model: Model, a: int, b: int, centre: Floats, sharpness: float) -> Model:
-    """The model with a wedge in the joint of two blocks whose middle is nearest to a point."""
-    return wedge_joint(model, interface_near(model, a, b, centre), sharpness, first=a)
 
 
 __all__ = ["PlaneJoints"]

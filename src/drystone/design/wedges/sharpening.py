@@ -209,13 +209,13 @@ class _Search:
         sharpness, rounds, stands = self.rounds()
         if not stands:
             return self.answer(sharpness, rounds, False, self.why(sharpness))
-        sharpness = self.firm(self.each_lowered(self.lowered(sharpness)))
+        sharpness = self.lowered(sharpness)
         least = False
         for _ in range(PASSES):
             if least or self.late():
                 break
             before = sharpness
-            sharpness = self.each_lowered_a_little(sharpness)
+            sharpness = self.each_lowered(sharpness)
             least = np.array_equal(before, sharpness)
         some = counted(int((sharpness > 0.0).sum()), "joint")
         words = f"stands with {some} sharpened, by up to {sharpness.max():.2f} degrees"
@@ -233,14 +233,6 @@ class _Search:
 
     def late(self) -> bool:
         return self.stop is not None and self.stop()
-
-    def stands(self, model: Model) -> bool:
-        """Whether a model stands at the margin. Settlement is followed only where it counts."""
-        margin = self.options.margin
-        options = CheckOptions(settle=not margin.robust)
-        return all(
-            margin.meets(check(one, options=options)) for one in (model, *margin.cases(model))
-        )
 
     def tell(self, stage: str, done: int, total: int) -> None:
         if self.progress is not None:
@@ -261,7 +253,7 @@ class _Search:
             if np.array_equal(sharper, sharpness):
                 return sharpness, number, False
             sharpness = sharper
-            if self.stands(model):
+            if self.options.margin.stands(model):
                 return sharpness, number + 1, True
         return sharpness, most, False
 
@@ -313,53 +305,26 @@ class _Search:
 
         def stands(most: float) -> bool:
             self.tell("taking all wedges back", 0, 1)
-            return self.stands(self.joints.wedged(np.minimum(sharpness, most)))
+            return self.options.margin.stands(self.joints.wedged(np.minimum(sharpness, most)))
 
         high = _least(stands, 0.0, float(sharpness.max()), 0.5 * self.options.close, self.late)
         return np.minimum(sharpness, high)
 
-    def firm(self, sharpness: Floats) -> Floats:
-        """All wedges a little sharper where it stands only if they are cut in another order.
-
-        The order changes the rounding of the corners, which decides next to the limit.
-        """
-        width = 0.5 * self.options.close
-        while not self.stands(self.joints.wedged(sharpness)):
-            sharper = np.where(sharpness > 0.0, np.minimum(sharpness + width, self.limit), 0.0)
-            if np.array_equal(sharper, sharpness) or self.late():
-                break
-            sharpness = sharper
-        return sharpness
-
     def each_lowered(self, sharpness: Floats) -> Floats:
-        """Each wedge taken back alone as far as it goes, the least sharp first."""
+        """Each wedge taken back alone as far as the structure stands, the least sharp first."""
         close = self.options.close
-        model = self.joints.wedged(sharpness)
         for k in self.in_turn(sharpness):
-            plane = self.joints.plane_again(model, sharpness, k)
 
-            def stands(value: float, plane: Model = plane, k: int = k) -> bool:
-                return self.stands(self.joints.cut(plane, k, value))
+            def stands(value: float, others: Floats = sharpness, k: int = k) -> bool:
+                return self.options.margin.stands(self.joints.wedged(_with(others, k, value)))
 
-            high = float(sharpness[k])
-            less = max(high - close, 0.0)
-            if stands(0.0):
-                high = 0.0
-            elif stands(less):
+            less = max(float(sharpness[k]) - close, 0.0)
+            if not stands(less):
+                continue
+            high = 0.0
+            if less > 0.0 and not stands(0.0):
                 high = _least(stands, 0.0, less, 0.5 * close, self.late)
-            if high != sharpness[k]:
-                sharpness = _with(sharpness, k, high)
-                model = self.joints.cut(plane, k, high)
-        return sharpness
-
-    def each_lowered_a_little(self, sharpness: Floats) -> Floats:
-        """Each wedge less sharp for as long as the structure, cut as it is written, stands."""
-        for k in self.in_turn(sharpness):
-            while sharpness[k] > 0.0 and not self.late():
-                less = _with(sharpness, k, max(float(sharpness[k]) - self.options.close, 0.0))
-                if not self.stands(self.joints.wedged(less)):
-                    break
-                sharpness = less
+            sharpness = _with(sharpness, k, high)
         return sharpness
 
     def in_turn(self, sharpness: Floats) -> Iterator[int]:

@@ -11,6 +11,9 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 
+FEW = 200
+"""Below so many rows a dictionary finds equal ones faster than sorting does, measured."""
+
 
 def first_coincident(points: Floats, distance: float | Floats, body: Ints | None = None) -> Ints:
     """For each point the first of the group of points that it coincides with.
@@ -93,13 +96,18 @@ def _joined(points: Floats, cell: Floats, owner: Ints) -> Ints:
 
 def _first_alike(columns: Sequence[Floats | Ints]) -> Ints:
     """For each row the first row that equals it in every column."""
+    if len(columns[0]) < FEW:
+        first: dict[tuple[float, ...], int] = {}
+        rows = zip(*(column.tolist() for column in columns), strict=True)
+        alike = [first.setdefault(row, i) for i, row in enumerate(rows)]
+        return np.array(alike, dtype=np.intp)
     key = np.zeros(len(columns[0]), dtype=np.int64)
     for column in columns:
         _, rank = np.unique(column, return_inverse=True)
         _, key = np.unique(key * (int(rank.max()) + 1) + rank, return_inverse=True)
-    first = np.full(int(key.max()) + 1, len(key), dtype=np.intp)
-    np.minimum.at(first, key, np.arange(len(key), dtype=np.intp))
-    return first[key]
+    of_key = np.full(int(key.max()) + 1, len(key), dtype=np.intp)
+    np.minimum.at(of_key, key, np.arange(len(key), dtype=np.intp))
+    return of_key[key]
 
 
 def weld(

@@ -22,15 +22,15 @@ from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
 from drystone.live.computing import tasks
-from drystone.live.computing.snapshot import snapshot
+from drystone.live.computing.moved_supports import at_once, verdict_of
+from drystone.live.computing.snapshot import Found, snapshot
 from drystone.live.computing.wish import Asked, Wish, asked
 from drystone.live.requests.interface import given_of
 from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.model import Model
-from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability import QUICK, check, try_rest
+from drystone.stability import QUICK, try_rest
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
@@ -140,6 +140,7 @@ def facts(model: Model) -> dict[str, Any]:
         "friction": [float(friction.min()), float(friction.max())] if len(friction) else None,
         "gravity": tasks.gravity_of(model),
         "supports": names,
+        "moves": model.load.motion is not None,
         "notes": list(model.notes),
     }
 
@@ -152,41 +153,49 @@ def _read(self: Calculator, message: Mapping[str, Any]) -> None:
 
 
 def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
-    """A rest state with uniform stiffness, from the last one of the window."""
+    """With uniform stiffness, or to first order where supports move."""
     began = time.perf_counter()
     wish, made = self.asked(message)
-    key = (message["window"], message["model"], wish.removed)
     with one_blas_thread():
-        found = try_rest(made.part, screening=QUICK, start=self.starts.get(key), stop=self.stop)
+        found = _at_rest(self, made, message, wish) if made.motion is None else at_once(made.moving)
+    self.require()
+    _show(self, "quick", wish, made, found, began, message["name"])
+
+
+def _at_rest(self: Calculator, made: Asked, message: Mapping[str, Any], wish: Wish) -> Found:
+    """From the last rest state of the window with the same blocks."""
+    key = (message["window"], message["model"], wish.removed)
+    found = try_rest(made.part, screening=QUICK, start=self.starts.get(key), stop=self.stop)
     self.require()
     if found.stable and found.displacement is not None:
         self.starts[key] = found.displacement
         self.starts.move_to_end(key)
         while len(self.starts) > STARTS:
             self.starts.popitem(last=False)
-    _show(self, "quick", wish, made, found, began, message["name"])
+    return Found.at_rest(found, quick=True)
 
 
 def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
     """The verdict."""
     began = time.perf_counter()
     wish, made = self.asked(message)
-    found = check(
-        made.part, progress=self.progress, stop=self.stop, time_limit_s=message["seconds"]
+    found = verdict_of(
+        made, stop=self.stop, progress=self.progress, time_limit_s=message["seconds"]
     )
     self.require()
     _show(self, "whole", wish, made, found, began, message["name"])
 
 
 def _show(
-    self: Calculator, event: str, wish: Wish, made: Asked, found: Result, began: float, source: str
+    self: Calculator, event: str, wish: Wish, made: Asked, found: Found, began: float, source: str
 ) -> None:
-    picture = snapshot(made, wish, found, quick=event == "quick", source=source)
+    picture = snapshot(made, wish, found, source)
+    result = found.result
     told = {
-        "verdict": found.verdict.value,
-        "headline": picture["stage"]["headline"],
-        "falling": list(found.falling_names),
-        "stopped": found.stopped,
+        "verdict": result.verdict.value,
+        "headline": found.stage.headline,
+        "falling": list(result.falling_names),
+        "stopped": result.stopped,
         "computed_ms": round(1e3 * (time.perf_counter() - began), 1),
     }
     self.tell(event, answer=told, picture=json.dumps(picture, allow_nan=False))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,31 +23,51 @@ QUICK = {
 """Headlines while the whole verdict is not known."""
 
 
-def snapshot(
-    asked: Asked, wish: Wish, result: Result, *, quick: bool = False, source: str = ""
-) -> dict[str, Any]:
-    """The stage of a result on the part of the blocks that is in place, encoded.
+@dataclass(frozen=True, eq=False)
+class Found:
+    """An answer and its picture, of the blocks that are in place.
+
+    Attributes
+    ----------
+    result
+    stage
+    moved
+        Whether the forces of the stage are those at the end of its motion.
+    """
+
+    result: Result
+    stage: Stage
+    moved: bool = False
+
+    @classmethod
+    def at_rest(cls, result: Result, *, quick: bool = False) -> Found:
+        """The picture of a result; ``quick`` where the whole verdict is still to come."""
+        stage = stage_of(result, "live")
+        if quick:
+            stage = replace(stage, headline=QUICK[result.verdict], verdict=None)
+        return cls(result, stage)
+
+
+def snapshot(asked: Asked, wish: Wish, found: Found, source: str = "") -> dict[str, Any]:
+    """An answer about ``asked.part``, encoded for the page that shows all blocks of ``asked``.
 
     Parameters
     ----------
     asked
     wish
-    result
-        Of ``asked.part``.
-    quick
-        Whether the whole verdict is still to come.
+    found
     source
         Name of the file.
     """
-    stage = widened(stage_of(result, "live"), asked)
+    stage = widened(found.stage, asked)
     turn = rotation_about(asked.axis, wish.tilt)
     layers = (*stage.layers, *pushes(asked, wish, turn))
     part = asked.part
     facts = facts_of(part.assembly, part.contacts, part.load, source)
     stage = replace(stage, up=turn[2], gravity=np.array(DOWN) @ turn, layers=layers, facts=facts)
-    if quick:
-        stage = replace(stage, headline=QUICK[result.verdict], verdict=None)
-    return encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
+    encoded = encode_stage(Scene(asked.whole.assembly, asked.whole.contacts, (stage,)))
+    encoded["stage"]["moved"] = found.moved
+    return encoded
 
 
 def pushes(asked: Asked, wish: Wish, turn: Floats) -> tuple[Layer, ...]:
@@ -84,12 +104,17 @@ def widened(stage: Stage, asked: Asked) -> Stage:
         out[place[kind]] = values
         return out
 
+    path = None
+    if stage.path is not None:
+        path = np.zeros((len(stage.path), blocks, 6))
+        path[:, asked.kept] = stage.path
     state = np.full(blocks, State.ABSENT, dtype=np.intp)
     state[asked.kept] = stage.state
     return replace(
         stage,
         state=state,
         motion=spread(stage.motion, "block"),
+        path=path,
         prop=spread(stage.prop, "block"),
         force=spread(stage.force, "corner"),
         layers=tuple(_of_whole(layer, interface, asked.kept) for layer in stage.layers),
@@ -108,4 +133,4 @@ def _of_whole(layer: Layer, interface: Ints, kept: Ints) -> Layer:
     )
 
 
-__all__ = ["snapshot", "widened"]
+__all__ = ["Found", "snapshot", "widened"]

@@ -19,15 +19,15 @@ from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
+from drystone.live.computing.moved_supports import verdict_of
 from drystone.live.computing.wish import Asked, Wish, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
 from drystone.sequence import Order, PlanOptions, Rules, plan
-from drystone.stability import check
 from drystone.view import scene_of
-from drystone.view.scenes.header import sentence
 from drystone.view.web.encode import encode, to_text
 
+UNMOVED = "the supports were taken as not moved"
 MOST_CASES = 20
 """Load cases that one window compares."""
 
@@ -62,6 +62,11 @@ class Work:
     name: str
     mends: list[Mend] = field(default_factory=list)
 
+    def noted(self, message: str) -> str:
+        """A message, and a note where the load case moves supports, which the task does not."""
+        note = UNMOVED if self.asked.motion is not None else ""
+        return "; ".join(one for one in (message, note) if one)
+
 
 def gravity_of(model: Model) -> float:
     """[m/s2] of the load of a model."""
@@ -78,7 +83,7 @@ def _limit(work: Work) -> Iterator[Event]:
             "direction": work.wish.direction,
             "stands": best.stands,
             "falls": best.falls,
-            "message": "" if best.falling is None else best.falling.message,
+            "message": work.noted("" if best.falling is None else best.falling.message),
             "sensitive": found.is_sensitive,
             "stopped": found.stopped,
         },
@@ -99,9 +104,11 @@ def _mends(work: Work) -> Iterator[Event]:
         }
         for one in found.mends
     ]
-    tried = [f"{', '.join(blocks)}: {one.kind}: {one.what}" for blocks, one in found.tried]
-    stopped = work.stop()
-    yield "mends", {"mends": told, "tried": tried, "message": found.message, "stopped": stopped}
+    tried = [
+        {"blocks": list(blocks), "what": f"{one.kind}: {one.what}"} for blocks, one in found.tried
+    ]
+    message, stopped = work.noted(found.message), work.stop()
+    yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": stopped}
 
 
 def _ghost(mend: Mend) -> list[list[float]]:
@@ -127,7 +134,12 @@ def _apply(work: Work) -> Iterator[Event]:
                               if b not in removed])  # fmt: skip
     made = replace(made, load=_untilted(base, made), notes=(), report=None, cases=())
     wish = replace(work.wish, friction=None, supports=None, removed=())
-    wish = replace(wish, pushes=tuple(p for p in wish.pushes if p[0] in made.assembly))
+    fixed = {made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)}
+    wish = replace(
+        wish,
+        pushes=tuple(one for one in wish.pushes if one[0] in made.assembly),
+        moves=tuple(one for one in wish.moves if one[0] in fixed),
+    )
     yield "model", {"made": made, "what": chosen.description, "state": as_json(wish)}
 
 
@@ -159,7 +171,7 @@ def _plan(work: Work) -> Iterator[Event]:
         "order": list(found.order),
         "asked": order,
         "counts": found.counts,
-        "message": found.message,
+        "message": work.noted(found.message),
         "stopped": found.stopped,
         "impossible": {part.assembly.names[b]: why for b, why in found.impossible.items()},
     }
@@ -174,8 +186,8 @@ def _cases(work: Work) -> Iterator[Event]:
         raise InputError(f"there are {len(listed)} cases", remedy=f"compare {MOST_CASES} at most")
     for number, one in enumerate(listed):
         try:
-            found = check(asked(work.model, Wish.of(one)).part, stop=work.stop)
-            verdict = {"headline": sentence(found), "verdict": found.verdict.name}
+            found = verdict_of(asked(work.model, Wish.of(one)), stop=work.stop)
+            verdict = {"headline": found.stage.headline, "verdict": found.result.verdict.name}
         except InputError as error:
             verdict = {"headline": str(error), "verdict": ""}
         yield "case", {"number": number, **verdict}
@@ -187,7 +199,7 @@ def _save(work: Work) -> Iterator[Event]:
     """The model of the wish as the text of a file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "model.json"
-        io.write(work.asked.part, path)
+        io.write(work.asked.moving, path)
         text = path.read_text("utf-8")
     yield "saved", {"text": text}
 
@@ -202,6 +214,7 @@ def as_json(wish: Wish) -> dict[str, Any]:
         "supports": None if wish.supports is None else list(wish.supports),
         "removed": list(wish.removed),
         "pushes": [{"block": block, "force": list(force)} for block, force in wish.pushes],
+        "moves": [{"block": block, "by": list(by)} for block, by in wish.moves],
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,7 +19,11 @@ from drystone.model import Model
 MOST_TILT = 180.0
 MOST_GRAVITY = 1000.0
 """[m/s2], chosen: a hundred times that of the earth, as in a centrifuge."""
-KEYS = ("tilt", "direction", "friction", "gravity", "supports", "removed", "pushes")
+KEYS = ("tilt", "direction", "friction", "gravity", "supports", "removed", "pushes", "moves")
+
+
+Pulled: TypeAlias = tuple[str, tuple[float, float, float]]
+"""Name of a block, and a force or a translation."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,8 @@ class Wish:
         Names of blocks that are taken out.
     pushes
         Names of blocks and forces (3,) [N] at their centroids, which keep their direction in space.
+    moves
+        Names of supports and their translations (3,) [m], in axes that tilt with the model.
     """
 
     tilt: float = 0.0
@@ -48,7 +55,8 @@ class Wish:
     gravity: float | None = None
     supports: tuple[str, ...] | None = None
     removed: tuple[str, ...] = ()
-    pushes: tuple[tuple[str, tuple[float, float, float]], ...] = ()
+    pushes: tuple[Pulled, ...] = ()
+    moves: tuple[Pulled, ...] = ()
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.tilt <= MOST_TILT:
@@ -79,11 +87,14 @@ class Wish:
         def names(key: str) -> tuple[str, ...]:
             return tuple(one.text() for one in field[key].elements()) if field.has(key) else ()
 
-        pushes = []
-        for one in field["pushes"].elements() if field.has("pushes") else ():
-            one.object().only(("block", "force"))
-            x, y, z = one["force"].floats(3).tolist()
-            pushes.append((one["block"].text(), (x, y, z)))
+        def pulled(key: str, what: str) -> tuple[Pulled, ...]:
+            found = []
+            for one in field[key].elements() if field.has(key) else ():
+                one.object().only(("block", what))
+                x, y, z = one[what].floats(3).tolist()
+                found.append((one["block"].text(), (x, y, z)))
+            return tuple(found)
+
         return cls(
             number("tilt") or 0.0,
             number("direction") or 0.0,
@@ -91,7 +102,8 @@ class Wish:
             number("gravity"),
             names("supports") if field.has("supports") else None,
             names("removed"),
-            tuple(pushes),
+            pulled("pushes", "force"),
+            tuple(one for one in pulled("moves", "by") if any(one[1])),
         )
 
     @property
@@ -116,6 +128,8 @@ class Asked:
     kept : (s,)
         Positions of the blocks of the part in the whole.
     axis : (3,)
+    motion : (s, 6) [m, rad]
+        Of the supports of the part, with that in the load of the file; None where none moves.
     """
 
     whole: Model
@@ -123,6 +137,12 @@ class Asked:
     upright: Model
     kept: Ints
     axis: Floats
+    motion: Floats | None = None
+
+    @property
+    def moving(self) -> Model:
+        """The part, with the motion of its supports in the load."""
+        return self.part.with_load(replace(self.part.load, motion=self.motion))
 
 
 def asked(model: Model, wish: Wish) -> Asked:
@@ -131,29 +151,42 @@ def asked(model: Model, wish: Wish) -> Asked:
     Raises
     ------
     InputError
-        It names a block that is not there, pushes a fixed one, or takes all blocks out.
+        It names a block that is not there, pushes a fixed one, moves a free one or one that is
+        taken out, or takes all blocks out.
     """
     if wish.supports is not None:
         model = model.with_supports(wish.supports)
     if wish.friction is not None:
         model = model.with_friction(wish.friction)
-    load = model.load
+    motion = np.zeros((len(model), 6)) if model.load.motion is None else model.load.motion.copy()
+    load = replace(model.load, motion=None)
     if wish.gravity is not None:
         load = load + more_gravity(model, wish.gravity)
     for block, force in wish.pushes:
         load = load + LoadCase.point_load(model.assembly, block, force)
     name = model.load.name + (", pushed" if wish.pushes else "")
+    name += ", supports moved" if wish.moves or model.load.motion is not None else ""
     model = model.with_load(replace(load, name=name))
     gone = np.zeros(len(model), dtype=bool)
     gone[model.assembly.indices(list(wish.removed))] = True
     if gone.all():
         raise InputError("every block is taken out", remedy="put one back")
     kept = np.flatnonzero(~gone)
+    for i in model.assembly.indices([block for block, _ in wish.moves]):
+        if gone[i] or not model.assembly.fixed[i]:
+            raise InputError(
+                f"block '{model.assembly.names[i]}' is no support, so it cannot be moved",
+                remedy="make it a support, or push it",
+            )
+    for block, by in wish.moves:
+        motion[model.assembly.index(block), :3] += by
+    motion = motion[kept] * model.assembly.fixed[kept, None]
+    moves = motion if motion.any() else None
     axis = np.array(wish.axis)
     whole = Tilt(model, axis)(wish.tilt) if wish.tilt else model
     if not gone.any():
-        return Asked(whole, whole, model, kept, axis)
-    return Asked(whole, whole.subset(kept), model.subset(kept), kept, axis)
+        return Asked(whole, whole, model, kept, axis, moves)
+    return Asked(whole, whole.subset(kept), model.subset(kept), kept, axis, moves)
 
 
 def more_gravity(model: Model, gravity: float) -> LoadCase:

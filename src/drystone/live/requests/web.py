@@ -217,9 +217,15 @@ class Handler(BaseHTTPRequestHandler):
 
     def _lines(self, asked: Sent) -> dict[str, Any]:
         desk = self.server.desk
-        source = asked.extra.get("saved") or desk.file.name
-        how = {} if asked.extra.get("saved") else desk.how
-        return python_lines(str(source), how, asked.wish)
+        kept = desk.models.get(asked.model)
+        if kept is None:
+            raise Refusal(404, "there is no such model any more", "load the page again")
+        lines = python_lines(desk.file.name, desk.how, asked.wish, kept.facts)
+        if asked.extra.get("saved"):  # a model with everything in it that the page shows
+            whole = python_lines(str(asked.extra["saved"]), {}, {}, {**kept.facts, "moves": bool(
+                asked.wish.get("moves"))})  # fmt: skip
+            lines["python"] = whole["python"]
+        return lines
 
     def _events(self, name: str) -> None:
         """A stream of server-sent events, until the window is closed."""

@@ -67,14 +67,18 @@ async function newFile({ model, broken: why }) {
   const kept = {
     model, removed: now.removed.filter((one) => here.has(one)),
     pushes: now.pushes.filter((one) => here.has(one.block)),
+    moves: now.moves.filter((one) => here.has(one.block)),
     supports: now.supports?.filter((one) => here.has(one)) ?? null,
   };
   const fixed = kept.supports ?? factsNow().supports;
   kept.pushes = kept.pushes.filter((one) => !fixed.includes(one.block));
+  kept.moves = kept.moves.filter((one) => fixed.includes(one.block));
   cases = cases.map((one) => ({ ...one, state: { ...one.state, model } }));
   change(kept);
   checkCases();
 }
+
+let atOnce = ""; // how long the quick answer took
 
 const HEAR = {
   file: newFile,
@@ -82,7 +86,8 @@ const HEAR = {
     answered(wish);
     if (planShown()) return;
     showAnswer(picture, true);
-    byId("live-state").textContent = `uniform stiffness: ${answer.computed_ms} ms`;
+    atOnce = `${now.moves.length ? "first order" : "uniform stiffness"}: ${Math.round(answer.computed_ms)} ms`;
+    byId("live-state").textContent = atOnce;
   },
   whole: ({ wish, answer, picture }) => {
     if (wish !== live.wish) return;
@@ -90,7 +95,7 @@ const HEAR = {
     if (planShown()) return;
     showAnswer(picture, false);
     const early = answer.stopped ? `; ${answer.stopped}` : "";
-    byId("live-state").textContent = `verdict: ${(answer.computed_ms / 1000).toPrecision(2)} s${early}`;
+    byId("live-state").textContent = `${atOnce}; verdict: ${(answer.computed_ms / 1000).toPrecision(2)} s${early}`;
   },
   progress: ({ stage: at, done, total }) => {
     byId("live-state").textContent = total ? `${at} (${done} of ${total})` : at;
@@ -122,10 +127,10 @@ const HEAR = {
 
 const savedName = (ending) => `${begins.name.replace(/\.[^.]*$/, "")}-${ending}`;
 
-// Where the model is mended, the lines read the file that it was saved to.
+// Where the model is mended, the lines read the file that the button Model saves.
 async function pythonLines() {
   const extra = now.model === begins.model ? {} : { saved: savedName("model.json") };
-  return ask("/live/python", { window: live.window, wish: wishOf(now), extra });
+  return ask("/live/python", { window: live.window, model: now.model, wish: wishOf(now), extra });
 }
 
 function connectStrip() {
@@ -177,6 +182,7 @@ function connectStrip() {
   });
 }
 
+byId("fold").addEventListener("click", () => fit(camera.azimuth, camera.elevation, 0));
 connectPush();
 connectStrip();
 showControls();

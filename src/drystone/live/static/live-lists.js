@@ -34,6 +34,43 @@ function showChanges() {
     row(`${block} pushed`, `towards ${directionText(force)}`, input, element("span", "kN"),
       button("\u00d7", () => change({ pushes: pushed(block, [0, 0, 0]) }), { "aria-label": "No force" }));
   }
+  for (const { block, by } of now.moves) {
+    row(`${block} moved by`, block,
+      button("\u00d7", () => change({ moves: moved(block, [0, 0, 0]) }), { "aria-label": "Not moved" }));
+    const line = element("div", undefined, { class: "way" });
+    by.forEach((way, i) => {
+      const input = element("input", undefined, {
+        type: "number", step: "any", value: Number((1000 * way).toPrecision(4)),
+        "aria-label": `${block} moved along ${"xyz"[i]} in mm`,
+      });
+      input.addEventListener("change", () => {
+        const wanted = by.map((old, k) => (k === i ? Number(input.value) / 1000 : old));
+        change({ moves: moved(block, wanted) });
+      });
+      line.append(element("span", "xyz"[i]), input);
+    });
+    line.append(element("span", "mm"));
+    box.append(line);
+  }
+}
+
+// What a load case has that the file has not.
+function describe(state) {
+  const { supports } = models.get(state.model) ?? { supports: [] };
+  const changed = state.supports
+    ? [...state.supports, ...supports].filter((one) => state.supports.includes(one) !== supports.includes(one)).length
+    : 0;
+  const count = (n, one, many) => (n ? `${n} ${n === 1 ? one : many}` : "");
+  const parts = [
+    state.tilt ? `tilt ${state.tilt}\u00b0 towards ${state.direction}\u00b0` : "",
+    state.friction === null ? "" : `friction ${state.friction}`,
+    state.gravity === null ? "" : `gravity ${state.gravity} m/s\u00b2`,
+    count(changed, "support changed", "supports changed"),
+    count(state.removed.length, "block out", "blocks out"),
+    count(state.pushes.length, "push", "pushes"),
+    count(state.moves.length, "support moved", "supports moved"),
+  ].filter(Boolean);
+  return parts.join(", ") || "as in the file";
 }
 
 function showCases() {
@@ -48,7 +85,7 @@ function showCases() {
       goTo(one.state);
     }, { title: "Show this load case" }));
     const told = line.insertCell();
-    told.textContent = one.headline;
+    told.append(element("span", one.headline), element("small", describe(one.state)));
     told.className = one.verdict;
     line.insertCell().append(button("\u00d7", () => {
       cases = cases.filter((other) => other !== one);
@@ -84,25 +121,33 @@ function showMends({ mends, tried, message, stopped }) {
   const box = byId("mends");
   box.replaceChildren();
   mends.forEach((mend, number) => {
-    const made = button(`${mend.blocks.join(", ")}: ${mend.what}`, () => {
+    const made = button(mend.what, () => {
       showGhostOf(null);
       task("apply", { mend: number });
-    }, { title: `cost ${Number(mend.cost.toPrecision(3))}` });
+    }, { title: `cost ${Number(mend.cost.toPrecision(3))}; ${mend.blocks.join(", ")}` });
+    made.append(element("small", `for ${someOf(mend.blocks)}`));
     for (const event of ["pointerenter", "focus"]) made.addEventListener(event, () => showGhostOf(mend.ghost));
     for (const event of ["pointerleave", "blur"]) made.addEventListener(event, () => showGhostOf(null));
     box.append(made);
   });
   const words = [message, stopped ? "the search was stopped before all was tried" : ""].filter(Boolean);
   if (!mends.length && !words.length) words.push("no mend was found");
-  for (const text of [...words, ...tried.map((one) => `not enough: ${one}`)]) box.append(element("p", text));
+  for (const text of words) box.append(element("p", text));
+  for (const { blocks, what } of tried) {
+    box.append(element("p", `not for ${someOf(blocks)}: ${what}`, { title: blocks.join(", ") }));
+  }
 }
+
+const someOf = (names) => (names.length > 3
+  ? `${names.slice(0, 2).join(", ")} and ${names.length - 2} more` : names.join(", "));
 
 // A mend was made: its model is the one to ask about from now on.
 async function mended({ model, facts, what, state }) {
   models.set(model, facts);
-  byId("mends").replaceChildren(element("p", `made: ${what}`));
+  busy(false);
   await showModel(model);
   change({ ...plainState(model), ...state });
+  byId("mends").replaceChildren(element("p", `made: ${what}`));
 }
 
 let order = [];

@@ -39,6 +39,7 @@ function showAnswer(text, quick) {
   stop();
   forgetLayers();
   data.stages = [fresh];
+  const greeting = firstAnswer && !location.hash;
   if (firstAnswer) {
     firstAnswer = false;
     page.wanted = "forces";
@@ -47,6 +48,8 @@ function showAnswer(text, quick) {
   knowLayers();
   renewPresets();
   setStage(0);
+  if (fresh.moved) setTime(1);
+  if (greeting) fit(camera.azimuth, camera.elevation, 0); // there was no legend before
   if (fresh.plays && !quick && !still.matches) play("motion");
 }
 
@@ -57,7 +60,6 @@ function showData(fresh) {
   Object.assign(data, fresh);
   page.hidden.clear();
   [page.selected, page.joint, page.hovered, page.stage] = [-1, -1, -1, 0];
-  if (camera.points) camera.points = thinned(allPlaces());
   camera.half = data.half;
   camera.radius = Math.max(vec.length(data.half), 1e-9);
   if (renderer) {

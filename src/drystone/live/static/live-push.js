@@ -5,6 +5,7 @@ const MODE_HELP = {
   support: "Makes a block a support, or frees it.",
   remove: "Takes a block out. It can be put back below.",
   push: "Drag a free block: the arrow is the force. As long as the block is its weight.",
+  move: "Drag a support: it moves as far as you drag, and the blocks follow.",
 };
 let mode = "look";
 
@@ -23,12 +24,15 @@ const nameOf = (block) => data.blocks.names[block];
 function toggleSupport(name) {
   const fixed = supportsNow();
   const supports = fixed.includes(name) ? fixed.filter((one) => one !== name) : [...fixed, name];
-  change({ supports, pushes: now.pushes.filter((one) => !supports.includes(one.block)) });
+  change({
+    supports, pushes: now.pushes.filter((one) => !supports.includes(one.block)),
+    moves: now.moves.filter((one) => supports.includes(one.block)),
+  });
 }
 
 function takeOut(name) {
   change({
-    removed: [...now.removed, name], pushes: now.pushes.filter((one) => one.block !== name),
+    removed: [...now.removed, name], pushes: pushed(name, [0, 0, 0]), moves: moved(name, [0, 0, 0]),
   });
   actions.select(-1);
 }
@@ -42,6 +46,20 @@ function pushed(name, force) {
   return vec.length(force) > 0 ? [...others, { block: name, force }] : others;
 }
 
+function moved(name, by) {
+  const others = now.moves.filter((one) => one.block !== name);
+  return vec.length(by) > 0 ? [...others, { block: name, by }] : others;
+}
+
+const movedBy = (name) => now.moves.find((one) => one.block === name)?.by ?? [0, 0, 0];
+
+// How far [m] a support has moved after a drag by pixels, beside `from` where it was moved to before.
+function wayOf(from, dx, dy) {
+  const { metresPerPixel, right, up } = currentView();
+  const drawn = vec.add(vec.scale(right, dx * metresPerPixel), vec.scale(up, -dy * metresPerPixel));
+  return vec.add(from, drawn).map((x) => Number(x.toPrecision(4)));
+}
+
 // The force [N] in space of a drag by pixels: a drag as long as the block is its weight.
 function forceOf(block, dx, dy) {
   const { metresPerPixel, right, up } = currentView();
@@ -51,10 +69,10 @@ function forceOf(block, dx, dy) {
   return turnedBetween(inModel, stage().up, [0, 0, 1]).map((x) => Number(x.toPrecision(4)));
 }
 
-let drag = null; // { block, pointer, x, y }
+let drag = null; // { block, pointer, x, y, before, from }
 const SVG_ARROW = '<svg id="push-arrow" hidden><line/><text/></svg>';
 
-function showArrow(event, force) {
+function showArrow(event, words) {
   const box = canvas.getBoundingClientRect();
   const [line, text] = byId("push-arrow").children;
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
@@ -62,10 +80,10 @@ function showArrow(event, force) {
   for (const [key, value] of Object.entries(ends)) line.setAttribute(key, value);
   text.setAttribute("x", Math.min(x + 12, box.width - 90));
   text.setAttribute("y", Math.max(y - 8, 16));
-  text.textContent = inKilonewton(vec.length(force));
+  text.textContent = words;
 }
 
-const inKilonewton = (newton) => `${Number((newton / 1000).toPrecision(3))} kN`;
+const inKilonewton = (force) => `${Number((vec.length(force) / 1000).toPrecision(3))} kN`;
 
 function pressed(event) {
   if (mode === "look" || planShown() || event.button !== 0 || event.shiftKey || event.target !== canvas) return;
@@ -76,22 +94,32 @@ function pressed(event) {
   hovered(null);
   if (mode === "support") toggleSupport(nameOf(block));
   else if (mode === "remove") takeOut(nameOf(block));
-  else if (supportsNow().includes(nameOf(block))) {
-    complain(`${nameOf(block)} is a support: a force on it changes nothing`);
+  else if (supportsNow().includes(nameOf(block)) !== (mode === "move")) {
+    complain(mode === "move" ? `${nameOf(block)} is no support: make it one, or push it`
+      : `${nameOf(block)} is a support: a force on it changes nothing`);
   } else {
-    drag = { block, pointer: event.pointerId, x: event.clientX, y: event.clientY, before: now.pushes };
+    const [before, from] = [now, movedBy(nameOf(block))];
+    drag = { block, pointer: event.pointerId, x: event.clientX, y: event.clientY, before, from };
     canvas.setPointerCapture(event.pointerId);
     byId("push-arrow").removeAttribute("hidden");
-    showArrow(event, [0, 0, 0]);
+    showArrow(event, "");
   }
 }
 
 function dragged(event) {
   if (!drag || event.pointerId !== drag.pointer) return;
   event.stopImmediatePropagation();
-  const force = forceOf(drag.block, event.clientX - drag.x, event.clientY - drag.y);
-  showArrow(event, force);
-  change({ pushes: pushed(nameOf(drag.block), force) }, false);
+  const [dx, dy] = [event.clientX - drag.x, event.clientY - drag.y];
+  const name = nameOf(drag.block);
+  if (mode === "move") {
+    const by = wayOf(drag.from, dx, dy);
+    showArrow(event, quantity(vec.length(by), "m"));
+    change({ moves: moved(name, by) }, false);
+  } else {
+    const force = forceOf(drag.block, dx, dy);
+    showArrow(event, inKilonewton(force));
+    change({ pushes: pushed(name, force) }, false);
+  }
 }
 
 function released(event) {
@@ -100,7 +128,8 @@ function released(event) {
   const { before } = drag;
   drag = null;
   byId("push-arrow").setAttribute("hidden", "");
-  change({ pushes: event.type === "pointerup" ? now.pushes : before });
+  const { pushes, moves } = event.type === "pointerup" ? now : before;
+  change({ pushes, moves });
 }
 
 function connectPush() {
@@ -134,7 +163,13 @@ function showBlockActions() {
     button(fixed ? "Free it" : "Make it a support", () => toggleSupport(name)),
     button("Take it out", () => takeOut(name)),
   );
-  if (fixed) return;
+  if (fixed) {
+    const down = -Number((0.05 * data.blockSize).toPrecision(1));
+    if (vec.length(movedBy(name)) === 0) {
+      box.append(button("Move it", () => change({ moves: moved(name, [0, 0, down]) })));
+    }
+    return;
+  }
   box.append(button("Push it", () => {
     const weight = data.blocks.mass[page.selected] * (factsNow().gravity || 9.81);
     change({ pushes: pushed(name, [Number((0.1 * weight).toPrecision(2)), 0, 0]) });

@@ -8,6 +8,7 @@ const models = new Map([[begins.model, begins.facts]]);
 
 const plainState = (model) => ({
   model, tilt: 0, direction: 0, friction: null, gravity: null, supports: null, removed: [], pushes: [],
+  moves: [],
 });
 
 let now = plainState(begins.model); // what the controls say
@@ -22,6 +23,7 @@ const supportsNow = () => now.supports ?? factsNow().supports;
 // Changes the state; `keep` makes it a step of undo.
 function change(parts, keep = true) {
   if (planShown()) leavePlan();
+  forgetFound(parts);
   now = { ...now, ...parts };
   if (keep) {
     past.states = [...past.states.slice(0, past.at + 1), now].slice(-LONGEST_HISTORY);
@@ -29,6 +31,13 @@ function change(parts, keep = true) {
   }
   showControls();
   send();
+}
+
+// What was found for another load case: mends, and the edge unless only the tilt has changed.
+function forgetFound(parts) {
+  byId("mends").replaceChildren();
+  const ofTheEdge = Object.keys(parts).every((key) => key === "tilt" || key === "direction");
+  if (!ofTheEdge) byId("edge-answer").replaceChildren();
 }
 
 function step(by) {
@@ -49,6 +58,7 @@ async function goTo(state) {
     }
   }
   now = state;
+  forgetFound(now);
   showControls();
   send();
 }

@@ -62,20 +62,23 @@ def moved_scene(settlement: SupportResponse, source: str = "") -> Scene:
     if result.displacement is None:
         return settlement_scene(settlement, source)
     motion, factor = _enlarged(result.assembly, result.displacement)
-    blocks = []
-    for block, at, move in zip(
-        result.assembly.blocks, result.assembly.centroid, motion, strict=True
-    ):
-        angle = float(np.linalg.norm(move[3:]))
-        turn = rotation_about(move[3:], float(np.rad2deg(angle))) if angle > 0.0 else np.eye(3)
-        blocks.append(block.transformed(turn, at + move[:3] - turn @ at))
     state = np.where(result.assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     message = f"{result.message}; the motion is drawn {factor:.3g} times as large"
     headline = _headline(settlement)
     stage = Stage("after", headline, message, state, result.verdict)
-    moved = Assembly(tuple(blocks), result.assembly.fixed)
+    moved = moved_assembly(result.assembly, motion)
     facts = _facts(settlement, source)
     return Scene(moved, Contacts.empty(), (stage,), f"drystone: {headline.lower()}", facts)
+
+
+def moved_assembly(assembly: Assembly, motion: Floats) -> Assembly:
+    """The blocks after a motion (n, 6) [m, rad]: translation, and rotation about the centroid."""
+    blocks = []
+    for block, at, move in zip(assembly.blocks, assembly.centroid, motion, strict=True):
+        angle = float(np.linalg.norm(move[3:]))
+        turn = rotation_about(move[3:], float(np.rad2deg(angle))) if angle > 0.0 else np.eye(3)
+        blocks.append(block.transformed(turn, at + move[:3] - turn @ at))
+    return Assembly(tuple(blocks), assembly.fixed)
 
 
 def followed_scene(settlement: Settlement, source: str = "") -> Scene:
@@ -167,4 +170,4 @@ def _openings(settlement: SupportResponse) -> tuple[Layer, ...]:
     )  # fmt: skip
 
 
-__all__ = ["followed_scene", "moved_scene", "settlement_scene"]
+__all__ = ["followed_scene", "moved_assembly", "moved_scene", "settlement_scene"]

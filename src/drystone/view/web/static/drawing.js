@@ -54,8 +54,11 @@ function currentView(ratio = window.devicePixelRatio || 1) {
 }
 
 // While blocks move their joints mean nothing; while pictures of many blocks come slowly, lines wait.
+// The forces of a stage that `moved` are those at the end of its motion.
 function isDrawn(layer, time) {
-  if (time > 0) return layer.kind === "markers";
+  if (stage().moved) {
+    if (page.time < 1) return false;
+  } else if (time > 0) return layer.kind === "markers";
   return !hurried || data.count < MANY || layer.kind === "polygons";
 }
 

@@ -1,0 +1,116 @@
+"""Supports that move: the answer to first order, and the blocks followed by finite steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from drystone.base import units
+from drystone.base.arrays import Floats, cross
+from drystone.base.errors import counted
+from drystone.base.progress import Progress
+from drystone.contacts import Contacts
+from drystone.live.computing.snapshot import Found
+from drystone.live.computing.wish import Asked
+from drystone.model import Model
+from drystone.results import Result, Verdict
+from drystone.settlement import End, LargeDisplacement, move_supports, support_response
+from drystone.stability import check
+from drystone.view import Stage, stage_of
+from drystone.view.scenes.settlement_scenes import moved_assembly
+
+MOTION = "Motion of the supports"
+FORCE = "force of the blocks on the moving supports, along their motion"
+
+
+def at_once(model: Model) -> Found:
+    """The answer to first order; the load of the model moves supports."""
+    found = support_response(model)
+    result, size = found.result, units.quantity(found.size, "m")
+    if result.displacement is None:
+        headline = f"Supports moved by {size}: no first-order answer; it is being followed"
+        return Found(result, replace(stage_of(result, "live"), headline=headline, verdict=None))
+    joints = counted(len(found.open_joints()), "joint")
+    headline = f"Supports moved by {size}: {joints} open to first order; it is being followed"
+    contacts = _carried(model, result.displacement)
+    made = _moved(result, contacts, result.displacement[None])
+    return Found(result, replace(made, headline=headline, verdict=None), moved=True)
+
+
+def verdict_of(
+    asked: Asked,
+    *,
+    stop: Callable[[], bool],
+    progress: Progress | None = None,
+    time_limit_s: float = float("inf"),
+) -> Found:
+    """The whole verdict of a load case; where supports move, of the blocks that follow them."""
+    moves = asked.motion is not None
+    found = _followed(asked.moving, progress, stop, time_limit_s) if moves else None
+    if found is not None:
+        return found
+    found = Found.at_rest(
+        check(asked.part, progress=progress, stop=stop, time_limit_s=time_limit_s)
+    )
+    if not moves:
+        return found
+    headline = f"{found.stage.headline}, before the supports move"
+    return replace(found, stage=replace(found.stage, headline=headline))
+
+
+def _followed(
+    model: Model, progress: Progress | None, stop: Callable[[], bool], seconds: float
+) -> Found | None:
+    """The blocks while the supports move; None where they do not stand before."""
+    found = move_supports(model, progress=progress, stop=stop, time_limit_s=seconds)
+    if len(found.displacement) < 2 and found.end is not End.STOPPED:
+        return None
+    last = found.states[-1]
+    verdict = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
+    message = f"{FORCE}: {found.message}"
+    result = Result(
+        "settlement", verdict.get(found.end, Verdict.UNDECIDED), found.model, message,
+        force=last.force, displacement=last.positions, stopped=found.stopped,
+    )  # fmt: skip
+    path = np.stack([one.positions for one in found.states])
+    stage = _moved(result, last.contacts, path)
+    return Found(result, replace(stage, headline=_headline(found)), moved=True)
+
+
+def _headline(found: LargeDisplacement) -> str:
+    last = found.states[-1]
+    far = units.quantity(float(found.displacement[-1]), "m")
+    if found.end is End.FALLS:
+        return f"Falls when the supports have moved by {far}"
+    if found.end is End.REACHED:
+        slides = f" and {counted(len(last.sliding), 'sliding joint')}" if last.sliding else ""
+        hinges = counted(len(last.hinges), "hinge")
+        return f"Stands with its supports moved by {far}: {hinges}{slides}"
+    return f"Not decided: followed until the supports had moved by {far}"
+
+
+def _moved(result: Result, contacts: Contacts, path: Floats) -> Stage:
+    """The picture of blocks that have followed a path (s, n, 6), with the forces at its end."""
+    model = result.model
+    there = moved_assembly(model.assembly, path[-1])
+    placed = replace(model, assembly=there, contacts=contacts)
+    stage = stage_of(replace(result, model=placed), "live")
+    return replace(
+        stage, motion=path[-1], path=path if len(path) > 1 else None, motion_name=MOTION,
+        plays=False,
+    )  # fmt: skip
+
+
+def _carried(model: Model, motion: Floats) -> Contacts:
+    """Interfaces moved with both of their blocks by half, to first order."""
+    contacts, centroid = model.contacts, model.assembly.centroid
+    way = np.zeros_like(contacts.point)
+    for block in (contacts.block_a, contacts.block_b):
+        of = block[contacts.interface]
+        way += motion[of, :3] + cross(motion[of, 3:], contacts.point - centroid[of])
+    return replace(contacts, point=contacts.point + 0.5 * way)
+
+
+__all__ = ["at_once", "verdict_of"]

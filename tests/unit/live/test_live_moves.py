@@ -1,0 +1,167 @@
+"""Supports that are moved on the live page: at once to first order, then by finite steps."""
+
+import base64
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone import io
+from drystone.base import units
+from drystone.base.errors import InputError
+from drystone.io.jsontext import Field
+from drystone.live.computing.moved_supports import at_once, verdict_of
+from drystone.live.computing.python_lines import python_lines
+from drystone.live.computing.wish import Wish, asked
+from drystone.live.serving import Live
+from drystone.models import arch, box, tower
+from drystone.settlement import End, LargeDisplacement, move_supports, support_response
+from tests.unit.live.live_client import Window, ask
+
+FOOT = "springer-right"
+AWAY = (0.02, 0.0, 0.0)
+MOVE = [{"block": FOOT, "by": list(AWAY)}]
+
+
+def wish_of(**values: object) -> Wish:
+    return Wish.of(Field(values, "", Path("wish")))
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
+    path = tmp_path_factory.mktemp("moves") / "arch.json"
+    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
+    with Live(path, port=0) as made:
+        yield made
+
+
+@pytest.fixture
+def window(live: Live, request: pytest.FixtureRequest) -> Iterator[Window]:
+    made = Window(live, f"window-{abs(hash(request.node.name))}")
+    yield made
+    made.close()
+
+
+def test_a_moved_support_is_answered_to_first_order_and_then_followed(
+    live: Live, window: Window
+) -> None:
+    model = io.read(live.desk.file)
+    number = window.wish(moves=MOVE)
+    quick = window.until("quick", number)
+    joints = len(support_response(model, {FOOT: AWAY}).open_joints())
+    assert quick["answer"]["headline"].startswith(f"Supports moved by 20 mm: {joints} joints open")
+    whole = window.until("whole", number)
+    found = move_supports(model, {FOOT: AWAY})
+    assert found.end is End.REACHED
+    assert whole["answer"]["verdict"] == "stable"
+    told = f"Stands with its supports moved by 20 mm: {len(found.states[-1].hinges)} hinges"
+    assert whole["answer"]["headline"] == told
+    for event in (quick, whole):
+        picture = json.loads(event["picture"])
+        stage = picture["stage"]
+        assert stage["moved"]
+        raw = picture["blobs"][stage["motion"]["blob"]]
+        motion = np.frombuffer(base64.b64decode(raw), "<f4").reshape(-1, 6)
+        np.testing.assert_allclose(motion[-1], [*AWAY, 0, 0, 0], atol=1e-7)
+        assert "supports moved" in dict(stage["facts"])["Load"]
+
+
+def test_an_arch_whose_support_moves_too_far_falls(live: Live, window: Window) -> None:
+    answer = window.answer(moves=[{"block": FOOT, "by": [0.5, 0.0, 0.0]}])
+    assert answer["verdict"] == "unstable"
+    found = move_supports(io.read(live.desk.file), {FOOT: (0.5, 0.0, 0.0)})
+    far = units.quantity(float(found.displacement[-1]), "m")
+    assert answer["headline"] == f"Falls when the supports have moved by {far}"
+    fallen = window.answer(moves=MOVE, tilt=12)
+    assert fallen["headline"].endswith(", before the supports move")
+    assert fallen["verdict"] == "unstable"
+
+
+def test_blocks_that_are_taken_out_stay_out_while_the_others_follow(window: Window) -> None:
+    names = io.read(window.live.desk.file).assembly.names
+    wish = {"moves": MOVE, "removed": [names[6]], "supports": [*names[:6], *names[7:11], FOOT]}
+    number = window.wish(**wish)
+    stage = json.loads(window.until("whole", number)["picture"])["stage"]
+    assert stage["motion"]["shape"] == [len(names), 6]
+    assert stage["path"]["shape"][1:] == [len(names), 6]
+
+
+@pytest.mark.parametrize(
+    ("wish", "told"),
+    [
+        ({"moves": [{"block": "voussoir-05", "by": [1, 0, 0]}]}, "no support"),
+        ({"moves": MOVE, "removed": [FOOT]}, "no support"),
+        ({"moves": [{"block": "nobody", "by": [1, 0, 0]}]}, "nobody"),
+        ({"moves": MOVE, "gravity": 0}, "nothing loads"),
+    ],
+)
+def test_what_cannot_move_is_refused_in_words(window: Window, wish: dict, told: str) -> None:
+    assert told in window.until("error", window.wish(**wish))["what"]
+    assert window.answer()["verdict"] == "stable"
+
+
+def test_a_translation_of_two_numbers_is_refused(live: Live) -> None:
+    body = {"window": "w", "wish": {"moves": [{"block": FOOT, "by": [1, 2]}]}}
+    status, answer = ask(live, "/live/wish", body)
+    assert (status, "not 3" in answer["error"]["what"]) == (400, True)
+
+
+def test_the_python_lines_move_the_supports(live: Live, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(live.desk.file.parent)
+    sent = {"moves": MOVE, "tilt": 2.0}
+    body = {"window": "w", "model": live.desk.current, "wish": sent}
+    printed: list[LargeDisplacement] = []
+    exec(ask(live, "/live/python", body)[1]["python"], {"print": printed.append})
+    made = asked(io.read("arch.json"), wish_of(**sent))
+    assert printed[0].message == move_supports(made.moving).message
+
+
+def test_a_saved_load_case_and_a_saved_model_have_the_motion(
+    live: Live, window: Window, tmp_path: Path
+) -> None:
+    case = python_lines("arch.json", {}, {"moves": MOVE}, {"gravity": 9.81, "moves": False})["case"]
+    content = json.loads(live.desk.file.read_text())
+    content["loads"] = [case]
+    (tmp_path / "with.json").write_text(json.dumps(content))
+    text = window.until("saved", window.task("save", moves=MOVE))["text"]
+    (tmp_path / "saved.json").write_text(text)
+    for name in ("with.json", "saved.json"):
+        motion = asked(io.read(tmp_path / name), wish_of()).motion
+        assert motion is not None
+        np.testing.assert_allclose(motion[-1, :3], AWAY)
+    with Live(tmp_path / "saved.json", port=0) as again:
+        other = Window(again, "again")
+        assert other.answer()["headline"].startswith("Stands with its supports moved by 20 mm")
+        other.close()
+
+
+def test_load_cases_side_by_side_follow_their_supports(window: Window) -> None:
+    number = window.task("cases", {"cases": [{}, {"moves": MOVE}]})
+    told = [window.until("case", number, count=i)["headline"] for i in (1, 2)]
+    assert told[0] == "Stands, whichever joints press more"
+    assert told[1].startswith("Stands with its supports moved by 20 mm")
+
+
+def test_the_limit_says_that_the_supports_did_not_move(window: Window) -> None:
+    found = window.until("limit", window.task("limit", moves=MOVE))
+    assert "not moved" in found["message"]
+
+
+def test_a_block_on_one_support_moves_with_it() -> None:
+    base, top = box((1, 1, 1), name="base"), box((1, 1, 1), (0, 0, 1), name="top")
+    model = drystone.Model.of(drystone.Assembly((base, top)).with_fixed([0]), friction=0.5)
+    made = asked(model, wish_of(moves=[{"block": "base", "by": [0.0, 0.0, -0.1]}]))
+    for found in (at_once(made.moving), verdict_of(made, stop=lambda: False)):
+        assert found.moved
+        np.testing.assert_allclose(found.stage.motion[1], [0, 0, -0.1, 0, 0, 0], atol=1e-4)
+
+
+def test_a_motion_of_zero_is_none() -> None:
+    model = drystone.Model.of(tower(2), friction=0.5)
+    name = model.assembly.names[0]
+    assert asked(model, wish_of(moves=[{"block": name, "by": [0, 0, 0]}])).motion is None
+    with pytest.raises(InputError, match="finite"):
+        wish_of(moves=[{"block": name, "by": [float("nan"), 0, 0]}])
