@@ -229,7 +229,8 @@ above. Uniform stiffness is cheap: it is computed at the steps of a scan and bis
 the verdict is computed on both sides of that limit. If it stands and falls there, it is the limit.
 Else values are tried by growing steps from there, and bisected. So blocks are followed only where
 the stiffness decides, and no value far beyond the limit is tried. Nothing is known between the two
-ends of a bracket.
+ends of a bracket. Where the blocks are followed, the bracket is not narrower than a thousandth of
+the limit of equilibrium: the limit depends on the joints by more than that.
 
 Models of more than 500 corners have brackets of 1 % of the limit of equilibrium, and uniform
 stiffness is tried with two friction laws (sticking, and a slip length of one overlap). `--width`

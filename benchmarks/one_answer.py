@@ -105,7 +105,7 @@ def copies(assembly: Assembly, pull: Floats) -> Iterator[tuple[str, Assembly, Fl
 
 def answers(folder: Path, case: Case) -> Answers:
     """All verdicts of one case."""
-    assembly = io.read(folder / case.name).assembly
+    assembly = io.read(folder / case.name, anyway=True).assembly
     if case.supports is not None or not assembly.fixed.any():
         chosen = case.supports or "lowest"
         assembly = support_choice.select(assembly, chosen)

@@ -314,10 +314,12 @@ def check_friction(friction: Any, count: int) -> Floats:
         Negative, NaN or infinite.
     """
     try:
-        values = np.broadcast_to(np.asarray(friction, dtype=np.float64), (count,))
+        if np.asarray(friction).dtype.kind in "USb":  # text and truth values are no numbers
+            raise TypeError
+        single = np.asarray(friction, dtype=np.float64)
+        values = np.broadcast_to(single, (count,))
     except (TypeError, ValueError) as error:
         raise InputError(f"friction must be one number or {count}") from error
-    single = np.asarray(friction, dtype=np.float64)
     if not np.isfinite(single).all() or (single < 0.0).any():
         bad = single[~(np.isfinite(single) & (single >= 0.0))].ravel()[0]
         raise InputError(f"friction is {bad}", remedy="give a coefficient of zero or more")

@@ -168,6 +168,49 @@ def advice(assembly: Assembly, up: Sequence[float] = UP, joints: Joints | None =
     )
 
 
+def require_supports(
+    assembly: Assembly,
+    joints: Joints | None = None,
+    *,
+    up: Sequence[float] = UP,
+    where: str = "",
+    option: str = "supports",
+    chosen: bool = True,
+    remedy: str = "",
+) -> None:
+    """Refuse an assembly of which no block is fixed, or every block by choice.
+
+    Parameters
+    ----------
+    assembly
+    joints, up
+        See :func:`select`.
+    where
+        Of the model, for errors.
+    option
+        Name of the option that fixes blocks.
+    chosen
+        Whether the supports were chosen for this analysis.
+    remedy
+        What else to do where every block is fixed.
+
+    Raises
+    ------
+    InputError
+        With what ``lowest`` and ``below:`` would fix, counted.
+    """
+    fixed = assembly.fixed
+    if not fixed.any():
+        told = advice(assembly, up, joints)
+        raise InputError("no block is fixed", where=where, remedy=f"{option}: {told}")
+    if chosen and fixed.all():
+        raise InputError(
+            f"every block is fixed, all {len(fixed)}: there is nothing to check",
+            where=where,
+            remedy=remedy or f"name fewer blocks with {option}",
+        )
+
+
 def _list(assembly: Assembly, mask: Bools) -> str:
     names = [assembly.names[i] for i in np.flatnonzero(mask).tolist()]
     more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""

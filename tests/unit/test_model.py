@@ -132,6 +132,12 @@ def test_blocks_that_share_much_are_refused_unless_they_are_accepted(
     assert overlap.share == pytest.approx(overlap.volume / min(assembly.volume))
 
 
+def test_a_block_inside_another_is_told_without_a_power_of_ten() -> None:
+    nested = Assembly((box((3, 3, 3), name="out"), box((1, 1, 1), (1, 1, 1), "in")))
+    with pytest.raises(InputError, match=r"they share 1 m3 \(100 % of the smaller one\)"):
+        Model.of(nested)
+
+
 def test_blocks_that_share_little_are_a_note() -> None:
     low = tower(2).blocks[1].transformed(translation=(0.0, 0.0, -0.05))
     model = Model.of(Assembly((tower(2).blocks[0], low), np.array([True, False])))

@@ -22,6 +22,7 @@ def test_friction_is_a_coefficient_or_an_angle() -> None:
     [
         (0.0, "0 N"), (-0.0, "0 N"), (-2.6e-13, "0 N"), (0.5, "500 mN"), (-12.345, "-12.3 N"),
         (999.6, "1 kN"), (1000.0, "1 kN"), (23544.0, "23.5 kN"), (1.234e6, "1.23 MN"),
+        (6.07e-7, "607 nN"),
     ],
 )  # fmt: skip
 def test_forces_are_told_by_their_size(value: float, told: str) -> None:

@@ -16,7 +16,7 @@ EVERYWHERE = {
     r"eigenstress(es)?": "prestress",
     r"judg(e|es|ed|ing|ement|ements)": "check, verdict, compare with a tolerance",
     r"glanc(e|es|ed|ing)|hast(y|ily)": "the name of a screening level",
-    r"least_lack|lacking": "elastic infeasibility",
+    r"(least)?_lack|lacking": "elastic infeasibility",
     # words that an engineer need not know, or that say nothing
     r"dear(er|est|ly)?": "costs more",
     r"believ(e|es|ed|ing)": "checked, assumed",

@@ -40,6 +40,8 @@ def frozen_floats(values: Any, shape: Sequence[int | None], what: str) -> Floats
         Not numbers, another shape, NaN or infinite (the first offending position is named).
     """
     try:
+        if isinstance(values, str | bytes):  # numpy would read "0.6" as a number
+            raise TypeError
         array = np.array(values, dtype=np.float64, order="C", copy=True)
     except (TypeError, ValueError) as error:
         got = f"got {type(values).__name__}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import io
 import os
 import tempfile
@@ -243,8 +244,8 @@ def _mode(target: Path) -> int:
 
 def _unwritable(target: Path, error: Exception) -> FormatError:
     reason = getattr(error, "strerror", None) or str(error)
-    return FormatError(
-        f"cannot be written: {reason}",
-        where=str(target),
-        remedy="choose a folder that exists and that you may write to",
-    )
+    full = getattr(error, "errno", None) == errno.ENOSPC
+    remedy = "free some space, or choose another disk"
+    if not full:
+        remedy = "choose a folder that exists and that you may write to"
+    return FormatError(f"cannot be written: {reason}", where=str(target), remedy=remedy)

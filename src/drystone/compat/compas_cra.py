@@ -25,7 +25,7 @@ from drystone.compat.cra_assembly import Taken, blocks_of, taken, write_back
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 from drystone.stability import (
     CRAOptions,
     FrictionCone,
@@ -158,7 +158,7 @@ def cra_solve(
     options = CRAOptions(slide_limit=d_bnd / eps if eps > 0.0 else float("inf"))
     solve = partial(solve_cra, options=options)
     read, result = _solved(assembly, mu, density, solve, verbose, timer)
-    if result.verdict is not Verdict.STABLE:
+    if not result.stable:
         raise ValueError(f"solve failed: {result.verdict.value} ({result.message})")
     return write_back(assembly, read, result, (eps, d_bnd))
 

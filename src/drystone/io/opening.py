@@ -21,6 +21,7 @@ from drystone.detection import DetectionOptions, find_overlaps
 from drystone.detection.report.block_overlaps import overlap_lines, require_apart
 from drystone.io.registry import read_file
 from drystone.model import Model, up_of_load
+from drystone.supports import require_supports
 
 UP = {
     "z": np.eye(3),
@@ -232,10 +233,27 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     return model if how.get("load") is None else model.with_load(how["load"])
 
 
+def supported_model(given: Given, **how: Unpack[How]) -> Model:
+    """The model for an analysis that needs supports; see :func:`as_model`.
+
+    Raises
+    ------
+    InputError
+        No block of a file or of an assembly is fixed, or ``supports`` fixes every block.
+    """
+    model = as_model(given, **how)
+    where = str(given) if isinstance(given, str | Path) else ""
+    chosen = how.get("supports") is not None
+    if chosen or not isinstance(given, Model):
+        up = up_of_load(how.get("load"))
+        require_supports(model.assembly, model.joints, up=up, where=where, chosen=chosen)
+    return model
+
+
 def _refuse(how: How, names: Sequence[str], what: str) -> None:
     for name in names:
         if name in how:
             raise InputError(f"{what} takes no '{name}'", remedy="it is an argument of read")
 
 
-__all__ = ["Given", "How", "as_model", "read"]
+__all__ = ["Given", "How", "as_model", "read", "supported_model"]

@@ -228,5 +228,6 @@ def contents_of(model: Model | Assembly | Result | Contents) -> Contents:
     if isinstance(model, Assembly):
         return Contents(model)
     raise InputError(
-        f"a {type(model).__name__} cannot be written", remedy="give a Model, Assembly or Result"
+        f"a value of type {type(model).__name__} cannot be written",
+        remedy="give a Model, Assembly or Result",
     )

@@ -38,6 +38,10 @@ COARSE = 1.0 / 96.0
 equilibrium. A finer bracket would depend more on the iteration than on the structure. It is the
 result of a scan of six steps, each halved four times."""
 
+SENSITIVE = 1e-3
+"""Default width where blocks are followed by finite steps, as a share of the same distance: three
+digits. The limit itself depends on the joints by more."""
+
 
 @dataclass(frozen=True, eq=False)
 class Means:
@@ -161,6 +165,8 @@ def _in_two_steps(
     full = means.search(family, verdict)
     near = start if edge is None else edge
     far = last if falls is None or falls == outer.falls else falls
+    if means.options.width is None:
+        width = max(width, SENSITIVE * abs(last - start))
     try:
         rest = full.around(near, far, span, width=width, beyond=outer)
         stands_again = [all(full.stands(end) is True for end in run) for run in uniform.islands]

@@ -98,7 +98,7 @@ class Limit(Card):
         falling = self.best.falling
         return self._summary(), {
             **{
-                kind: f"{_told(bracket.stands)} to {_told(bracket.falls)} {self.unit}"
+                kind: f"{self._told(bracket.stands)} to {self._told(bracket.falls)}"
                 for kind, bracket in kinds.items()
                 if bracket is not None
             },
@@ -108,10 +108,18 @@ class Limit(Card):
         }
 
     def _summary(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
-        stands, falls = (_told(x) for x in (self.best.stands, self.best.falls))
+        stands, falls = self._told(self.best.stands), self._told(self.best.falls)
         early = f", stopped: {self.stopped}" if self.stopped else ""
-        return f"{self.parameter}, stands at {stands}{unit}, falls at {falls}{unit}{early}"
+        return f"{self.parameter}, stands at {stands}, falls at {falls}{early}"
+
+    def _told(self, value: float | None) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        return "none that was tried" if value is None else f"{value:.6g}{unit}"
+
+    def _range(self, ends: tuple[float, float]) -> str:
+        low, high = (f"{value:.6g}" for value in sorted(ends))
+        last = self._told(max(ends))
+        return f"at {last}" if low == high else f"between {low} and {last}"
 
     @property
     def best(self) -> Bracket:
@@ -161,22 +169,19 @@ class Limit(Card):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Sentences about values at which the answer depends on the joints."""
-        unit = f" {self.unit}" if self.unit else ""
         told = []
         if self.sensitive_between is not None:
-            low, high = sorted(self.sensitive_between)
             told.append(
-                f"between {_told(low)} and {_told(high)}{unit} the answer depends on the stiffness "
+                f"{self._range(self.sensitive_between)} the answer depends on the stiffness "
                 "of the joints: there the blocks were followed by finite steps, and the limit is "
                 "where they no longer come to rest"
             )
         if self.undecided_between is not None:
-            low, high = sorted(self.undecided_between)
             ends = [one.settled for one in self.evaluations if one.value in self.undecided_between]
             because = ""
             if all(one is Outcome.ENDS_DECIDE for one in ends):
                 because = ": it depends on which block carries the ends of the joints"
-            told.append(f"between {_told(low)} and {_told(high)}{unit} it is undecided{because}")
+            told.append(f"{self._range(self.undecided_between)} it is undecided{because}")
         return tuple(told)
 
     def table(self) -> Table:
@@ -226,10 +231,6 @@ class Limit(Card):
 
 def _listed(pair: tuple[float, float] | None) -> list[float] | None:
     return None if pair is None else list(pair)
-
-
-def _told(value: float | None) -> str:
-    return "none that was tried" if value is None else f"{value:.6g}"
 
 
 __all__ = ["Limit", "LimitOptions"]

@@ -7,7 +7,7 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Unpack
@@ -21,7 +21,7 @@ from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
 from drystone.limits.inside import Means, bisected, searched
 from drystone.limits.limit_families import (
@@ -99,7 +99,7 @@ def limit_tilt(
     (31.0, 31.0)
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     family = Tilt(model, axis_vector(axis))
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
@@ -144,7 +144,7 @@ def limit_friction(
         The default width is 0.001.
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     family = Friction(model, scaled)
     largest = 1.0 if scaled else float(model.contacts.friction.max(initial=0.0))
     start = largest if upper is None else number(upper, "the largest friction")
@@ -157,7 +157,7 @@ def limit_friction(
 @checked_call
 def limit_load(
     given: Given,
-    live: LoadCase,
+    live: LoadCase | float | Sequence[float],
     *,
     upper: float = 1000.0,
     check: Check | None = None,
@@ -173,16 +173,18 @@ def limit_load(
     Parameters
     ----------
     live
+        A load case; a number, the multiple of gravity along -z; or an acceleration (3,) [m/s2] of
+        all masses.
     upper
         Largest factor of the search.
     options
         The default width is 1e-4 of the limit.
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
-    of_type(live, LoadCase, "the live load", "give a LoadCase, such as LoadCase.point_load(...)")
-    family = LoadFactor(model, live)
-    if not live.wrench[model.assembly.free].any():
+    model = supported_model(given, **how)
+    case = LoadCase.of(model.assembly, live)
+    family = LoadFactor(model, case)
+    if not case.wrench[model.assembly.free].any():
         raise InputError("the live load is zero on all free blocks", remedy="load a free block")
     last = number(upper, "the largest factor")
     if last <= 0.0:
@@ -216,7 +218,7 @@ def limit_shrink(
     the required size. The default width is 0.001.
     """
     chosen = LimitOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     family = Shrunk(model)
     return bisected(
         family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop, time_limit_s)

@@ -16,7 +16,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, How, supported_model
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import limit_tilt
 from drystone.limits.search import Bracket, Check
@@ -155,7 +155,7 @@ def tilt_sweep(
     angle = np.deg2rad(azimuth)
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)
     clock = Clock(time_limit_s, stop)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     asked: dict[str, Any] = {"upper": upper, "check": check, "options": options}
     if executor is None:
         asked["stop"] = clock.late

@@ -16,7 +16,7 @@ from drystone.base.display import OneLine
 from drystone.limits.limit_families import Family
 from drystone.model import Model
 from drystone.results import Result, Samples, Verdict
-from drystone.settlement import Outcome, SettlementOptions
+from drystone.settlement import Outcome
 
 Check: TypeAlias = Callable[[Model], Result]
 """A function that gives the verdict on a model."""
@@ -31,9 +31,6 @@ ones are made instead."""
 
 ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
 STIFFNESSES = stability.CheckOptions(settle=False)
-FOLLOWED = stability.CheckOptions(settlement=SettlementOptions(fall=0.05))
-"""The verdict of :func:`drystone.check`. A block that moved by a twentieth of its size is not
-followed further: the structure does not stand."""
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 """Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
@@ -57,7 +54,7 @@ def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
 
 def verdict(model: Model, *, stop: Stop | None = None) -> Result:
     """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
-    return stability.check(model, options=FOLLOWED, stop=stop)
+    return stability.check(model, stop=stop)
 
 
 STANDS: Mapping[Verdict, bool | None] = {
@@ -146,6 +143,10 @@ class Found:
     bracket: Bracket
     islands: tuple[tuple[float, float], ...]
     evaluations: tuple[Evaluation, ...]
+
+
+GROWTH = 4.0
+"""Of a step from a guess to the next: less than the bisections that follow."""
 
 
 class Stopped(Exception):
@@ -284,7 +285,8 @@ class Search:
         """
         start, end = span
         self._walk(near, start, width, True)
-        self._walk(far, end, width, False)
+        if self.stands(near) is not False:
+            self._walk(far, end, width, False)
         bracket = self.so_far(start, beyond).bracket
         inside, outside = bracket.stands, bracket.falls
         if inside is not None and inside != end:
@@ -300,7 +302,7 @@ class Search:
         while self.stands(here) is not stands and here != towards:
             left = towards - here
             here = towards if abs(left) <= step else here + float(np.copysign(step, left))
-            step *= 2.0
+            step *= GROWTH
 
     def _run(
         self, start: float, end: float, width: float, scan: int, beyond: Bracket | None

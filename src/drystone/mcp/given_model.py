@@ -18,6 +18,7 @@ from drystone.io.own.load_parts import load_of_parts
 from drystone.loads import LoadCase
 from drystone.mcp.folder import Folder
 from drystone.model import Model
+from drystone.supports import require_supports
 
 
 @contextlib.contextmanager
@@ -52,7 +53,7 @@ def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
     Raises
     ------
     InputError
-        Something in it cannot be used, or nothing is fixed.
+        Something in it cannot be used, or no block is fixed, or all are chosen.
     """
     gravity = subject.get("gravity")
     if isinstance(gravity, int | float):
@@ -66,8 +67,8 @@ def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
             units=subject.get("units"),
             load=gravity,
         )
-    if not model.assembly.fixed.any():
-        raise InputError("no block is fixed", where="supports", remedy="give 'lowest' or names")
+    chosen = subject.get("supports") is not None
+    require_supports(model.assembly, model.joints, chosen=chosen)
     extra = subject.get("loads")
     return replace(model, load=model.load + load_of(extra, model.assembly)) if extra else model
 

@@ -126,7 +126,7 @@ def _counted(what: str, published: str, found: Plan, agrees: bool | None, note: 
 
 
 def _stands(result: Result) -> bool:
-    return result.verdict is Verdict.STABLE
+    return result.stable
 
 
 __all__ = ["bridge", "niche", "ring_dome", "shells", "snake", "two_robots"]

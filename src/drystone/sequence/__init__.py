@@ -20,8 +20,9 @@ from drystone.sequence.margins import (
 )
 from drystone.sequence.motion.directions import Freedom, freedom
 from drystone.sequence.motion.joint_cones import Obstacle
+from drystone.sequence.motion.path_search import find_path
+from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.motion.sweeps import Pose
-from drystone.sequence.motion.ways import NoWay, Way, WayOptions, find_way
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan, Prop, Status, Step
 from drystone.sequence.robots import Robot
@@ -69,14 +70,16 @@ __all__ = [
     "Margin",
     "MarginOptions",
     "Margins",
-    "NoWay",
+    "NoPath",
     "Obstacle",
     "Order",
+    "PathOptions",
     "Placement",
     "Plan",
     "PlanOptions",
     "Pose",
     "Prop",
+    "RemovalPath",
     "RemovalTest",
     "Robot",
     "Rope",
@@ -94,15 +97,13 @@ __all__ = [
     "Trial",
     "Turn",
     "Turns",
-    "Way",
-    "WayOptions",
     "check_both",
     "check_once",
     "check_thoroughly",
     "compare_scaffolding",
     "cut_block",
     "design_cuts",
-    "find_way",
+    "find_path",
     "freedom",
     "gravity_region",
     "handling",

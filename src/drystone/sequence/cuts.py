@@ -21,7 +21,7 @@ from drystone.base.errors import InputError
 from drystone.geometry.body.split import Piece, split
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 from drystone.sequence.stage.stage_checks import Check, check_both
 
 
@@ -74,7 +74,7 @@ class Trial(OneLine):
     @property
     def accepted(self) -> bool:
         """Whether the part above stands on it."""
-        return self.result.verdict is Verdict.STABLE
+        return self.result.stable
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,8 @@ from drystone.base.display import OneLine
 from drystone.base.files import PathLike, write_bytes
 from drystone.base.progress import Progress
 from drystone.sequence.motion.joint_cones import Joints, face_at
-from drystone.sequence.motion.ways import NoWay, Way, WayFinder, WayOptions
+from drystone.sequence.motion.path_search import PathFinder
+from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.plans import Plan, placed_before
 from drystone.sequence.robots import Robot, check_robots, why_not
 from drystone.sequence.stage.stages import members
@@ -208,7 +209,7 @@ def handling(
     plan: Plan,
     robots: Sequence[Robot] = (),
     *,
-    options: WayOptions | None = None,
+    options: PathOptions | None = None,
     progress: Progress | None = None,
 ) -> Handling:
     """The placements and holds of a plan, for robots.
@@ -237,7 +238,7 @@ def handling(
     team = check_robots(robots)
     model = plan.model.model
     up = plan.model.up.tolist()
-    finder = WayFinder(model, options if options is not None else WayOptions(up=tuple(up)))
+    finder = PathFinder(model, options if options is not None else PathOptions(up=tuple(up)))
     placements: list[Placement] = []
     holds: list[Hold] = []
     notes: list[str] = []
@@ -253,10 +254,10 @@ def handling(
             who = _next(team, turn, busy, body)
             if who is None and team:
                 free = [robot for i, robot in enumerate(team) if i not in busy]
-                notes.append(f"'{body.name}': {_lack(free, body)}")
+                notes.append(f"'{body.name}': {_why_none(free, body)}")
             robot = "" if who is None else team[who].name
-            found = finder.way(block, here)
-            if isinstance(found, NoWay):
+            found = finder.path(block, here)
+            if isinstance(found, NoPath):
                 notes.append(f"'{body.name}': no path was found: {found.reason}")
             after = here.copy()
             after[block] = True
@@ -273,7 +274,7 @@ def handling(
                 busy |= set() if who is None else {who}
             turn = turn if who is None else who + 1
             if progress is not None:
-                progress("ways in", len(placements), total)
+                progress("paths of insertion", len(placements), total)
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
 
 
@@ -286,18 +287,23 @@ def _next(team: Sequence[Robot], turn: int, busy: set[int], body: Block) -> int 
     return None
 
 
-def _lack(free: Sequence[Robot], body: Block) -> str:
+def _why_none(free: Sequence[Robot], body: Block) -> str:
     if not free:
         return "every robot holds another block"
     return why_not(free, body.name, body.centroid, body.mass)
 
 
 def _placed(
-    step: int, block: int, body: Block, robot: str, found: Way | NoWay, grips: list[GripFace]
+    step: int,
+    block: int,
+    body: Block,
+    robot: str,
+    found: RemovalPath | NoPath,
+    grips: list[GripFace],
 ) -> Placement:
     frame = np.eye(4)
     frame[:3, 3] = body.centroid
-    if isinstance(found, Way):
+    if isinstance(found, RemovalPath):
         approach, clearance, turning = found.approach @ frame, found.clearance[::-1], found.turning
     else:
         approach, clearance, turning = np.zeros((0, 4, 4)), np.zeros(0), False

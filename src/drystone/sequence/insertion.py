@@ -14,8 +14,9 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
 from drystone.sequence.motion.directions import Freedom, freedom
 from drystone.sequence.motion.joint_cones import Joints, in_words, obstacles
+from drystone.sequence.motion.path_search import PathFinder
+from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.motion.twists import TOLERANCE, free_twists, twist_rows
-from drystone.sequence.motion.ways import NoWay, Way, WayFinder, WayOptions
 from drystone.sequence.stage.stages import members
 from drystone.sequence.stage.structure import Structure
 
@@ -39,7 +40,7 @@ class RemovalTest(OneLine):
         self.tolerance = tolerance
         self._known: dict[tuple[int, int], Freedom] = {}
         self._free: dict[tuple[int, int], bool] = {}
-        self._ways: dict[tuple[int, int], Way | NoWay] = {}
+        self._paths: dict[tuple[int, int], RemovalPath | NoPath] = {}
 
     def _summary(self) -> str:
         return repr(self.model)
@@ -52,7 +53,7 @@ class RemovalTest(OneLine):
             self._known[key] = freedom(normals, self.model.up, self.tolerance)
         return self._known[key]
 
-    def way(self, block: int, placed: int) -> Floats | None:
+    def direction(self, block: int, placed: int) -> Floats | None:
         """The free direction (3,) nearest to up; None when blocked."""
         normals = self._joints(*self._key(block, placed)).normal
         if (normals @ self.model.up >= 0.0).all():
@@ -72,12 +73,12 @@ class RemovalTest(OneLine):
             self._free[key] = leaves or not self.freedom(*key).blocked
         return self._free[key] or self._turns(block, placed)
 
-    def path(self, block: int, placed: int) -> Way | NoWay:
+    def path(self, block: int, placed: int) -> RemovalPath | NoPath:
         """The path on which a block is removed from those in place, or why there is none."""
         key = (block, placed & ~(1 << block))
-        if key not in self._ways:
-            self._ways[key] = self._finder.way(block, self._here(placed))
-        return self._ways[key]
+        if key not in self._paths:
+            self._paths[key] = self._finder.path(block, self._here(placed))
+        return self._paths[key]
 
     def reason(self, block: int, placed: int) -> str:
         """Why a block cannot be removed, with the blocking faces."""
@@ -87,7 +88,7 @@ class RemovalTest(OneLine):
         twists = free_twists(rows, self.tolerance)
         if not twists.blocked:
             found = self.path(block, placed)
-            return found.reason if isinstance(found, NoWay) else ""
+            return found.reason if isinstance(found, NoPath) else ""
         which = np.unique(joints.interface[twists.blocking]).tolist()
         faces = in_words(obstacles(self.model.assembly, joints, which))
         return f"its joints block every motion, straight or with rotation: {faces}"
@@ -99,12 +100,12 @@ class RemovalTest(OneLine):
         rows = twist_rows(joints.corner, joints.normal[joints.interface], body.centroid, body.size)
         if free_twists(rows, self.tolerance).blocked:
             return False
-        return isinstance(self.path(block, placed), Way)
+        return isinstance(self.path(block, placed), RemovalPath)
 
     @cached_property
-    def _finder(self) -> WayFinder:
+    def _finder(self) -> PathFinder:
         up = self.model.up.tolist()
-        return WayFinder(self.model.model, WayOptions(effort=EFFORT, up=tuple(up)))
+        return PathFinder(self.model.model, PathOptions(effort=EFFORT, up=tuple(up)))
 
     def _key(self, block: int, placed: int) -> tuple[int, int]:
         """The block and its neighbours in place; the joints depend on these only."""

@@ -289,7 +289,7 @@ def _held(job: tuple[Model, tuple[float, float, float], bool]) -> tuple[bool, bo
     loaded = model.with_load(pull)
     smooth = _balances(loaded.with_friction(0.0))
     rough = smooth or _balances(loaded)
-    return smooth, rough, full and rough and check(loaded).verdict is Verdict.STABLE
+    return smooth, rough, full and rough and check(loaded).stable
 
 
 def _balances(model: Model) -> bool:

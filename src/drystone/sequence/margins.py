@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
@@ -19,7 +20,6 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.model import Model
-from drystone.results import Verdict
 from drystone.sequence.plans import Plan
 from drystone.sequence.stage.stages import Stage, mask_of, members
 from drystone.sequence.stage.structure import Structure
@@ -266,7 +266,8 @@ def sweep_friction(
     values = tuple(sorted(float(f) for f in frictions))
     clock = Clock(time_limit_s, stop)
     models = [model.with_friction(value) for value in values]
-    plans = tuple(in_turn(plan_at, models, "friction", executor, progress, clock))
+    found = in_turn(plan_at, models, "friction", executor, progress, clock)
+    plans = tuple(itertools.takewhile(lambda plan: not plan.stopped, found))
     return FrictionSweep(values[: len(plans)], plans)
 
 
@@ -305,7 +306,7 @@ def least_buildable_friction(
 
 def _unpropped(plan: Plan) -> bool:
     helped = plan.props or plan.impossible
-    return bool(plan.steps) and plan.verdict is Verdict.STABLE and not helped
+    return bool(plan.steps) and plan.stable and not helped
 
 
 __all__ = [

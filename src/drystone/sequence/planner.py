@@ -278,8 +278,8 @@ class _Planner:
         placed = before.placed
         motion = []
         for block in blocks:
-            way = self.removal.way(block, placed)
-            motion.append(-self.model.up if way is None else -way)
+            out = self.removal.direction(block, placed)
+            motion.append(-self.model.up if out is None else -out)
             placed |= 1 << block
         answer = self.evaluator.answer(Stage(after.placed, props), forces=True, checked=checked)
         return Step(

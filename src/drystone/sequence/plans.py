@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -150,13 +150,28 @@ class Plan(Card):
     def __bool__(self) -> bool:
         raise TypeError("a plan is neither true nor false; ask for its counts or its verdict")
 
+    def __len__(self) -> int:
+        """Number of steps."""
+        return len(self.steps)
+
+    def __iter__(self) -> Iterator[Step]:
+        return iter(self.steps)
+
     @property
     def verdict(self) -> Verdict:
-        """Verdict on the plan: STABLE if every stage stands, with the props of the plan."""
+        """Verdict on the plan: STABLE if every stage stands, with the props of the plan.
+
+        UNDECIDED if the search was stopped before it found an order.
+        """
         if not self.steps:
-            return self.complete.verdict
+            return Verdict.UNDECIDED if self.stopped else self.complete.verdict
         answers = [a for step in self.steps for a in (*step.during, step.answer)]
         return next((a.verdict for a in answers if not a.stands), Verdict.STABLE)
+
+    @property
+    def stable(self) -> bool:
+        """Whether every stage stands, with the props of the plan."""
+        return self.verdict is Verdict.STABLE
 
     @cached_property
     def order(self) -> tuple[str, ...]:
@@ -288,7 +303,7 @@ class Plan(Card):
             "blocks": [names[b] for b in step.blocks],
             "status": [self.status[b].value for b in step.blocks],
             "motion": step.motion.tolist(),
-            "directions": [ways.tolist() for ways in self.directions(number)],
+            "directions": [free.tolist() for free in self.directions(number)],
             "propped": [names[b] for b in step.props],
             "verdict": step.answer.verdict,
             "settled": step.answer.settled,

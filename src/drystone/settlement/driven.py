@@ -268,10 +268,10 @@ class Driver(Follower):
             self.iterations += 1
             tangent = tangents(bodies, response)
             try:
-                step = maps.solve(tangent, weight, left)
-                grows = maps.solve(tangent, weight, grown)
+                solve = maps.factorise(tangent, weight)
             except SolverError:
                 return None
+            step, grows = solve(left), solve(grown)
             missing = self.distance - float((along * (motion + step)).sum())
             change = missing / float((along * grows).sum())
             step = step + change * grows

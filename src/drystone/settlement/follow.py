@@ -37,6 +37,9 @@ from drystone.settlement.springs import (
 
 NEWTON = 40
 """Newton steps after which an increment counts as too long."""
+STUCK = 6
+"""Newton steps that have to halve the unbalanced share of the load, once there were EASY of them;
+otherwise they change between the same corners, and the increment counts as too long."""
 BALANCED = 1e-10
 """Unbalanced share of the load at which an increment has converged."""
 EASY = 12
@@ -278,14 +281,20 @@ class Follower:
         motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
         response, left, size = answer(motion)
         recent = [size]
+        solve: Callable[[Floats], Floats] | None = None
         for number in range(NEWTON):
             if size < BALANCED:
                 return _Increment(motion, response, number)
-            self.iterations += 1
-            try:
-                step = maps.solve(tangents(bodies, response), weight, left)
-            except SolverError:
+            if number > EASY and min(recent[-STUCK:]) > 0.5 * min(recent[:-STUCK]):
                 return None
+            self.iterations += 1
+            # convergence is quadratic in the end: the last factors then do for one step more
+            if solve is None or size**2 > BALANCED * recent[-2]:
+                try:
+                    solve = maps.factorise(tangents(bodies, response), weight)
+                except SolverError:
+                    return None
+            step = solve(left)
             length, allowed = 1.0, max(recent[-4:])
             while True:
                 trial = motion + length * step
@@ -317,7 +326,7 @@ class Follower:
         if self.half_way is None and self.farthest >= 0.5 * self.fall:
             self.half_way = self.placed.gap
         self.steps += 1
-        self.beyond += float(self._way().max(initial=0.0)) > FAR
+        self.beyond += self.farthest > FAR
         self.since += 1
         if self.since >= self.stride:
             self.frames.append(self.pose)

@@ -103,7 +103,9 @@ class SettlementPath(OneLine):
     positions : (s, n, 6) [m, rad]
         Positions of the blocks after each step that was kept, from the first to the last:
         translation of the centroid and rotation vector from the beginning, world axes.
-    way : (n,) translation and rotation by the radius of gyration, by the size of each block
+    travel : (n,)
+        Displacement of each block, divided by its size. A rotation counts with the radius of
+        gyration.
     force : (k, 3) [N], local n, u, v of ``axes``, on block b, at the end
     point : (k, 3) [m], where the forces act at the end
     axes : (k, 3, 3) rows n, u, v at the end
@@ -120,7 +122,7 @@ class SettlementPath(OneLine):
     outcome: Outcome
     model: Model
     positions: Floats
-    way: Floats
+    travel: Floats
     force: Floats
     point: Floats
     axes: Floats
@@ -131,7 +133,9 @@ class SettlementPath(OneLine):
     iterations: int
 
     def _summary(self) -> str:
-        return f"{self.outcome.value}, way {self.way.max(initial=0.0):.3g}, {self.steps} steps"
+        return (
+            f"{self.outcome.value}, travel {self.travel.max(initial=0.0):.3g}, {self.steps} steps"
+        )
 
     @property
     def displacement(self) -> Floats:
@@ -141,9 +145,9 @@ class SettlementPath(OneLine):
 
     @property
     def moving(self) -> tuple[int, ...]:
-        """Positions of the blocks that went by a tenth or more of the longest way."""
-        most = float(self.way.max(initial=0.0))
-        return tuple(np.flatnonzero((self.way >= 0.1 * most) & (self.way > 0.0)).tolist())
+        """Positions of the blocks that travelled a tenth or more of the longest travel."""
+        most = float(self.travel.max(initial=0.0))
+        return tuple(np.flatnonzero((self.travel >= 0.1 * most) & (self.travel > 0.0)).tolist())
 
     def moved_model(self) -> Model:
         """The blocks at the end, with an interface for each corner where its force acts."""
@@ -202,9 +206,9 @@ class Settlement(OfModel, OneLine):
         return self.path.displacement
 
     @property
-    def way(self) -> float:
+    def travel(self) -> float:
         """Largest displacement of a block in the first path, relative to its size."""
-        return float(self.path.way.max(initial=0.0))
+        return float(self.path.travel.max(initial=0.0))
 
 
 __all__ = ["Outcome", "Settlement", "SettlementOptions", "SettlementPath"]

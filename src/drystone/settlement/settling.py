@@ -12,7 +12,7 @@ from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress
 from drystone.base.settings import checked_call
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, How, supported_model
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals
@@ -82,11 +82,11 @@ def settle(
     >>> tilted = drystone.LoadCase.tilt(wedge("b"), (1.0, 0.0, 0.0), 50.0)
     >>> model = drystone.Model.of(wedge("b"), friction=0.84, load=tilted)
     >>> settled = drystone.settle(model, options=SettlementOptions(carrier="moving"))
-    >>> settled.outcome, round(settled.way, 3)
+    >>> settled.outcome, round(settled.travel, 3)
     (<Outcome.RESTS: 'comes to rest'>, 0.005)
     """
     chosen = SettlementOptions.of(options)
-    model = as_model(given, **how)
+    model = supported_model(given, **how)
     model.require_dry("settlement")
     clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
@@ -265,19 +265,19 @@ def _outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcom
         said = "; ".join(f"carried by the {one.carrier.value} block, {_said(one)}" for one in paths)
         return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}"
     # of two that rest, the one that settles more; of two that do not, the one that falls
-    worst = max(paths, key=lambda one: (one.outcome is Outcome.FALLS, one.way.max(initial=0.0)))
+    worst = max(paths, key=lambda one: (one.outcome is Outcome.FALLS, one.travel.max(initial=0.0)))
     chosen = worst if worst.outcome is not first.outcome else first
     return chosen.outcome, _said(chosen)
 
 
 def _said(path: SettlementPath) -> str:
-    way = float(path.way.max(initial=0.0))
+    travel = float(path.travel.max(initial=0.0))
     if path.outcome is Outcome.FALLS:
-        name = path.model.assembly.names[int(np.argmax(path.way))]
-        return f"it falls: '{name}' has moved by {way:.2f} of its size and still moves"
+        name = path.model.assembly.names[int(np.argmax(path.travel))]
+        return f"it falls: '{name}' has moved by {travel:.2f} of its size and still moves"
     moved = float(np.linalg.norm(path.displacement[:, :3], axis=1).max(initial=0.0))
     far = "" if path.outcome is Outcome.RESTS else ", farther than what stands does"
-    return f"it comes to rest after settling by {moved:.2g} m, {way:.2g} of a block's size{far}"
+    return f"it comes to rest after settling by {moved:.2g} m, {travel:.2g} of a block's size{far}"
 
 
 __all__ = ["block_motions", "scaled_motion", "settle", "support_motion"]

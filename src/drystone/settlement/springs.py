@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -63,36 +64,47 @@ def place_corners(bodies: Bodies, pose: Pose) -> Placed:
     """
     a, b = bodies.block_a, bodies.block_b
     turn_a, turn_b = pose.turn[a], pose.turn[b]
-    on_a = pose.place[a] + np.einsum("kij,kj->ki", turn_a, bodies.arm_a)
-    on_b = pose.place[b] + np.einsum("kij,kj->ki", turn_b, bodies.arm_b)
-    frame = bodies.frame @ np.swapaxes(turn_a, 1, 2)
-    local = np.einsum("kij,kj->ki", frame, on_b - on_a)
-    normal_b = np.einsum("kij,kj->ki", frame, np.einsum("kij,kj->ki", turn_b, bodies.frame[:, 0]))
-    slide, lean = local[:, 1:], normal_b[:, 1:]
-    carried = np.einsum("kij,kj->ki", bodies.share, slide)
-    gap = normal_b[:, 0] * local[:, 0] + (lean * (slide - carried)).sum(axis=1)
-    left = lean - np.einsum("kji,kj->ki", bodies.share, lean)
-    axes = _orthonormal(frame, normal_b[:, 0], left)
-    point = on_a + np.einsum("ki,kij->kj", carried, frame[:, 1:])
-    return Placed(point, axes, gap)
+    on_a = pose.place[a] + (turn_a @ bodies.arm_a[:, :, None])[:, :, 0]
+    # columns: from the corner of a to that of b, and the normal of the face of b
+    world = turn_b @ np.stack([bodies.arm_b, bodies.frame[:, 0]], axis=2)
+    world[:, :, 0] += pose.place[b] - on_a
+    frame = bodies.frame @ turn_a.transpose(0, 2, 1)
+    local = frame @ world
+    slide, lean = local[:, 1:, 0], local[:, 1:, 1]
+    carried = (bodies.share @ slide[:, :, None])[:, :, 0]
+    normal = local[:, :, 1].copy()
+    normal[:, 1:] -= (lean[:, None] @ bodies.share)[:, 0]
+    gap = normal[:, 0] * local[:, 0, 0] + normal[:, 1] * slide[:, 0] + normal[:, 2] * slide[:, 1]
+    point = on_a + (carried[:, None] @ frame[:, 1:])[:, 0]
+    return Placed(point, _inclined(normal) @ frame, gap)
 
 
-def _orthonormal(frame: Floats, along: Floats, left: Floats) -> Floats:
-    """Axes (k, 3, 3) with a normal inclined to that of a frame by (k, 2) in its plane."""
-    normal = along[:, None] * frame[:, 0] + np.einsum("ki,kij->kj", left, frame[:, 1:])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    u = frame[:, 1] - (frame[:, 1] * normal).sum(axis=1, keepdims=True) * normal
-    u /= np.linalg.norm(u, axis=1, keepdims=True)
-    return np.stack([normal, u, cross(normal, u)], axis=1)
+def _inclined(normal: Floats) -> Floats:
+    """Rows n, u, v (k, 3, 3), orthonormal: n along (k, 3), u in the plane of n and the second axis.
+
+    Every v is normal to the second axis.
+    """
+    n, u = normal / _sizes(normal)[:, None], np.zeros_like(normal)
+    u[:, 1] = 1.0
+    u -= n[:, 1:2] * n
+    u /= _sizes(u)[:, None]
+    return np.stack([n, u, cross(n, u)], axis=1)
+
+
+def _sizes(vectors: Floats) -> Floats:
+    """Lengths (k,) of rows (k, 3)."""
+    x, y, z = vectors.T
+    size: Floats = np.sqrt(x * x + y * y + z * z)
+    return size
 
 
 def rotations(vectors: Floats) -> Floats:
     """Matrices (n, 3, 3) of rotation vectors (n, 3). Source: Rodrigues 1840."""
-    angle = np.linalg.norm(vectors, axis=1)
-    axis = vectors / np.where(angle > 0.0, angle, 1.0)[:, None]
-    x, y, z = axis.T
-    zero = np.zeros_like(x)
-    skew = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    angle = _sizes(vectors)
+    x, y, z = (vectors / np.where(angle > 0.0, angle, 1.0)[:, None]).T
+    skew = np.zeros((len(vectors), 3, 3))
+    skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0] = x, y, z
+    skew -= skew.transpose(0, 2, 1).copy()
     result: Floats = (
         np.eye(3)
         + np.sin(angle)[:, None, None] * skew
@@ -170,20 +182,20 @@ class DenseMaps:
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
         self.width = 6 * len(bodies.free)
-        corner = np.arange(len(bodies.block_a))
-        self.sides = []
-        for block, sign in ((bodies.block_a, -1.0), (bodies.block_b, 1.0)):
-            slot = bodies.slot[block]
-            here = np.flatnonzero(slot >= 0)
-            columns = 6 * slot[here, None] + np.arange(6)
-            self.sides.append((corner[here], block[here], columns, sign))
+        k = len(bodies.block_a)
+        both = np.concatenate([bodies.block_a, bodies.block_b])
+        here = np.flatnonzero(bodies.slot[both] >= 0)
+        self.corner, self.block = here % k, both[here]
+        self.sign = np.where(here < k, -1.0, 1.0)[:, None, None]
+        row = 3 * self.corner[:, None] + np.arange(3)
+        column = 6 * bodies.slot[self.block][:, None] + np.arange(6)
+        self.place = self.width * row[:, :, None] + column[:, None]
 
     def at(self, pose: Pose, placed: Placed) -> None:
         """Renew the maps for a pose."""
         rows = np.zeros((len(placed.gap), 3, self.width))
-        for corner, block, columns, sign in self.sides:
-            part = _rows(self.bodies, pose, placed, corner, block, sign)
-            rows[corner[:, None, None], np.arange(3)[:, None], columns[:, None, :]] = part
+        part = _rows(self.bodies, pose, placed, self.corner, self.block, self.sign)
+        rows.reshape(-1)[self.place] = part
         self.rows = rows
         self.flat = rows.reshape(-1, self.width)
 
@@ -197,16 +209,26 @@ class DenseMaps:
         result: Floats = (force.ravel() @ self.flat).reshape(-1, 6)
         return result
 
-    def solve(self, tangent: Floats, weight: Floats, right: Floats) -> Floats:
-        """Motion (f, 6) for a wrench, with ``tangent`` (k, 3, 3) and a diagonal (f, 6)."""
+    def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
+        """From wrenches to motions (f, 6), with ``tangent`` (k, 3, 3) and a diagonal (f, 6).
+
+        Raises
+        ------
+        SolverError
+            The matrix is singular.
+        """
         matrix = self.flat.T @ (tangent @ self.rows).reshape(-1, self.width)
         matrix.reshape(-1)[:: self.width + 1] += weight.ravel()
         # the factors are those of the transpose, so that nothing is copied
         lu, pivots, failed = dgetrf(matrix.T, overwrite_a=True)
         if failed:
             raise SolverError("the tangent is singular")
-        motion, _ = dgetrs(lu, pivots, right.ravel(), trans=1)
-        return np.asarray(motion, dtype=np.float64).reshape(-1, 6)
+
+        def solve(right: Floats) -> Floats:
+            motion, _ = dgetrs(lu, pivots, right.ravel(), trans=1)
+            return np.asarray(motion, dtype=np.float64).reshape(-1, 6)
+
+        return solve
 
 
 class SparseMaps:
@@ -258,7 +280,7 @@ class SparseMaps:
         on_a, on_b = ((force[:, None] @ part)[:, 0] for part in (self.of_a, self.of_b))
         return np.asarray(self.gather[0] @ on_a + self.gather[1] @ on_b)
 
-    def solve(self, tangent: Floats, weight: Floats, right: Floats) -> Floats:
+    def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
         """As in :class:`DenseMaps`."""
         k = len(tangent)
         parts = np.empty((4, k, 6, 6))
@@ -271,7 +293,7 @@ class SparseMaps:
         blocks = np.asarray(self.sum @ parts.reshape(4 * k, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
         blocks[self.diagonal[:, None], index, index] += weight
-        return self.ordering.factorise(blocks).solve(right)
+        return self.ordering.factorise(blocks).solve
 
 
 def imposed(bodies: Bodies, pose: Pose, placed: Placed, motion: Floats) -> Floats:
@@ -297,14 +319,18 @@ def maps_of(bodies: Bodies) -> Maps:
 
 
 def _rows(
-    bodies: Bodies, pose: Pose, placed: Placed, corner: Ints, block: Ints, sign: float
+    bodies: Bodies, pose: Pose, placed: Placed, corner: Ints, block: Ints, sign: Floats | float
 ) -> Floats:
     """(c, 3, 6) local motion of a corner per translation and rotation by radius of its block."""
     axes = placed.axes[corner]
     arm = (placed.point[corner] - pose.place[block]) / bodies.radius[block, None]
     out = np.empty((len(corner), 3, 6))
     out[:, :, :3] = axes
-    out[:, :, 3:] = cross(np.broadcast_to(arm[:, None], axes.shape), axes)
+    x, y, z = arm.T[:, :, None]
+    u, v, w = axes[:, :, 0], axes[:, :, 1], axes[:, :, 2]
+    out[:, :, 3] = y * w - z * v
+    out[:, :, 4] = z * u - x * w
+    out[:, :, 5] = x * v - y * u
     out *= sign
     return out
 

@@ -256,7 +256,7 @@ def _finish(
     try:
         blocks = make_blocks(mesh, pins, metadata, density=body.density)
         assembly = Assembly(tuple(blocks), fixed)
-        refuse_overlaps(assembly, mesh, width)
+        refuse_overlaps(assembly, mesh, width, ground)
     except InputError as error:
         remedy = special_remedy(shape, body)
         if remedy is None:
@@ -287,12 +287,10 @@ def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
     stood = {(edge.patch, edge.side) for edge in shape.supports}
     spans = [{(k, Side.BOTTOM), (k, Side.TOP)} <= stood for k in range(len(shape.patches))]
     roles = []
-    for cell, (name, course, patch, stands) in enumerate(
-        zip(
-            mesh.names, mesh.course.tolist(), mesh.of_patch.tolist(), springer.tolist(), strict=True
-        )
+    for cell, (course, patch, stands) in enumerate(
+        zip(mesh.course.tolist(), mesh.of_patch.tolist(), springer.tolist(), strict=True)
     ):
-        if name == "keystone" or (spans[patch] and 2 * course == last[patch]):
+        if patch < 0 or (spans[patch] and 2 * course == last[patch]):
             roles.append("keystone")
         elif stands:
             roles.append("springer")
@@ -305,10 +303,10 @@ def _roles(shape: Shape, mesh: Tessellation, springer: Bools) -> list[str]:
 
 def _around_openings(mesh: Tessellation) -> set[int]:
     """Cells around an eye: a closed border without supports."""
-    closing = [c for c, name in enumerate(mesh.names) if name == "keystone"]
     cell_of = {
-        edge: c for c, cell in enumerate(mesh.cells) if c not in closing for edge in directed(cell)
-    }
+        edge: c for c, cell in enumerate(mesh.cells) if mesh.of_patch[c] >= 0
+        for edge in directed(cell)
+    }  # fmt: skip
     after = {b: a for a, b in cell_of if (b, a) not in cell_of}  # the border, opening left
     supported = set(mesh.supported)
     around: set[int] = set()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 from drystone.base.arrays import Floats
@@ -34,6 +34,10 @@ CLEARLY = 1e-3
 and weaker ground is not tried where the state is a first motion. Measured: walls, domes and vaults
 of up to 2,000 blocks at rest, tilted or not, 5e-5 at most; thin lunes at rest 2e-4; structures
 beyond their limit 4e-3 or more. Towers of 200 blocks and more reach 4e-3 although they stand."""
+
+MUCH = 1e-2
+"""Share of a block's load on the ground from which on equilibrium is tested before weaker ground is
+tried: more than in any structure that stands."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +122,19 @@ class Attempts:
         *,
         again: bool = False,
         start: Start | None = None,
+        falls: Callable[[], bool] | None = None,
     ) -> Candidate:
-        """Follow one stiffness distribution to rest; with ``again`` it does not count as tried."""
+        """Follow one stiffness distribution to rest.
+
+        Parameters
+        ----------
+        springs, screening
+        again
+            Whether it does not count as tried.
+        start
+        falls
+            Whether it falls with every stiffness; called where the ground carries a large share.
+        """
         numerics = screening.numerics
         if start is None:  # at the beginning of a path steps are often reduced
             numerics = replace(numerics, give_up=0.0)
@@ -131,14 +146,16 @@ class Attempts:
         if not over and state.converged and most >= CLEARLY:
             # high towers load this ground as much, and reach a rest state on weaker ground
             over = first_motion(self.problem, state) is not None
+        if not over and most >= MUCH and falls is not None:
+            over = falls()
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
-        falls = state.converged and most > FALLS_FROM
-        if not again and (candidate.stands or falls or not self.clock.late()):
+        falling = state.converged and most > FALLS_FROM
+        if not again and (candidate.stands or falling or not self.clock.late()):
             self.tried += 1
         if candidate.stands:
             self.standing.append(candidate)
-        elif falls:
+        elif falling:
             self.falling.append(Falling(state, springs, candidate.force, candidate.residuals))
         elif min(most, self.problem.ground_share(final.ground).max()) < CLEARLY:
             self.stalled.append(state.motion)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -68,37 +69,44 @@ class Cascade:
         problem = self.problem
         self._report("rest state", 0)
         attempts = self.attempts
-        uniform = attempts.attempt(compliance.uniform(problem.statics))
+        springs = compliance.uniform(problem.statics)
+        uniform = attempts.attempt(springs, falls=lambda: self.collapse is not None)
         if not uniform.stands and not self.clock.late():
-            self._report("equilibrium", 1)
-            impossible = self._impossible()
-            if impossible is not None:
-                return impossible
+            if self.collapse is not None:
+                return self._unstable("no contact forces can balance the loads", self.collapse)
             if not attempts.falling:
                 # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
-        samples = compliance.samples(problem.statics, self.options.samples, self.options.seed)
-        for number, sample in enumerate(samples):
-            if self.clock.late():
-                break
-            self._report("stiffness samples", 2 + number)
-            if problem.statics.dry:
-                attempts.attempt_from(uniform, sample)
-            else:  # a start is scaled as if forces were in proportion to the motion
-                attempts.attempt(sample)
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
+        if not (settle and attempts.falling):  # otherwise the stiffness decides, whatever others do
+            self._other_stiffnesses(uniform)
         decided = not settle or len(attempts.standing) == attempts.tried
         if attempts.standing and (decided or self.clock.late()):
             return self._stable(uniform)
         if settle and not self.clock.late():
-            return self._followed()
+            return self._followed(uniform)
         self._report("search", 2 + self.options.samples)
         found = self._search()
         if found is not None:
             return self._sensitive(found)
         return self._first_motion()
+
+    def _other_stiffnesses(self, uniform: Candidate) -> None:
+        """Rest states for the samples of the stiffness, once."""
+        attempts, statics = self.attempts, self.problem.statics
+        if attempts.tried > 1:
+            return
+        samples = compliance.samples(statics, self.options.samples, self.options.seed)
+        for number, sample in enumerate(samples):
+            if self.clock.late():
+                break
+            self._report("stiffness samples", 2 + number)
+            if statics.dry:
+                attempts.attempt_from(uniform, sample)
+            else:  # a start is scaled as if forces were in proportion to the motion
+                attempts.attempt(sample)
 
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
@@ -157,14 +165,18 @@ class Cascade:
             self.iterations += sum(path.iterations for path in self.settlement.paths)
         return self.settlement
 
-    def _followed(self) -> Result:
+    def _followed(self, uniform: Candidate) -> Result:
         """The verdict of finite steps, where the contact stiffness decides."""
         found = self._follow()
+        if found.outcome is Outcome.UNKNOWN:
+            self._other_stiffnesses(uniform)
         stood, tried = len(self.attempts.standing), self.attempts.tried
         held = f"{stood or 'none'} of {tried} contact stiffnesses tried would hold it in place"
+        if tried == 1:
+            held = "uniform contact stiffness would not hold it in place"
         if found.outcome is Outcome.RESTS:
             return self._rests(found, held)
-        if found.outcome is Outcome.UNKNOWN and not stood:
+        if found.outcome is Outcome.UNKNOWN and not stood and tried > self.options.samples:
             return replace(self._first_motion(), settlement=found)
         if found.outcome not in (Outcome.FALLS, Outcome.DISPLACED):
             return self._open(found, held)
@@ -212,8 +224,10 @@ class Cascade:
             Verdict.UNDECIDED, f"{found.message}; {why}: {SENSITIVE}", settlement=found
         )
 
-    def _impossible(self) -> Result | None:
-        """UNSTABLE when no contact forces balance the loads, with the mechanism."""
+    @cached_property
+    def collapse(self) -> Floats | None:
+        """The collapse mechanism (n, 6); None if forces balance the loads, or if none was found."""
+        self._report("equilibrium", 1)
         balance = solve_equilibrium(
             self.problem.statics,
             cone=FrictionCone.exact(),
@@ -222,12 +236,7 @@ class Cascade:
         )
         self.iterations += balance.raw.iterations
         self.balances = balance.raw.status is ConicStatus.SOLVED
-        if self.balances:
-            return None
-        mechanism = found_mechanism(self.problem, balance, self.clock.late)
-        if mechanism is None:
-            return None
-        return self._unstable("no contact forces can balance the loads", mechanism)
+        return None if self.balances else found_mechanism(self.problem, balance, self.clock.late)
 
     def _search(self) -> Candidate | None:
         """A state by convex steps, on joints whose stiffnesses differ as little as necessary.

@@ -8,7 +8,7 @@ from typing import Unpack
 
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
-from drystone.io.opening import Given, How, as_model
+from drystone.io.opening import Given, How, supported_model
 from drystone.results import Result
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
@@ -59,7 +59,7 @@ def check(
     """
     chosen = CheckOptions.of(options)
     clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(as_model(given, **how)), chosen, progress, clock).run()
+    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
 
 
 @checked_call
@@ -89,7 +89,7 @@ def could_hold(
     """
     chosen = replace(CheckOptions.of(options), settle=False, search=True)
     clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(as_model(given, **how)), chosen, progress, clock).run()
+    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
 
 
 __all__ = ["CheckOptions", "check", "could_hold"]

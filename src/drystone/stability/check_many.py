@@ -13,6 +13,7 @@ from contextlib import AbstractContextManager, nullcontext
 from itertools import chain, islice
 from typing import Any, TextIO, TypeAlias, Unpack
 
+from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike, plain_target, read_bytes
 from drystone.base.progress import Clock, Progress
@@ -90,7 +91,8 @@ def check_many(
     Raises
     ------
     InputError
-        The file has answers about other models, or an executor died that cannot be started again.
+        ``models`` is a single model; the file has answers about other models; or an executor
+        died that cannot be started again.
 
     Examples
     --------
@@ -100,6 +102,9 @@ def check_many(
     >>> found["verdict"].tolist()
     ['stable', 'unstable']
     """
+    if isinstance(models, str | bytes | os.PathLike) or not isinstance(models, Iterable):
+        said = f"the models are {shortened(repr(models), 60)}"
+        raise InputError(said, remedy="give several, such as [model]")
     clock = Clock(time_limit_s, stop)
     rows = [] if out is None else _earlier(out)
     opened: AbstractContextManager[TextIO | None]

@@ -1,3 +1,4 @@
+import errno
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -96,7 +97,7 @@ def test_what_cannot_be_written_is_told_and_nothing_appears(tmp_path: Path, name
 
 
 def test_only_models_assemblies_and_results_are_written(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="a list cannot be written"):
+    with pytest.raises(ValueError, match="of type list cannot be written"):
         io.write([], tmp_path / "model.obj")  # type: ignore[arg-type]
 
 
@@ -135,3 +136,12 @@ def test_together_nothing_is_written_where_one_name_is_bad(tmp_path: Path, last:
     with pytest.raises(FormatError):
         files.write_together([(one, Path.touch), (tmp_path / last, Path.touch)])
     assert [path.name for path in tmp_path.iterdir()] == ["folder"]
+
+
+def test_a_full_disk_is_told_as_one(tmp_path: Path) -> None:
+    def fill(_: BinaryIO) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with pytest.raises(FormatError, match="No space left on device; free some space, or choose"):
+        files.write_whole(tmp_path / "a.csv", fill)
+    assert list(tmp_path.iterdir()) == []

@@ -11,6 +11,8 @@ import pytest
 
 from drystone import Assembly, InputError, LoadCase, Result, Verdict, check, solve_rbe
 from drystone.limits import (
+    Bracket,
+    Evaluation,
     Imperfections,
     Limit,
     LimitOptions,
@@ -355,6 +357,28 @@ def test_a_stopped_limit_is_a_wider_bracket_around_the_same(
                 assert min(one, two) <= low + 0.011
                 assert max(one, two) >= high - 0.011
     assert (answers[-1].best.stands, answers[-1].best.falls) == (whole.stands, whole.falls)
+
+
+def test_an_unknown_value_has_no_unit_and_one_value_is_no_range() -> None:
+    tower_of_two = Model.of(tower(2), friction=0.6)
+    assert "stands at none that was tried, falls" in repr(
+        limit_tilt(tower_of_two, stop=lambda: True)
+    )
+    stable, unsure = (
+        Evaluation(x, v) for x, v in ((1.0, Verdict.STABLE), (2.0, Verdict.UNDECIDED))
+    )
+    bracket = Bracket(stands=1.0)
+    limit = Limit("tilt", "deg", 0.0, 9.0, bracket, evaluations=(stable, unsure))
+    assert limit.remarks == ("at 2 deg it is undecided",)
+
+
+def test_a_live_load_may_be_a_vector_or_a_multiple_of_the_weight() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    sideways = limit_load(model, (9.81, 0.0, 0.0))
+    assert sideways.best.stands == pytest.approx(0.6, rel=1e-3)
+    case = LoadCase.gravity(model.assembly, 9.81, (1.0, 0.0, 0.0))
+    assert limit_load(model, case).best.stands == sideways.best.stands
+    assert limit_load(model, 1.0, upper=5.0).best.stands == 5.0
 
 
 def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:

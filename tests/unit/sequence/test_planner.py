@@ -260,8 +260,23 @@ def test_a_plan_that_is_stopped_keeps_the_verdict_of_the_complete_structure():
     assert found.steps == ()
     assert found.stopped == "it was interrupted"
     assert "before an order was found" in found.message
+    assert found.verdict.value == "undecided"
     late = plan(Model.of(tower(4)), time_limit_s=0.0)
     assert (late.complete.stands, late.stopped) == (True, "the time was up")
+
+
+def test_a_plan_is_its_steps():
+    found = plan(tower(4))
+    assert len(found) == 3
+    assert [step.blocks for step in found] == [step.blocks for step in found.steps]
+
+
+def test_a_friction_of_a_sweep_whose_plan_was_stopped_is_left_out():
+    def plan_at(model):
+        return plan(model, stop=lambda: model.contacts.friction[0] > 0.45)
+
+    sweep = sweep_friction(Model.of(tower(4)), [0.4, 0.5], plan_at)
+    assert sweep.friction == (0.4,)
 
 
 def test_margins_that_are_stopped_keep_the_stages_that_are_known():

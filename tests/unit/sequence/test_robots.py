@@ -1,4 +1,4 @@
-"""Plans as work for robots: who places, who holds, on which way, and by which faces."""
+"""Plans as work for robots: who places, who holds, on which path, and by which faces."""
 
 import csv
 import json

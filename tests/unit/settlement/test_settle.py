@@ -92,7 +92,7 @@ def test_forces_at_rest_are_proven_on_the_moved_blocks() -> None:
     path = settled.path
     assert path.residuals is not None
     assert path.residuals.largest < 1e-8
-    assert 1e-3 < settled.way < 0.02
+    assert 1e-3 < settled.travel < 0.02
     moved = path.moved_model()
     shift = moved.assembly.centroid[2] - settled.assembly.centroid[2]
     assert shift == pytest.approx(path.displacement[2, :3])
@@ -106,7 +106,7 @@ def test_forces_at_rest_are_proven_on_the_moved_blocks() -> None:
 def test_the_way_depends_on_no_unit_place_density_direction_or_numbering() -> None:
     turn = rotation_about((1.0, 2.0, 3.0), 77.0)
     plain = wedge("b")
-    reference = tilted(plain, X, 55.0).way
+    reference = tilted(plain, X, 55.0).travel
     copies = {
         "larger": plain.transformed(1e3 * np.eye(3)),
         "elsewhere": plain.transformed(translation=(300.0, -200.0, 100.0)),
@@ -114,11 +114,11 @@ def test_the_way_depends_on_no_unit_place_density_direction_or_numbering() -> No
         "renumbered": Assembly(plain.blocks[::-1], plain.fixed[::-1]),
     }
     for name, copy in copies.items():
-        assert tilted(copy, X, 55.0).way == pytest.approx(reference, rel=2e-2), name
+        assert tilted(copy, X, 55.0).travel == pytest.approx(reference, rel=2e-2), name
     load = LoadCase.tilt(plain, X, 55.0).wrench[2, :3] / plain.mass[2]
     turned = plain.transformed(turn)
     model = Model.of(turned, friction=0.84, load=turn @ load)
-    assert settle(model, options=MOVING).way == pytest.approx(reference, rel=2e-2)
+    assert settle(model, options=MOVING).travel == pytest.approx(reference, rel=2e-2)
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from drystone import check, write
-from drystone.sequence import find_way
-from drystone.sequence.motion.ways import NoWay, Way
+from drystone.sequence import find_path
+from drystone.sequence.motion.removal_paths import NoPath, RemovalPath
 from drystone.shells import Body, Layout, barrel_vault, build_shell, dome
 
 LAYOUT = Layout(courses=6, blocks=3)
@@ -39,22 +39,22 @@ def free_translation(model, block):
 def test_a_hooked_block_has_no_straight_way_out_and_is_turned_out(joggle_deg):
     model = half_built(joggle_deg)
     assert free_translation(model, "c02-b01") < -1e-3
-    way = find_way(model, "c02-b01")
-    assert isinstance(way, Way)
-    assert way.turning
-    assert way.clearance[-1] > 0.1
+    path = find_path(model, "c02-b01")
+    assert isinstance(path, RemovalPath)
+    assert path.turning
+    assert path.clearance[-1] > 0.1
 
 
 def test_without_a_joggle_it_is_lifted():
-    way = find_way(half_built(0.0), "c02-b01")
-    assert isinstance(way, Way)
-    assert not way.turning
+    path = find_path(half_built(0.0), "c02-b01")
+    assert isinstance(path, RemovalPath)
+    assert not path.turning
 
 
 def test_a_hooked_block_at_an_open_end_slides_out_along_its_course():
-    way = find_way(half_built(20.0), "c02-b00")
-    assert not way.turning
-    assert np.abs(way.poses[-1].shift @ [1.0, 0.0, 1.0]) < 1e-6
+    path = find_path(half_built(20.0), "c02-b00")
+    assert not path.turning
+    assert np.abs(path.poses[-1].shift @ [1.0, 0.0, 1.0]) < 1e-6
 
 
 def test_a_block_on_hooks_that_meet_at_an_angle_is_locked_and_the_shell_says_so():
@@ -62,9 +62,9 @@ def test_a_block_on_hooks_that_meet_at_an_angle_is_locked_and_the_shell_says_so(
     shell = build_shell(dome(), Layout(courses=4, blocks=8), Body(thickness=0.4, joggle_deg=10.0))
     model = shell.model(friction=0.6)
     below = [n for n in model.assembly.names if n.startswith(("ground", "c00"))]
-    way = find_way(model.subset([*below, "c01-b00"]), "c01-b00")
-    assert isinstance(way, NoWay)
-    assert way.proved
+    path = find_path(model.subset([*below, "c01-b00"]), "c01-b00")
+    assert isinstance(path, NoPath)
+    assert path.proved
     assert any("hooks over beds that meet at 2" in note for note in shell.notes)
     straight = build_shell(barrel_vault(), LAYOUT, Body(joggle_deg=10.0))
     assert not any("hooks over" in note for note in straight.notes)

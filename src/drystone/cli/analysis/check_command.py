@@ -40,7 +40,7 @@ def check(
     """
     model = subject.prepared(waiting, finding, seismic)
     result = verdict.solve(model, waiting, time_limit)
-    if result.verdict == "unstable" and not result.stopped:
+    if result.falls and not result.stopped:
         said = subject.upright(result.model, waiting)
         result = replace(result, model=replace(result.model, notes=(*result.model.notes, *said)))
     why = mend_command.short(result, waiting)

@@ -63,14 +63,14 @@ def exit_code(result: Result, strict: bool) -> int:
 
 
 def _settlement(result: Result) -> list[dict[str, Any]] | None:
-    """How each way to follow the blocks ended, where that decided."""
+    """How the blocks move with each carrier of the ends of joints, where that decided."""
     if result.settlement is None:
         return None
     return [
         {
             "carrier": path.carrier.value,
             "outcome": path.outcome.value,
-            "way": float(path.way.max(initial=0.0)),
+            "travel": float(path.travel.max(initial=0.0)),
         }
         for path in result.settlement.paths
     ]

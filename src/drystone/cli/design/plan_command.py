@@ -139,21 +139,25 @@ def plan(
 
     def plan_at(model: Model, saved: str | None = None) -> Plan:
         return sequence.plan(
-            model, options=chosen, check=check,
-            executor=executor, checkpoint=saved, progress=waiting,
+            model, options=chosen, check=check, executor=executor, checkpoint=saved,
+            progress=waiting, stop=lambda: waiting.interrupted,
         )  # fmt: skip
 
     found = plan_at(model, checkpoint)
     waiting.stage("margins", "margins")
-    measured = sequence.margins(found, progress=waiting) if margins and found.steps else None
-    swept = sequence.sweep_friction(model, list(sweep), plan_at) if sweep else None
+    measured = swept = None
+    with waiting.stoppable() as stop:
+        if margins and found.steps:
+            measured = sequence.margins(found, progress=waiting, stop=stop)
+        if sweep:
+            swept = sequence.sweep_friction(model, list(sweep), plan_at, stop=stop)
     data = found.to_dict() | {
         "model": subject.model,
         "margins": None if measured is None else measured.to_dict(),
         "friction_sweep": None if swept is None else list(swept.table()),
     }
     helped = found.counts["propped"] + found.counts["impossible"]
-    code = 0 if found.steps and found.verdict == "stable" and not helped else 1
+    code = 0 if found.steps and found.stable and not helped else 1
     files = partial(_files, found, measured, html, cad, instructions, csv, subject.model)
     return Answer(data, partial(_show, data, found), code, model.notes, files)
 
@@ -238,7 +242,9 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
         styles=[STYLE.get(row["status"], "") for row in rows],
     )  # fmt: skip
     _show_impossible(data, screen)
-    if data["margins"] is not None:
+    if data["margins"] is not None and data["margins"]["stopped"]:
+        screen.line(f"margins of some stages are not known: {data['margins']['stopped']}")
+    elif data["margins"] is not None:
         weakest = data["margins"]["weakest"]
         screen.line(
             f"weakest stage: step {weakest['step'] + 1}, tilts {weakest['tilt_deg']:.1f} degrees; "

@@ -157,31 +157,27 @@ class Subject(Source):
         from drystone.loads import LoadCase
 
         down = LoadCase.gravity(turned, direction=(0.0, -1.0, 0.0))
-        found = one_stiffness(replace(model, assembly=turned, load=down))
-        stands = found.verdict.value == "stable"
+        stands = one_stiffness(replace(model, assembly=turned, load=down)).stable
         return ("it would stand with --up y: does y point up in the file?",) if stands else ()
 
 
 def _refuse_supports(model: Model, subject: Subject) -> None:
     """Raise InputError where no block is fixed, or every block is."""
-    fixed = model.assembly.fixed
-    if fixed.any() and not fixed.all():
-        return
     from drystone.model import up_of_load  # as above
-    from drystone.supports import advice, select
+    from drystone.supports import require_supports, select
 
-    if not fixed.any():
-        told = advice(model.assembly, up_of_load(subject.gravity), model.joints)
-        raise InputError("no block is fixed", where=subject.model, remedy=f"--supports: {told}")
-    remedy = "name fewer blocks with --supports"
-    if subject.up == "z" and subject.supports is not None:
+    fixed, remedy = model.assembly.fixed, "name fewer blocks with --supports"
+    if fixed.all() and subject.up == "z" and subject.supports is not None:
         lying = select(model.assembly, "lowest", up=(0.0, 1.0, 0.0), joints=model.joints)
         if not lying.fixed.all():
             some = counted(int(lying.fixed.sum()), "block")
             remedy += f"; or does the model lie on its side? With --up y 'lowest' fixes {some}"
-    raise InputError(
-        f"every block is fixed, all {len(fixed)}: there is nothing to check",
-        where="--supports" if subject.supports is not None else subject.model,
+    require_supports(
+        model.assembly,
+        model.joints,
+        up=up_of_load(subject.gravity),
+        where="--supports" if fixed.all() and subject.supports is not None else subject.model,
+        option="--supports",
         remedy=remedy,
     )
 

@@ -11,7 +11,7 @@ from drystone.base.errors import counted
 from drystone.design.causes.joint_motion import JointMotion, JointState
 from drystone.design.causes.missing import Needs
 from drystone.model import Model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 
 NAMED = 4
 """Number of blocks of a region that are named. Chosen. The others are counted."""
@@ -44,7 +44,7 @@ def names_of(model: Model, blocks: Sequence[int]) -> str:
 
 def nothing(result: Result) -> str:
     """The sentence if no region was found."""
-    if result.verdict is Verdict.STABLE:
+    if result.stable:
         return "it stands: nothing is missing"
     return f"no block shows that it needs help ({result.message})"
 

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drystone.base.errors import counted
 from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.block_overlaps import Overlap
-from drystone.detection.report.phrases import counted, listed
+from drystone.detection.report.phrases import listed
 from drystone.detection.report.reasons import Missed, Reason
 
 Pair = tuple[int, int]
@@ -87,7 +88,8 @@ def _for_overlaps(
     }
     deep = {(p.block_a, p.block_b) for p in overlaps} - twice - joinable
     if deep:
-        said.append(f"{counted(len(deep), 'pair')} of blocks overlap: move them apart in the model")
+        several = counted(len(deep), "pair of blocks overlaps", "pairs of blocks overlap")
+        said.append(f"{several}: move them apart in the model")
     return said
 
 

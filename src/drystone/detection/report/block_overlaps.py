@@ -10,8 +10,8 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
-from drystone.base.errors import InputError
-from drystone.detection.report.phrases import SHOWN, counted, millimetres
+from drystone.base.errors import InputError, counted
+from drystone.detection.report.phrases import SHOWN, millimetres
 from drystone.detection.search.candidates import Pairs, block_boxes
 from drystone.detection.search.patches import Patches
 from drystone.geometry.body.shared_volume import shared_volumes
@@ -77,8 +77,10 @@ def overlap_lines(names: Sequence[str], overlaps: Sequence[Overlap]) -> list[str
     """A sentence for each of the first pairs of overlapping blocks, the largest share first."""
     worst = sorted(overlaps, key=lambda pair: (-pair.share, -pair.depth))
     lines = [f"{_named(names, pair)} overlap: they share {_shared(pair)}" for pair in worst[:SHOWN]]
-    more = len(worst) - SHOWN
-    return lines + ([f"{counted(more, 'more pair')} of blocks overlap"] if more > 0 else [])
+    if len(worst) > SHOWN:
+        left = len(worst) - SHOWN
+        lines.append(counted(left, "more pair of blocks overlaps", "more pairs of blocks overlap"))
+    return lines
 
 
 def require_apart(names: Sequence[str], overlaps: Sequence[Overlap]) -> None:
@@ -93,9 +95,12 @@ def require_apart(names: Sequence[str], overlaps: Sequence[Overlap]) -> None:
     if not refused:
         return
     worst = max(refused, key=lambda pair: (pair.share, pair.depth))
-    more = f"; {counted(len(refused) - 1, 'more pair')} of blocks overlap by more than a tenth"
+    more = ""
+    if len(refused) > 1:
+        others = counted(len(refused) - 1, "more pair overlaps", "more pairs overlap")
+        more = f"; {others} by more than a tenth"
     raise InputError(
-        f"overlap: they share {_shared(worst)}{more if len(refused) > 1 else ''}",
+        f"overlap: they share {_shared(worst)}{more}",
         where=_named(names, worst),
         remedy="move them apart in the model, or accept them with --anyway (anyway=True in Python)",
     )
@@ -106,7 +111,7 @@ def _named(names: Sequence[str], pair: Overlap) -> str:
 
 
 def _shared(pair: Overlap) -> str:
-    share = f"{100.0 * pair.share:.2g} % of the smaller one"
+    share = f"{float(f'{100.0 * pair.share:.2g}'):g} % of the smaller one"
     return f"{pair.volume:.3g} m3 ({share}), {millimetres(pair.depth)} mm deep"
 
 

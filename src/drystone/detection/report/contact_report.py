@@ -11,12 +11,13 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import Card
+from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.advice import suggestions
 from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
-from drystone.detection.report.phrases import SHOWN, counted, listed, millimetres
+from drystone.detection.report.phrases import SHOWN, listed, millimetres
 from drystone.detection.report.reasons import Missed, Reason
 
 KINDS = {3: "area", 2: "line", 1: "point"}

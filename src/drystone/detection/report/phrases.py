@@ -1,4 +1,4 @@
-"""Numbers, lengths and names as text in a contact report."""
+"""Lengths and names as text in a contact report."""
 
 from __future__ import annotations
 
@@ -6,17 +6,6 @@ from collections.abc import Sequence
 
 SHOWN = 8
 """Names listed in one line."""
-
-
-def counted(number: int, noun: str) -> str:
-    """A number with its noun, singular or plural.
-
-    Examples
-    --------
-    >>> counted(1, "pair"), counted(1200, "pair")
-    ('1 pair', '1,200 pairs')
-    """
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def listed(items: Sequence[str]) -> str:
@@ -37,4 +26,4 @@ def millimetres(length: float) -> str:
     return f"{value:,.0f}" if abs(value) >= 1e3 else f"{value:.3g}"
 
 
-__all__ = ["SHOWN", "counted", "listed", "millimetres"]
+__all__ = ["SHOWN", "listed", "millimetres"]

@@ -23,7 +23,6 @@ from drystone.base.settings import Options
 from drystone.base.table import Table
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
-from drystone.results import Verdict
 from drystone.sequence.plans import Plan
 from drystone.sequence.scaffold.scaffold_items import (
     Centring,
@@ -196,7 +195,7 @@ def scaffolding(
         length = sum(item.length if not isinstance(item, Clamp) else 1.0 for item in mine)
         total += length
         peak = max(peak, largest) if largest == largest else peak
-        if result.verdict is not Verdict.STABLE or bad:
+        if not result.stable or bad:
             failed.append(number)
         told = ", ".join(model.assembly.names[b] for b in sorted(held))
         rows.append((number, told, result.verdict.value, len(mine), length, largest, len(bad)))

@@ -169,7 +169,7 @@ class Structure(OfModel, OneLine):
             result = try_rest(stage, screening=part.screening, start=near)
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
-        if result.verdict is not Verdict.STABLE or result.force is None:
+        if not result.stable or result.force is None:
             return Answer(result.verdict, result.message, falling, settled=settled)
         reaction = {}
         if held:

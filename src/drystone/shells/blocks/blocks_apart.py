@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, Ints
-from drystone.base.errors import InputError
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.errors import InputError, counted
 from drystone.geometry import boxes
 from drystone.geometry.body.convexity import convex_bodies
 from drystone.geometry.body.shared_volume import shared_volumes
@@ -16,7 +16,7 @@ TOLERANCE = 1e-6
 """Largest overlap of two blocks, relative to the width of a block."""
 
 
-def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> None:
+def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float, ground: Bools) -> None:
     """Refuse a shell with blocks that overlap.
 
     Parameters
@@ -26,6 +26,8 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> Non
     mesh
     width : [m]
         Mean width of a block.
+    ground : (c,)
+        Which cells are ground.
 
     Raises
     ------
@@ -36,7 +38,6 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> Non
     a, b, depth = overlaps(assembly, TOLERANCE * width)
     if len(a) == 0:
         return
-    ground = np.array([name.startswith("ground-") for name in mesh.names])
     beneath = ground[a] | ground[b]
     worst = int(np.lexsort((-depth, beneath))[0])
     one, other = int(a[worst]), int(b[worst])
@@ -48,8 +49,7 @@ def refuse_overlaps(assembly: Assembly, mesh: Tessellation, width: float) -> Non
         remedy = (
             "the surface must not cross itself, nor come closer to itself than the shell is thick"
         )
-    more = len(a) - 1
-    rest = f", and {more} more pair{'' if more == 1 else 's'}" if more else ""
+    rest = f", and {counted(len(a) - 1, 'more pair')}" if len(a) > 1 else ""
     raise InputError(
         f"overlap, {depth[worst]:.2g} m deep{rest}",
         where=f"blocks '{mesh.names[one]}' and '{mesh.names[other]}'",

@@ -35,7 +35,9 @@ class Tessellation(OneLine):
     cells
         Loops of vertices, counter-clockwise seen from outside.
     names
-    course, position, of_patch : (c,)
+    course, position : (c,)
+    of_patch : (c,)
+        -1 for a keystone, which closes several patches.
     crest : (c, 3) [m] point of the surface over the middle of each cell; NaN for a keystone
     heads
         Pairs of vertices, lower number first, at the ends of the head joints.

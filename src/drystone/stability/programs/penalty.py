@@ -17,7 +17,7 @@ from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.io.opening import Given, How, as_model
-from drystone.results import Result, Verdict
+from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
@@ -103,7 +103,7 @@ def solve_cra_penalty(
     ).run()
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
-    if dry.verdict is Verdict.STABLE:
+    if dry.stable:
         return replace(
             dry,
             method="cra-penalty",

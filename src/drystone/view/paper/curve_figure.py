@@ -46,7 +46,7 @@ def save_curve(
     return save_plot(path, lambda: draw_curve(found, title))
 
 
-def draw_curve(found: LargeDisplacement, title: str = "") -> Figure:
+def draw_curve(found: LargeDisplacement, title: str) -> Figure:
     """The plot as a matplotlib figure."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
@@ -79,4 +79,4 @@ def draw_curve(found: LargeDisplacement, title: str = "") -> Figure:
     return figure
 
 
-__all__ = ["draw_curve", "save_curve"]
+__all__ = ["save_curve"]

@@ -39,8 +39,9 @@ def save_plot(
         return draw()
     kind = Path(path).suffix.lower().lstrip(".")
     if kind not in SUFFIXES:
+        as_what = f"as '.{kind}'" if kind else "without a suffix"
         raise FormatError(
-            f"a {what} cannot be written as '.{kind}'",
+            f"a {what} cannot be written {as_what}",
             where=str(path),
             remedy="end the name in .png, .svg or .pdf",
         )

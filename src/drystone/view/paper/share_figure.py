@@ -43,7 +43,7 @@ def save_share(
     return save_plot(path, lambda: draw_share(found, title))
 
 
-def draw_share(found: StandingShare, title: str = "") -> Figure:
+def draw_share(found: StandingShare, title: str) -> Figure:
     """The plot as a matplotlib figure: a line for each order of loading."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
@@ -72,4 +72,4 @@ def draw_share(found: StandingShare, title: str = "") -> Figure:
     return figure
 
 
-__all__ = ["draw_share", "save_share"]
+__all__ = ["save_share"]

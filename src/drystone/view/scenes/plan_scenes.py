@@ -21,8 +21,8 @@ MOST_ARROWS = 200_000
 """Arrows of all stages together; beyond, stages are drawn without their forces. Chosen: the page
 stays below 20 MB."""
 
-WAY = 1.0
-"""Length of the way in that is shown, by the size of the block; chosen by eye."""
+INSERTED = 1.0
+"""Length of the path of insertion that is shown, by the size of the block; chosen by eye."""
 
 STATE_OF = {
     Status.SUPPORT: State.SUPPORT,
@@ -96,9 +96,9 @@ def _stages(plan: Plan, number: int, forces: bool) -> list[Stage]:
 
 
 def _way_in(plan: Plan, block: int, direction: Floats) -> Floats:
-    """The motion (n, 6) that takes a block out of its place: the way in, backwards."""
+    """The motion (n, 6) that takes a block out of its place: the path of insertion, backwards."""
     motion = np.zeros((len(plan.model.assembly), 6))
-    motion[block, :3] = -WAY * plan.model.assembly.size[block] * direction
+    motion[block, :3] = -INSERTED * plan.model.assembly.size[block] * direction
     return motion
 
 
@@ -130,7 +130,7 @@ def _stage(
     help_needed = help_layer(model.assembly, prop, "props and hands")
     stage = Stage(
         label, _sentence(answer, state), message, state, answer.verdict,
-        motion_name="Way in", arrives=True, prop=prop, up=up, gravity=gravity,
+        motion_name="Insertion", arrives=True, prop=prop, up=up, gravity=gravity,
         layers=interface_layers(contacts, shown) + help_needed,
     )  # fmt: skip
     if not forces or not len(answer.corner):

@@ -1,4 +1,4 @@
-"""Finite ways out of a place: straight, turning, and none."""
+"""Finite paths out of a place: straight, turning, and none."""
 
 import numpy as np
 import pytest
@@ -6,20 +6,20 @@ import pytest
 from drystone import Assembly, InputError, Model, plan
 from drystone.geometry.body.convex_pieces import convex_pieces, solid_of
 from drystone.models import bayonet, box, burr, dovetail, hooked_bar, stool, tower
-from drystone.sequence import NoWay, Way, WayOptions, find_way
+from drystone.sequence import NoPath, PathOptions, RemovalPath, find_path
 from drystone.sequence.motion.sweeps import moved_along
 from drystone.sequence.motion.twists import free_twists, twist_rows
 
-STRAIGHT = WayOptions(turning=False)
+STRAIGHT = PathOptions(turning=False)
 
 
-def meets(model: Model, way: Way) -> float:
+def meets(model: Model, path: RemovalPath) -> float:
     """Largest share of the block's volume that it has in common with what stands, in any pose."""
     assembly = model.assembly
-    body = assembly.blocks[way.block]
-    others = [b for i, b in enumerate(assembly.blocks) if i != way.block]
+    body = assembly.blocks[path.block]
+    others = [b for i, b in enumerate(assembly.blocks) if i != path.block]
     shared = 0.0
-    for first, second in zip(way.poses[:-1], way.poses[1:], strict=True):
+    for first, second in zip(path.poses[:-1], path.poses[1:], strict=True):
         for share in np.linspace(0.0, 1.0, 6):
             turn = (1.0 - share) * first.turn + share * second.turn
             left, _, right = np.linalg.svd(turn)
@@ -32,67 +32,67 @@ def meets(model: Model, way: Way) -> float:
 
 
 def test_a_block_on_a_tower_is_lifted_straight_up():
-    way = find_way(Model.of(tower(3)), "block-2")
-    assert isinstance(way, Way)
-    assert not way.turning
-    np.testing.assert_allclose(way.poses[-1].shift[:2], 0.0, atol=1e-9)
-    assert way.poses[-1].shift[2] > 1.0
-    assert way.clearance[0] == 0.0
-    assert way.clearance[-1] > 0.5
+    path = find_path(Model.of(tower(3)), "block-2")
+    assert isinstance(path, RemovalPath)
+    assert not path.turning
+    np.testing.assert_allclose(path.poses[-1].shift[:2], 0.0, atol=1e-9)
+    assert path.poses[-1].shift[2] > 1.0
+    assert path.clearance[0] == 0.0
+    assert path.clearance[-1] > 0.5
 
 
 def test_a_block_inside_a_tower_slides_out_sideways():
-    way = find_way(Model.of(tower(3)), "block-1")
-    assert isinstance(way, Way)
-    assert abs(way.poses[-1].shift[2]) < 1e-9
+    path = find_path(Model.of(tower(3)), "block-1")
+    assert isinstance(path, RemovalPath)
+    assert abs(path.poses[-1].shift[2]) < 1e-9
 
 
 def test_what_is_not_placed_is_not_in_the_way():
-    way = find_way(Model.of(tower(3)), "block-1", placed=[])
-    assert isinstance(way, Way)
-    assert way.poses[-1].shift[2] > 1.0
+    path = find_path(Model.of(tower(3)), "block-1", placed=[])
+    assert isinstance(path, RemovalPath)
+    assert path.poses[-1].shift[2] > 1.0
 
 
 def test_a_dovetail_slides_along_its_groove():
-    way = find_way(Model.of(dovetail()), "tenon")
-    assert isinstance(way, Way)
-    assert not way.turning
-    np.testing.assert_allclose(way.poses[-1].shift[[0, 2]], 0.0, atol=1e-6)
+    path = find_path(Model.of(dovetail()), "tenon")
+    assert isinstance(path, RemovalPath)
+    assert not path.turning
+    np.testing.assert_allclose(path.poses[-1].shift[[0, 2]], 0.0, atol=1e-6)
 
 
 def test_a_hooked_bar_is_locked_for_straight_ways_and_turned_out():
     model = Model.of(hooked_bar())
-    straight = find_way(model, "bar", options=STRAIGHT)
-    assert isinstance(straight, NoWay)
+    straight = find_path(model, "bar", options=STRAIGHT)
+    assert isinstance(straight, NoPath)
     assert {face.name for face in straight.faces} == {"bed", "near", "far"}
-    way = find_way(model, "bar")
-    assert isinstance(way, Way)
-    assert way.turning
-    assert meets(model, way) < 0.02
+    path = find_path(model, "bar")
+    assert isinstance(path, RemovalPath)
+    assert path.turning
+    assert meets(model, path) < 0.02
 
 
 def test_a_hooked_bar_without_cheeks_slides_out_sideways():
-    way = find_way(Model.of(hooked_bar(cheeks=False)), "bar")
-    assert isinstance(way, Way)
-    assert not way.turning
+    path = find_path(Model.of(hooked_bar(cheeks=False)), "bar")
+    assert isinstance(path, RemovalPath)
+    assert not path.turning
 
 
 @pytest.mark.parametrize("locked", [45.0, 90.0])
 def test_a_bayonet_is_turned_to_its_slot_and_lifted(locked):
     model = Model.of(bayonet(locked))
-    assert isinstance(find_way(model, "peg", options=STRAIGHT), NoWay)
-    way = find_way(model, "peg")
-    assert isinstance(way, Way)
-    assert way.turning
-    assert meets(model, way) < 0.01
-    out = way.poses[-1].of(model.assembly.blocks[3].centroid[None])[0]
+    assert isinstance(find_path(model, "peg", options=STRAIGHT), NoPath)
+    path = find_path(model, "peg")
+    assert isinstance(path, RemovalPath)
+    assert path.turning
+    assert meets(model, path) < 0.01
+    out = path.poses[-1].of(model.assembly.blocks[3].centroid[None])[0]
     assert out[2] > 3.0
 
 
 def test_a_bayonet_at_its_slot_is_lifted_straight():
-    way = find_way(Model.of(bayonet(0.0)), "peg")
-    assert isinstance(way, Way)
-    assert not way.turning
+    path = find_path(Model.of(bayonet(0.0)), "peg")
+    assert isinstance(path, RemovalPath)
+    assert not path.turning
 
 
 def test_a_straight_way_that_something_stands_in_is_not_taken():
@@ -104,18 +104,18 @@ def test_a_straight_way_that_something_stands_in_is_not_taken():
     block = box((1.0, 1.0, 1.0), name="block")
     blocks = (floor, *walls, *ends, roof, block)
     model = Model.of(Assembly(blocks, np.arange(len(blocks)) < len(blocks) - 1))
-    found = find_way(model, "block")
-    assert isinstance(found, NoWay)
+    found = find_path(model, "block")
+    assert isinstance(found, NoPath)
     assert not found.proved
     assert "'roof'" in found.reason
-    open_above = find_way(model.without(["roof"]), "block")
-    assert isinstance(open_above, Way)
+    open_above = find_path(model.without(["roof"]), "block")
+    assert isinstance(open_above, RemovalPath)
 
 
 def test_what_locks_a_piece_of_the_burr_is_named_by_faces_that_look_at_it():
     model = Model.of(burr())
-    found = find_way(model, "z-low")
-    assert isinstance(found, NoWay)
+    found = find_path(model, "z-low")
+    assert isinstance(found, NoPath)
     assert found.proved
     assert {face.name for face in found.faces} <= set(model.assembly.names) - {"z-low"}
     for face in found.faces:
@@ -129,8 +129,8 @@ def test_the_burr_comes_apart_in_the_order_in_which_its_pieces_are_free():
     model = Model.of(burr())
     left, order = list(model.assembly.names), []
     while len(left) > 1:
-        ways = {n: find_way(model, n, placed=[m for m in left if m != n]) for n in left}
-        free = [n for n in left if isinstance(ways[n], Way)]
+        paths = {n: find_path(model, n, placed=[m for m in left if m != n]) for n in left}
+        free = [n for n in left if isinstance(paths[n], RemovalPath)]
         assert free, f"nothing can be taken out of {left}"
         order.append(free[0])
         left.remove(free[0])
@@ -201,8 +201,8 @@ def _hull_faces(point):
 
 def test_senseless_options_are_refused():
     with pytest.raises(InputError):
-        WayOptions(play=0.0)
+        PathOptions(play=0.0)
     with pytest.raises(InputError):
-        WayOptions(effort=0)
+        PathOptions(effort=0)
     with pytest.raises(InputError):
-        WayOptions(up=(0.0, 0.0, 0.0))
+        PathOptions(up=(0.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Paths on which a block is removed from its place, straight or with rotation.
+"""Search for a path on which a block is removed from its place, straight or with rotation.
 
 Straight paths along free directions are tried first. If there is none and some twist is free at the
 joints, constant twists are followed until a collision. From poses along them straight paths are
@@ -16,8 +16,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.display import OneLine
-from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.sequence.motion.directions import freedom
 from drystone.sequence.motion.joint_cones import (
@@ -28,9 +26,9 @@ from drystone.sequence.motion.joint_cones import (
     in_words,
     obstacles,
 )
+from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
 from drystone.sequence.motion.sweeps import (
     HERE,
-    PLAY,
     Hit,
     Mover,
     Pose,
@@ -46,99 +44,13 @@ LINES = 200
 """Number of rotations tried at each pose. Chosen: about the edges of some twenty joints."""
 
 
-@dataclass(frozen=True)
-class WayOptions(OneLine):
-    """Options of the search for paths.
-
-    Attributes
-    ----------
-    play
-        How much the moving block is reduced on all sides, relative to its size.
-    turning
-        Whether to search paths with rotation if there is no straight path.
-    effort
-        Largest number of swept volumes that are tested for one block.
-    up : (3,)
-        The preferred direction of paths.
-    """
-
-    play: float = PLAY
-    turning: bool = True
-    effort: int = 6000
-    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.play < 0.1:
-            raise InputError(f"the play is {self.play}", remedy="give a share of the block's size")
-        if self.effort < 1:
-            raise InputError(f"the effort is {self.effort}", remedy="give one or more")
-        if not np.linalg.norm(self.up) > 0.0:
-            raise InputError("up is zero", remedy="give a direction")
-
-
-@dataclass(frozen=True, eq=False)
-class Way(OneLine):
-    """A path on which a block is removed from its place without collision.
-
-    Attributes
-    ----------
-    block
-        Position of the block.
-    poses
-        Rigid motions of the block, from its place (the first) to a pose away from all blocks in
-        place. Between two poses it moves with a constant twist.
-    turning
-        Whether it rotates.
-    clearance : (p,) [m]
-        Distance of the block from the blocks in place at each pose, at most its size.
-    """
-
-    block: int
-    poses: tuple[Pose, ...]
-    turning: bool
-    clearance: Floats
-
-    @property
-    def matrices(self) -> Floats:
-        """(p, 4, 4), homogeneous, from its place outwards."""
-        return np.stack([pose.matrix for pose in self.poses])
-
-    @property
-    def approach(self) -> Floats:
-        """(p, 4, 4), homogeneous, from outside to its place."""
-        return self.matrices[::-1]
-
-
-@dataclass(frozen=True, eq=False)
-class NoWay(OneLine):
-    """Why a block cannot be removed from its place.
-
-    Attributes
-    ----------
-    block
-        Position of the block.
-    reason
-        One sentence, with blocks and faces.
-    faces
-        The blocking faces.
-    proved
-        Whether the joints alone block every small motion. Otherwise paths begin, and all that were
-        tried end at the named faces.
-    """
-
-    block: int
-    reason: str
-    faces: tuple[Obstacle, ...]
-    proved: bool
-
-
-def find_way(
+def find_path(
     model: Model,
     block: int | str,
     placed: Iterable[int | str] | None = None,
     *,
-    options: WayOptions | None = None,
-) -> Way | NoWay:
+    options: PathOptions | None = None,
+) -> RemovalPath | NoPath:
     """A path on which one block is removed from the others, or why there is none.
 
     Parameters
@@ -155,16 +67,16 @@ def find_way(
     A block on another one can be lifted:
 
     >>> from drystone.models import tower
-    >>> way = find_way(Model.of(tower(2)), "block-1")
-    >>> way.turning, way.poses[-1].shift.round(6).tolist()[:2]
+    >>> path = find_path(Model.of(tower(2)), "block-1")
+    >>> path.turning, path.poses[-1].shift.round(6).tolist()[:2]
     (False, [0.0, 0.0])
     """
-    finder = WayFinder(model, options)
+    finder = PathFinder(model, options)
     which = int(model.assembly.indices([block])[0])
     here = np.array(model.assembly.fixed)
     everything = range(len(model.assembly)) if placed is None else placed
     here[model.assembly.indices(everything)] = True
-    return finder.way(which, here)
+    return finder.path(which, here)
 
 
 @dataclass(order=True)
@@ -176,7 +88,7 @@ class _Node:
     poses: tuple[Pose, ...] = field(compare=False)
 
 
-class WayFinder:
+class PathFinder:
     """Paths of the blocks of one model; solids and convex pieces are made once.
 
     Parameters
@@ -185,14 +97,14 @@ class WayFinder:
     options
     """
 
-    def __init__(self, model: Model, options: WayOptions | None = None) -> None:
+    def __init__(self, model: Model, options: PathOptions | None = None) -> None:
         self.model = model
-        self.options = options if options is not None else WayOptions()
+        self.options = options if options is not None else PathOptions()
         self.up = np.asarray(self.options.up) / np.linalg.norm(self.options.up)
         self._solids = Solids(model.assembly)
         self._mover: dict[int, Mover] = {}
 
-    def way(self, block: int, here: Bools) -> Way | NoWay:
+    def path(self, block: int, here: Bools) -> RemovalPath | NoPath:
         """A path of removal for one block.
 
         Parameters
@@ -219,7 +131,7 @@ class _Search:
     """The search for the path of one block."""
 
     def __init__(
-        self, finder: WayFinder, block: int, joints: Joints, others: Sequence[int]
+        self, finder: PathFinder, block: int, joints: Joints, others: Sequence[int]
     ) -> None:
         self.finder = finder
         self.block = block
@@ -237,7 +149,7 @@ class _Search:
         )
         self.met: Counter[Obstacle] = Counter()
 
-    def run(self) -> Way | NoWay:
+    def run(self) -> RemovalPath | NoPath:
         """A straight path, else one with rotation, else the reason."""
         straight = freedom(self.joints.normal, self.finder.up)
         for direction in self._straight(straight.generators, straight.preferred):
@@ -247,9 +159,9 @@ class _Search:
         if free.blocked:
             return self._refusal(self._facing(self.joints.interface[free.blocking]), True)
         if self.finder.options.turning:
-            way = self._turning(free.twist)
-            if way is not None:
-                return way
+            path = self._turning(free.twist)
+            if path is not None:
+                return path
         elif straight.blocked:
             return self._refusal(self._facing(free_twists(self.joints.normal).blocking), False)
         faces = tuple(face for face, _ in self.met.most_common(NAMED))
@@ -296,7 +208,7 @@ class _Search:
         face, normal = face_at(self.assembly.blocks[hit.block], hit.point, towards)
         return Obstacle(hit.block, face, self.assembly.names[hit.block], normal)
 
-    def _turning(self, free: Floats) -> Way | None:
+    def _turning(self, free: Floats) -> RemovalPath | None:
         """Follow free twists until a collision; then try straight paths or further twists."""
         number = itertools.count()
         queue = [_Node((0, 0.0), next(number), (HERE,))]
@@ -386,8 +298,8 @@ class _Search:
         size, play = self.body.size, self.finder.options.play * self.body.size
         radius = self.mover.reach + speed / spin if spin > 1e-9 else 0.0
         by_turn = float(np.sqrt(2.0 * play / radius)) / spin if radius else np.inf
-        by_way = STEP * size / speed if speed > 1e-9 else np.inf
-        step = min(by_turn, by_way)
+        by_shift = STEP * size / speed if speed > 1e-9 else np.inf
+        step = min(by_turn, by_shift)
         last = min(
             np.pi / spin if radius else np.inf, 1.5 * size / speed if speed > 1e-9 else np.inf
         )
@@ -439,15 +351,15 @@ class _Search:
                 return True
         return False
 
-    def _found(self, poses: tuple[Pose, ...], out: Floats, *, turning: bool) -> Way:
+    def _found(self, poses: tuple[Pose, ...], out: Floats, *, turning: bool) -> RemovalPath:
         away = self.far + float(np.linalg.norm(poses[-1].shift))
         near = Pose(np.eye(3), out * self.body.size)
         far = Pose(np.eye(3), out * away)
         every = (*poses, poses[-1].then(near), poses[-1].then(far))
         gaps = [self.around.gap(self.mover, pose, self.body.size) for pose in every]
-        return Way(self.block, every, turning, np.array(gaps))
+        return RemovalPath(self.block, every, turning, np.array(gaps))
 
-    def _refusal(self, faces: tuple[Obstacle, ...], proved: bool) -> NoWay:
+    def _refusal(self, faces: tuple[Obstacle, ...], proved: bool) -> NoPath:
         names = in_words(faces)
         if proved:
             reason = f"its joints block every motion, straight or with rotation: {names}"
@@ -455,7 +367,7 @@ class _Search:
             reason = f"paths begin, but all that were tried end at {names}"
         else:
             reason = f"no straight path is free: {names}"
-        return NoWay(self.block, reason, faces, proved)
+        return NoPath(self.block, reason, faces, proved)
 
 
-__all__ = ["NoWay", "Way", "WayFinder", "WayOptions", "find_way"]
+__all__ = ["PathFinder", "find_path"]
