@@ -1,7 +1,8 @@
 """How large a page is, how long it takes to open and to draw: ``python -m benchmarks.page``.
 
-Needs a Chromium. It draws without a graphics card (SwiftShader), which is the slow end: a card of a
-laptop is ten times as fast and more. Interfaces carry made-up forces, so that nothing is solved.
+Needs a Chromium. It draws without a graphics card (SwiftShader), which is the slow end. Triangles
+and calls of a picture say what a card has to do. Interfaces carry made-up forces, so that nothing
+is solved.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from drystone.results import Result, Verdict
 from drystone.view import page_text, scene_of
 from tests.page.browser import executable, running
 
-SIZES = (100, 400, 10_000)
+SIZES = (100, 400, 10_000, 100_000)
 FRAMES = 10
 """Pictures of which the median time is told."""
 
@@ -46,8 +47,9 @@ def main() -> None:
     if program is None:
         raise SystemExit("no Chromium on this machine; the variable CHROMIUM can name one")
     print(f"drystone {drystone.__version__}, commit {commit()}; {processor()}")
-    print("| blocks | interfaces | page [MB] | written [s] | opened [s] | picture [ms] |")
-    print("|---|---|---|---|---|---|")
+    print("| blocks | interfaces | page [MB] | written [s] | opened [s] | turning [ms] "
+          "| at rest [ms] | triangles | calls | left out |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder, running(program) as browser:
         for count in chosen.blocks:
             result = standing_wall(count)
@@ -57,16 +59,48 @@ def main() -> None:
             path = Path(folder) / "page.html"
             path.write_text(text, encoding="utf-8")
             began = time.perf_counter()
-            tab = browser.open(path, size=(1600, 1000), ratio=1.0)
+            tab = browser.open(path, size=(1600, 1000), ratio=1.0, before=COUNT)
             opened = time.perf_counter() - began
             frame = tab.run(FRAME.replace("FRAMES", str(FRAMES)))
+            rest = tab.run(REST)
             assert tab.complaints() == [], tab.complaints()
             print(
                 f"| {len(result.assembly):,} | {result.contacts.count:,} | {len(text) / 1e6:.2f} "
-                f"| {written:.2f} | {opened:.2f} | {frame:.0f} |"
+                f"| {written:.2f} | {opened:.2f} | {frame:.0f} | {rest['time']:.0f} "
+                f"| {rest['triangles']:,.0f} | {rest['calls']} "
+                f"| {'said' if 'without details' in tab.text('#asked') else 'nothing'} |",
+                flush=True,
             )
             tab.close()
 
+
+COUNT = """
+window.drawn = { calls: 0, triangles: 0 };
+for (const [name, at] of [["drawElements", 1], ["drawArrays", 2]]) {
+  const own = WebGL2RenderingContext.prototype[name];
+  WebGL2RenderingContext.prototype[name] = function (...given) {
+    window.drawn.calls += 1;
+    window.drawn.triangles += given[at] / 3;
+    return own.apply(this, given);
+  };
+}"""
+
+REST = """(async () => {
+  const view = document.getElementById('view');
+  while (view.width !== Math.round(view.clientWidth * devicePixelRatio)) {
+    await new Promise((done) => setTimeout(done, 50));
+  }
+  const gl = view.getContext('webgl2');
+  const pixel = new Uint8Array(4);
+  const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  wait();
+  window.drawn = { calls: 0, triangles: 0 };
+  const began = performance.now();
+  window.dispatchEvent(new Event('resize'));
+  while (window.drawn.calls === 0) await new Promise(requestAnimationFrame);
+  wait();
+  return { ...window.drawn, time: performance.now() - began };
+})()"""
 
 FRAME = """(async () => {
   const view = document.getElementById('view');

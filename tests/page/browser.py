@@ -124,10 +124,11 @@ class Browser:
         touch: bool = False,
         fragment: str = "",
         ratio: float = 0.5,
+        before: str = "",
     ) -> Tab:
         """Open a file or an address in a tab of its own and wait until it has drawn.
 
-        Few pixels are quick.
+        Few pixels are quick. ``before`` is a script that runs before those of the page.
         """
         address = path if isinstance(path, str) else path.resolve().as_uri()
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
@@ -144,6 +145,8 @@ class Browser:
         if forced:
             features.append({"name": "forced-colors", "value": "active"})
         tab.send("Emulation.setEmulatedMedia", features=features)
+        if before:
+            tab.send("Page.addScriptToEvaluateOnNewDocument", source=before)
         tab.send("Page.navigate", url=address + fragment)
         tab.until("document.readyState === 'complete'")
         tab.frames(3)

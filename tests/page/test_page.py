@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 
@@ -13,8 +11,8 @@ from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.models import arch, box, shelf, tower
 from drystone.results import Result
-from drystone.view import save_inspection, save_page
-from tests.page.browser import Browser, Tab, executable, running
+from drystone.view import save_inspection
+from tests.page.browser import Tab, executable
 
 PROGRAM = executable()
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
@@ -25,39 +23,8 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    assert PROGRAM is not None
-    with running(PROGRAM) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
 def standing() -> Result:
     return drystone.check(arch(0.2, 8), friction=0.7)
-
-
-Opened = Callable[..., Tab]
-
-
-@pytest.fixture
-def opened(browser: Browser, tmp_path: Path) -> Iterator[Opened]:
-    """Opens the page of a subject; afterwards nothing may have been complained about or fetched."""
-    tabs = []
-
-    def open_page(subject: object, **how: object) -> Tab:
-        path = tmp_path / f"page-{len(tabs)}.html"
-        if callable(subject):
-            subject(path)
-        else:
-            save_page(subject, path)  # type: ignore[arg-type]
-        tabs.append(browser.open(path, **how))  # type: ignore[arg-type]
-        return tabs[-1]
-
-    yield open_page
-    for tab in tabs:
-        assert tab.complaints() == []
-        assert tab.requests() == []
-        tab.close()
 
 
 def pixels(tab: Tab) -> bytes:

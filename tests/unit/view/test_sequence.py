@@ -8,7 +8,8 @@ from drystone.model import Model
 from drystone.models import arch, box, prism
 from drystone.sequence import Plan, PlanOptions, Rules, Status, plan
 from drystone.view import State, page_text
-from drystone.view.paper.instructions import instructions_text, shown_middle
+from drystone.view.paper.instructions import instructions_text
+from drystone.view.paper.labels import shown_middle
 from drystone.view.scenes.plan_scenes import block_numbers, plan_scene
 
 

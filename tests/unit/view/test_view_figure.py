@@ -10,10 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+import drystone
 from drystone.base.errors import InputError
 from drystone.models import tower
 from drystone.view import save_figure, scene_of
 from drystone.view.paper.figure import draw, quantity
+from drystone.view.scenes.exploded import taken_apart
+from drystone.view.style.presets import first_preset
 from tests.unit.view.pictures import falling_tower, notched, pulled_tower
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -138,3 +141,38 @@ def test_bad_wishes_are_refused(changes: dict[str, object], message: str, tmp_pa
 )
 def test_quantities_have_three_digits_and_a_prefix(value: float, text: str) -> None:
     assert quantity(value, "N") == text
+
+
+def test_a_figure_of_a_plan_numbers_blocks_and_names_are_written_when_asked_for():
+    plan = drystone.plan(drystone.Model.of(tower(3)))
+    numbered = [text.get_text() for text in save_figure(plan).axes[0].texts]
+    assert {"1", "2"} <= set(numbered)
+    named = [text.get_text() for text in save_figure(tower(3), names=True).axes[0].texts]
+    assert {"block-0", "block-1", "block-2"} <= set(named)
+    above = save_figure(tower(3), names=True, toward=(0, 0, 1))
+    one_place = [text.get_text() for text in above.axes[0].texts]
+    assert "block-2" in one_place  # the nearest of labels that would touch
+    assert "block-0" not in one_place
+
+
+def test_a_figure_takes_blocks_apart_with_their_joints():
+    result = drystone.check(tower(3), friction=0.6)
+    scene = scene_of(result)
+    apart = taken_apart(scene, 1.0)
+    rise = apart.assembly.centroid - scene.assembly.centroid
+    np.testing.assert_allclose(rise, [[0, 0, 0], [0, 0, 1.5], [0, 0, 2.5]], atol=1e-9)
+    (before,) = [x for x in scene.stages[0].layers if x.key == "joint-force"]
+    (after,) = [x for x in apart.stages[0].layers if x.key == "joint-force"]
+    np.testing.assert_allclose(
+        (after.position - before.position)[:, 2], np.repeat([0.75, 2.0], 4), atol=1e-9
+    )
+    drawn, whole = save_figure(result, explode=1.0).axes[0], save_figure(result).axes[0]
+    assert np.ptp(drawn.dataLim.intervaly) > 1.5 * np.ptp(whole.dataLim.intervaly)
+    with pytest.raises(InputError, match="explode is -1"):
+        save_figure(result, explode=-1.0)
+
+
+def test_the_figure_of_a_limit_shows_the_falling_state_as_solid():
+    limit = drystone.limit_tilt(tower(2), "y", friction=0.3)
+    scene = scene_of(limit)
+    assert (first_preset(scene), first_preset(scene, -1)) == ("forces", "solid")

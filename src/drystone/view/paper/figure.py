@@ -15,7 +15,10 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.results import Verdict
 from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_shadow
+from drystone.view.paper.labels import draw_labels
 from drystone.view.paper.plot_file import save_plot
+from drystone.view.scenes.exploded import taken_apart
+from drystone.view.scenes.header import asked_line
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
@@ -28,7 +31,7 @@ VERDICT_COLOUR = {
     "light": {Verdict.STABLE: "#00664b", Verdict.UNSTABLE: "#a33c00"},
     "dark": {Verdict.STABLE: "#4fd1ab", Verdict.UNSTABLE: "#ff9a5c"},
 }
-AXES = (0.02, 0.11, 0.96, 0.75)
+AXES = (0.02, 0.11, 0.96, 0.73)
 """Place of the drawing in the figure: left, bottom, width, height as shares."""
 
 
@@ -45,6 +48,8 @@ def save_figure(
     opacity: float | None = None,
     arrow_scale: float = 1.0,
     stage: int | None = None,
+    names: bool = False,
+    explode: float = 0.0,
     dark: bool = False,
     source: str = "",
 ) -> Figure:
@@ -79,6 +84,11 @@ def save_figure(
     stage
         Of a scene with several; left out, of a limit the state that falls, of a plan the complete
         structure, else the first.
+    names
+        Write the names of the blocks on them. Numbers are written by the preset ``stages``.
+    explode
+        How far the blocks are taken apart: 0 not at all, 1 each as far again as it is from the foot
+        of the model.
     dark
         Draw on a dark ground.
     source
@@ -107,7 +117,11 @@ def save_figure(
     width, height = frozen_floats(size, (2,), "size")
     if not (width > 0.0 and height > 0.0 and dpi > 0.0):
         raise InputError("size and dpi must be above zero")
+    if not 0.0 <= explode < np.inf:
+        raise InputError(f"explode is {explode}", remedy="give zero or more, such as 0.5")
     scene = scene_of(subject, contacts, source)
+    if explode:
+        scene = taken_apart(scene, float(explode))
 
     def drawing() -> Figure:
         return draw(
@@ -119,6 +133,7 @@ def save_figure(
             opacity=opacity,
             arrow_scale=float(arrow_scale),
             stage=stage,
+            names=names,
             theme="dark" if dark else "light",
         )
 
@@ -135,6 +150,7 @@ def draw(
     opacity: float | None = None,
     arrow_scale: float = 1.0,
     stage: int | None = None,
+    names: bool = False,
     theme: str = "light",
 ) -> Figure:
     """The matplotlib figure of one stage; no state of pyplot is touched."""
@@ -148,7 +164,7 @@ def draw(
     if opacity is not None and not 0.0 < opacity <= 1.0:
         raise InputError(f"opacity is {opacity}", remedy="give a share above 0, up to 1")
     shown = scene.stages[stage]
-    key = preset if preset is not None else first_preset(scene)
+    key = preset if preset is not None else first_preset(scene, stage)
     chosen = _chosen(shown, layers, key)
     if opacity is None:
         opacity = PRESETS[key].opacity if layers is None else 1.0
@@ -164,10 +180,11 @@ def draw(
     draw_motion(sheet)
     for layer in chosen:
         draw_layer(sheet, layer, arrow_scale)
+    draw_labels(sheet, numbers=PRESETS[key].numbers, names=names)
     axes.autoscale_view()
     axes.margins(0.03)
     _draw_scale_bar(sheet)
-    _draw_gravity(sheet)
+    _draw_gravity(figure, sheet)
     _write_title(figure, scene, shown, size, theme)
     _write_legend(figure, sheet, chosen)
     _draw_bar(figure, sheet, chosen)
@@ -207,23 +224,23 @@ def _draw_scale_bar(sheet: Sheet) -> None:
     )  # fmt: skip
 
 
-def _draw_gravity(sheet: Sheet) -> None:
+def _draw_gravity(figure: Figure, sheet: Sheet) -> None:
     """An arrow along gravity, in the lower right corner."""
     pull = sheet.paper @ sheet.stage.gravity
     if np.linalg.norm(pull) < 0.2:
         return  # it points along the line of sight
+    width, height = figure.get_size_inches()
     inch = 0.3 * pull
-    tip = (0.97, 0.08)
-    tail = (tip[0] - inch[0] / sheet.width, tip[1] - inch[1] / sheet.height)
+    tip = (1.0 - 0.35 / width, 0.3 / height)  # below the drawing, which may fill its place
+    tail = (tip[0] - inch[0] / width, tip[1] - inch[1] / height)
     colour = sheet.colours["edge"]
     sheet.axes.annotate(
-        "", xy=tip, xytext=tail, xycoords="axes fraction", textcoords="axes fraction",
-        arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.5},
+        "", xy=tip, xytext=tail, xycoords="figure fraction", textcoords="figure fraction",
+        arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.5}, annotation_clip=False,
     )  # fmt: skip
-    sheet.axes.text(
-        tip[0], tip[1] - 0.02, "gravity", transform=sheet.axes.transAxes, ha="center", va="top",
-        fontsize=7, color=colour,
-    )  # fmt: skip
+    figure.text(
+        tip[0], tip[1] - 0.05 / height, "gravity", ha="center", va="top", fontsize=7, color=colour
+    )
 
 
 def _write_title(
@@ -232,24 +249,19 @@ def _write_title(
     known = VERDICT_COLOUR[theme]
     ink = ROLE_COLOUR[theme]["edge"]
     colour = known.get(stage.verdict, ink) if stage.verdict else ink
-    characters = max(20, int(size[0] * 12.5))
+    characters = max(20, int(size[0] * 11.0))  # up to the colour bar
     top = 0.975
     if stage.headline:
         figure.text(
-            0.02, top, textwrap.shorten(stage.headline, int(0.7 * characters), placeholder=" ..."),
+            0.02, top, textwrap.shorten(stage.headline, int(0.75 * characters), placeholder=" ..."),
             fontsize=13, fontweight="bold", color=colour, va="top", parse_math=False,
         )  # fmt: skip
         top -= 0.32 / size[1]
     facts = {**scene.facts, **stage.facts}
-    asked = [
-        facts.get("File", ""),
-        f"{facts['Blocks']} blocks" if "Blocks" in facts else "",
-        f"friction {facts['Friction']}" if "Friction" in facts else "",
-        facts.get("Load", ""),
-    ]
-    lines = textwrap.wrap(", ".join(one for one in asked if one), characters)[:1]
+    asked = asked_line(facts, scene.made) if facts else ""
+    lines = textwrap.wrap(asked, characters, max_lines=2, placeholder=" ...")
     lines += textwrap.wrap(stage.message, characters, max_lines=2, placeholder=" ...")
-    figure.text(0.02, top, "\n".join(lines), fontsize=9, color=ink, va="top", parse_math=False)
+    figure.text(0.02, top, "\n".join(lines), fontsize=8, color=ink, va="top", parse_math=False)
 
 
 def _write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:

@@ -102,11 +102,15 @@ class Sheet:
         return flat
 
     @cached_property
+    def scale(self) -> float:
+        """[inches/m], about, of the drawing."""
+        span = np.ptp(self.project(self.scene.assembly.bounds.reshape(-1, 3)), axis=0)
+        return float(min(self.width / max(span[0], 1e-300), self.height / max(span[1], 1e-300)))
+
+    @cached_property
     def thin(self) -> float:
         """Factor on the width of lines, below 1 where blocks are drawn small."""
-        span = np.ptp(self.project(self.scene.assembly.bounds.reshape(-1, 3)), axis=0)
-        scale = min(self.width / max(span[0], 1e-300), self.height / max(span[1], 1e-300))
-        return float(np.clip(self.scene.block_size * scale / FINE_BLOCK, 0.15, 1.0))
+        return float(np.clip(self.scene.block_size * self.scale / FINE_BLOCK, 0.15, 1.0))
 
     @property
     def shows_motion(self) -> bool:

@@ -7,18 +7,15 @@ import io
 from dataclasses import replace
 from os import PathLike
 
-import numpy as np
-
-from drystone.assembly import Block
-from drystone.base.arrays import Floats
 from drystone.base.files import write_bytes
 from drystone.sequence.plans import Plan, Step
 from drystone.view.paper.figure import draw
-from drystone.view.scenes.plan_scenes import block_numbers, counts_text, summary_stage
-from drystone.view.scenes.scene import Scene
-
-ALIKE = 0.9
-"""Cosine of the angle up to which faces count as one side of a block."""
+from drystone.view.scenes.plan_scenes import (
+    block_numbers,
+    counts_text,
+    plan_scene,
+    summary_stage,
+)
 
 INSTRUCTIONS_STYLE = """
 :root { color-scheme: light; }
@@ -99,48 +96,16 @@ def _row(plan: Plan, step: Step) -> str:
     return "".join(rows)
 
 
-def shown_middle(block: Block, toward: Floats) -> Floats:
-    """Middle (3,) of the side of a block that is largest seen from a direction.
-
-    A side is the face with the largest projection and those parallel to it, within ALIKE.
-    """
-    triangles = np.array(
-        [
-            block.vertices[[face[0], face[i], face[i + 1]]]
-            for face in block.faces
-            for i in range(1, len(face) - 1)
-        ]
-    )
-    normal = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    largest = normal[int(np.argmax(normal @ toward))]
-    alike = normal @ largest > ALIKE * np.linalg.norm(normal, axis=1) * np.linalg.norm(largest)
-    weight = np.where(alike, normal @ toward, 0.0)
-    middle: Floats = weight @ triangles.mean(axis=1) / weight.sum()
-    return middle
-
-
 def _numbered_drawing(plan: Plan) -> str:
     """Inline SVG of the complete structure with a number at every planned block."""
     # the summary is above the drawing
     bare = replace(summary_stage(plan), headline="", message="")
-    scene = Scene(plan.model.assembly, plan.model.contacts, (bare,), "plan")
-    figure = draw(scene, (9.0, 6.5), layers=())
-    axes = figure.axes[0]
-    right = np.cross([0.0, 0.0, 1.0], scene.toward)
-    right /= np.linalg.norm(right)
-    paper = np.stack([right, np.cross(scene.toward, right)])
-    numbers = block_numbers(plan)
-    for block, number in numbers.items():
-        middle = shown_middle(plan.model.assembly.blocks[block], scene.toward)
-        x, y = (middle - scene.centre) @ paper.T
-        axes.text(
-            x, y, str(number), ha="center", va="center", fontsize=7, zorder=1e6,
-            bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "alpha": 0.75, "lw": 0},
-        )  # fmt: skip
+    scene = replace(plan_scene(plan), stages=(bare,), facts={}, still=0)
+    figure = draw(scene, (9.0, 6.5), preset="stages")
     text = io.StringIO()
     figure.savefig(text, format="svg")
     drawn = text.getvalue()
     return drawn[drawn.index("<svg") :]
 
 
-__all__ = ["instructions_text", "save_instructions", "shown_middle"]
+__all__ = ["instructions_text", "save_instructions"]

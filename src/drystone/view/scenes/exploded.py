@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from drystone.assembly import Assembly
@@ -9,6 +11,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.contacts import Contacts
 from drystone.sequence.motion.directions import freedom
 from drystone.sequence.motion.twists import TOLERANCE
+from drystone.view.scenes.scene import Layer, Scene
 
 MOST_CONES = 400
 """Largest number of blocks whose free directions are searched. Chosen: it takes a third of a
@@ -72,4 +75,38 @@ def exploded(assembly: Assembly, contacts: Contacts, foot: Floats) -> Floats:
     return translation
 
 
-__all__ = ["exploded"]
+def ways_apart(scene: Scene) -> Floats:
+    """Translations (n, 3) [m] of :func:`exploded` from the middle of the foot of a scene."""
+    foot = scene.centre.copy()
+    foot[2] = scene.bounds[0, 2]
+    return exploded(scene.assembly, scene.contacts, foot)
+
+
+def taken_apart(scene: Scene, share: float) -> Scene:
+    """A scene whose blocks have gone a share of their ways; joints stay between their blocks."""
+    away = share * ways_apart(scene)
+    contacts, assembly = scene.contacts, scene.assembly
+    between = 0.5 * (away[contacts.block_a] + away[contacts.block_b])
+
+    def carried(layer: Layer) -> Layer:
+        owner = layer.interface if layer.interface is not None else layer.block
+        if owner is None:
+            return layer
+        shift = (between if layer.interface is not None else away)[owner]
+        if layer.start is not None:
+            shift = np.repeat(shift, np.diff(layer.start), axis=0)
+        return replace(layer, position=layer.position + shift)
+
+    blocks = [b.transformed(translation=v) for b, v in zip(assembly.blocks, away, strict=True)]
+    return replace(
+        scene,
+        assembly=replace(assembly, blocks=tuple(blocks)),
+        contacts=replace(contacts, point=contacts.point + between[contacts.interface]),
+        stages=tuple(
+            replace(one, motion=None, path=None, layers=tuple(carried(x) for x in one.layers))
+            for one in scene.stages
+        ),
+    )
+
+
+__all__ = ["exploded", "taken_apart", "ways_apart"]

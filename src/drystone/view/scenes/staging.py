@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.errors import counted
 from drystone.checks import block_speed, moving_joints
 from drystone.contacts import Contacts
 from drystone.joints import HINGED, corner_pressure, force_network, hinged
@@ -47,9 +48,10 @@ def bare_scene(
     found = contacts if contacts is not None else Contacts.empty()
     load, notes = (None, ()) if model is None else (model.load, model.notes)
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
-    count = f"{len(assembly)} blocks, {found.count} interfaces"
-    message = "; ".join([count, *notes])
-    stage = Stage("model", "", message, state, layers=interface_layers(found))
+    count = counted(len(assembly), "block")
+    if contacts is not None:
+        count += f", {counted(contacts.count, 'interface')}"
+    stage = Stage("model", count, "; ".join(notes), state, layers=interface_layers(found))
     facts = facts_of(assembly, found, load, source)
     return Scene(assembly, found, (stage,), f"drystone: {count}", facts)
 

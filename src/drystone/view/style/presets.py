@@ -54,14 +54,14 @@ KNOWN = frozenset(
 """Layers that presets switch."""
 
 
-def first_preset(scene: Scene) -> str:
-    """The first preset of a scene: forces, if it has some."""
+def first_preset(scene: Scene, stage: int = 0) -> str:
+    """The first preset of a stage of a scene: forces, if it has some."""
     if scene.preset:
         return scene.preset
-    keys = {layer.key for layer in scene.stages[0].layers}
+    keys = {layer.key for layer in scene.stages[stage].layers}
     if "network" in keys:
         return "forces"
-    if scene.stages[0].motion is not None:
+    if scene.stages[stage].motion is not None:
         return "solid"
     return "contacts"
 

@@ -46,7 +46,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.view.scenes.exploded import exploded
+from drystone.view.scenes.exploded import ways_apart
 from drystone.view.scenes.header import asked_line
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
@@ -220,7 +220,7 @@ def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
         "mass": blobs.floats(assembly.mass),
         "volume": blobs.floats(assembly.volume),
         "centroid": blobs.floats(assembly.centroid - origin),
-        "away": blobs.floats(_away(scene)),
+        "away": blobs.floats(ways_apart(scene)),
         "point": blobs.floats(faces.point - origin),
         "points": blobs.counts(points),
         "faces": blobs.counts(np.bincount(faces.owner, minlength=n)),
@@ -230,13 +230,6 @@ def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
         "edge": blobs.counts(edge - first_point[edge_owner][:, None]),
         "edges": blobs.counts(np.bincount(edge_owner, minlength=n)),
     }
-
-
-def _away(scene: Scene) -> Floats:
-    """Translations (n, 3) [m] when the model is taken apart; see :func:`exploded`."""
-    foot = scene.centre.copy()
-    foot[2] = scene.bounds[0, 2]
-    return exploded(scene.assembly, scene.contacts, foot)
 
 
 def _local_triangles(faces: Faces) -> Ints:

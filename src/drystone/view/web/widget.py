@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import math
 from collections.abc import Callable, Mapping
 from importlib import resources
 from typing import Any
@@ -17,7 +18,7 @@ from drystone.view.web.notebook import packed
 from drystone.view.web.page import page_text
 
 STEPS = 100
-"""Steps of a slider from one end to the other."""
+"""Steps of a slider from one end to the other, at least."""
 
 
 def interact(
@@ -66,7 +67,7 @@ def interact(
     first = {name: float(ends[2]) for name, ends in ranges.items()}
     subject = function(**first)
     sliders = [
-        {"name": name, "least": low, "most": high, "step": (high - low) / STEPS}
+        {"name": name, "least": low, "most": high, "step": step_of(high - low)}
         for name, (low, high, _) in ranges.items()
     ]
     widget: Any = _widget_class()(sliders=sliders, values=first, height=height)
@@ -82,6 +83,18 @@ def interact(
 
     widget.observe(again, names="values")
     return widget
+
+
+def step_of(span: float) -> float:
+    """A round step (1, 2 or 5 of a decade) that is at most a share of a span.
+
+    Examples
+    --------
+    >>> step_of(0.9), step_of(30.0)
+    (0.005, 0.2)
+    """
+    decade = 10.0 ** math.floor(math.log10(span / STEPS))
+    return float(f"{max(f for f in (1, 2, 5) if f * decade <= span / STEPS) * decade:.3g}")
 
 
 def _put(widget: Any, subject: Subject) -> None:

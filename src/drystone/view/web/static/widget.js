@@ -7,16 +7,16 @@ function sliderOf(model, { name, least, most, step }) {
   Object.assign(slider, { type: "range", min: least, max: most, step, value: model.get("values")[name] });
   slider.style.flex = "1";
   const told = document.createElement("output");
-  const tell = () => { told.textContent = Number(Number(slider.value).toPrecision(4)); };
-  tell();
-  slider.addEventListener("input", tell);
+  const tell = (value) => { told.textContent = Number(Number(value).toPrecision(4)); };
+  tell(model.get("values")[name]); // the slider itself stands at the nearest step
+  slider.addEventListener("input", () => tell(slider.value));
   slider.addEventListener("change", () => {
     model.set("values", { ...model.get("values"), [name]: Number(slider.value) });
     model.save_changes();
   });
   model.on("change:values", () => {
     slider.value = model.get("values")[name];
-    tell();
+    tell(model.get("values")[name]);
   });
   row.append(document.createTextNode(name), slider, told);
   return row;

@@ -1,0 +1,43 @@
+"""One browser for all pages that a process opens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from drystone.view import save_page
+from tests.page.browser import Browser, Tab, executable, running
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    program = executable()
+    assert program is not None
+    with running(program) as made:
+        yield made
+
+
+@pytest.fixture
+def opened(browser: Browser, tmp_path: Path) -> Iterator[Callable[..., Tab]]:
+    """Opens the page of a subject; afterwards nothing may have been complained about or fetched.
+
+    A function writes its page itself.
+    """
+    tabs = []
+
+    def open_page(subject: object, **how: object) -> Tab:
+        path = tmp_path / f"page-{len(tabs)}.html"
+        if callable(subject):
+            subject(path)
+        else:
+            save_page(subject, path)  # type: ignore[arg-type]
+        tabs.append(browser.open(path, **how))  # type: ignore[arg-type]
+        return tabs[-1]
+
+    yield open_page
+    for tab in tabs:
+        assert tab.complaints() == []
+        assert tab.requests() == []
+        tab.close()

@@ -1,0 +1,145 @@
+"""Every kind of page opens in a real browser, and its controls change nothing into an error."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone.detection import find_contacts, gap_sweep
+from drystone.fall import Film
+from drystone.limits import limit_thickness, tilt_sweep
+from drystone.loads import LoadCase
+from drystone.models import arch, shelf, tower
+from drystone.settlement import move_supports, push, support_response
+from drystone.view import Frame, mended_scene, save_inspection, save_report
+from drystone.view.paper.instructions import save_instructions
+from drystone.view.scenes.subjects import Subject
+from tests.page.browser import Tab, executable
+
+pytestmark = [pytest.mark.skipif(executable() is None, reason="no Chromium on this machine")]
+
+STACK = drystone.Model.of(tower(3), friction=0.5)
+ARCH = drystone.Model.of(arch(0.2, 6), friction=0.7)
+SINKING = {"springer-right": (0.0, 0.0, -0.01)}
+
+
+def sideways(size: float) -> LoadCase:
+    return LoadCase.seismic(STACK.assembly, size)
+
+
+def film() -> Film:
+    """Two blocks that slide off the lowest one, made by hand: no engine is needed."""
+    positions = np.zeros((3, 3, 6))
+    positions[1, 1:, 0], positions[2, 1:, 0], positions[2, 1:, 2] = 0.6, 1.5, -1.0
+    return Film(STACK, np.array([0.0, 0.5, 1.0]), positions, lies=True, engine="by hand")
+
+
+def mended() -> Any:
+    light = replace(STACK.assembly.blocks[2], density=1200.0)
+    blocks = (*STACK.assembly.blocks[:2], light)
+    after = drystone.Model.of(replace(STACK.assembly, blocks=blocks), friction=0.5)
+    return mended_scene(STACK, drystone.check(after), "stack.json", "a lighter block")
+
+
+KINDS: dict[str, tuple[Callable[[], Any], str]] = {
+    "blocks": (lambda: tower(3), "3 blocks"),
+    "model": (lambda: STACK, "3 blocks"),
+    "stands": (lambda: drystone.check(STACK), "Stands, whichever joints press more"),
+    "falls": (lambda: drystone.check(shelf(), friction=0.9), "Falls: 2 of 11 blocks"),
+    "equilibrium": (lambda: drystone.solve_rbe(STACK), "Some forces balance the loads"),
+    "penalty": (lambda: drystone.solve_cra_penalty(ARCH.with_friction(0.2)), ""),
+    "limit of friction": (lambda: drystone.limit_friction(ARCH), "Stands down to friction 0."),
+    "limit of a load": (
+        lambda: drystone.limit_load(STACK, sideways(1.0)), "Stands up to load factor 0."
+    ),
+    "limit of thickness": (
+        lambda: limit_thickness(lambda t: arch(t, 6), 0.3, 0.02, friction=0.9),
+        "Stands down to thickness 0.",
+    ),
+    "sweep of tilts": (lambda: tilt_sweep(tower(2), 4, friction=0.3), "Stands up to 16."),
+    "plan": (lambda: drystone.plan(STACK), "Stands by itself"),
+    "settlement of supports": (lambda: support_response(ARCH, SINKING), "Settled"),
+    "supports that move far": (lambda: move_supports(ARCH, SINKING, to=0.02), "Motion of the"),
+    "push": (lambda: push(tower(2), friction=0.3, to=0.01), "Push: at most 0.3"),
+    "followed": (lambda: drystone.settle(ARCH.with_friction(0.15)), "Falls"),
+    "film": (film, "2 blocks fell in 1 s and lie"),
+    "diagnosis": (lambda: drystone.diagnose(ARCH.with_friction(0.2)), "Falls: "),
+    "mended": (mended, "Stands"),
+}  # fmt: skip
+"""What makes a subject, and how its headline begins."""
+
+
+@functools.cache
+def made(kind: str) -> Any:
+    return KINDS[kind][0]()
+
+
+def use_all_controls(tab: Tab) -> None:
+    """Every picture, every stage, every motion, a block and a joint with their cards, a print."""
+    presets = "[...document.querySelectorAll('[data-preset]:not(:disabled)')]"
+    for number in range(tab.run(f"{presets}.length")):
+        tab.run(f"{presets}[{number}].click()")
+        tab.frames(1)
+    if not tab.run("document.getElementById('stage-box').hidden"):
+        tab.slide("#stage", tab.run("Number(document.getElementById('stage').max)"))
+    if not tab.run("document.getElementById('motion-box').hidden"):
+        tab.slide("#motion", 0.5)
+    tab.slide("#spread", 0.5)
+    tab.key(".")
+    tab.run("document.querySelector('#card table button')?.click()")
+    tab.frames(1)
+    tab.run(
+        "document.querySelectorAll('#layers input:not(:checked)').forEach((one) => one.click())"
+    )
+    tab.frames(1)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_of_every_kind_opens_and_obeys(opened: Callable[..., Tab], kind: str) -> None:
+    tab, headline = opened(made(kind)), KINDS[kind][1]
+    assert tab.text("h1").startswith(headline)
+    assert tab.run("document.getElementById('trouble').hidden")
+    assert " blocks · free mass " in tab.text("#asked")
+    use_all_controls(tab)
+
+
+def test_the_page_of_a_search_for_contacts_has_its_sweep(opened: Callable[..., Tab]) -> None:
+    swept = gap_sweep(tower(3), [1e-5, 1e-3])
+    found = find_contacts(tower(3))
+    tab = opened(lambda path: save_inspection(tower(3), found, path, swept))
+    assert "Gap tolerance" in tab.text("#controls")
+    use_all_controls(tab)
+
+
+def test_instructions_and_the_report_of_joints_are_read_without_a_script(
+    opened: Callable[..., Tab],
+) -> None:
+    tab = opened(lambda path: save_instructions(drystone.plan(STACK), path))
+    assert tab.text("h1") == "Assembly plan"
+    assert tab.run("document.querySelectorAll('tbody tr').length") == 2
+    tab = opened(lambda path: save_report(drystone.check(STACK), path), size=(390, 800))
+    assert tab.run("document.querySelectorAll('svg').length") > 0
+    assert tab.run("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_frame_in_a_notebook_unpacks_its_page(opened: Callable[..., Tab], tmp_path: Path) -> None:
+    result = drystone.check(STACK)
+    for text in (Frame(result)._repr_html_(), result._repr_html_()):
+        page = f"<!doctype html><script>{HEARD}</script>{text}"
+        tab = opened(lambda path, page=page: path.write_text(page, encoding="utf-8"))
+        tab.until("window.heard.length > 0")  # the page inside has drawn
+        assert tab.run("window.heard[0].drystone") == "state"
+
+
+HEARD = "window.heard = []; addEventListener('message', (one) => heard.push(one.data));"
+
+
+def test_the_kinds_are_all_that_have_a_picture() -> None:
+    assert {type(made(kind)) for kind in KINDS} == set(get_args(Subject))
