@@ -17,7 +17,7 @@ from drystone.base.table import Table
 from drystone.model import Model, OfModel
 
 MOVED = 0.1
-"""Way of a block by its size from which on it is said to have fallen. The contacts of the simulator
+"""Travel of a block, by its size, from which on it has fallen. The contacts of the simulator
 are soft: what stands moves by a hundredth at most (docs/robots.md)."""
 
 

@@ -33,7 +33,7 @@ from drystone.stability.proofs import (
     unpressed,
 )
 from drystone.stability.screening import SLIP_LENGTH
-from drystone.stability.search_starts import SLIDE_LIMIT, Search
+from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 SENSITIVE = "sensitive to how the joints press"
 
@@ -245,7 +245,7 @@ class Cascade:
         """
         if not self.options.search or self.clock.late() or not self.problem.statics.dry:
             return None
-        look = Search(
+        look = StateSearch(
             self.problem,
             self.clock,
             tries=self.options.search_tries,
@@ -266,14 +266,14 @@ class Cascade:
             self.iterations += look.iterations
         return None
 
-    def _answering(self, look: Search, state: CompatibleState) -> Candidate | None:
+    def _answering(self, look: StateSearch, state: CompatibleState) -> Candidate | None:
         """The state as a proof that it stands, if it is one."""
         if look.slide(state) > SLIDE_LIMIT:
             return None
         candidate = self.attempts.examine(state.motion, state.force)
         return candidate if candidate.stands else None
 
-    def _with_equal_overlap(self, look: Search, state: CompatibleState) -> Candidate | None:
+    def _with_equal_overlap(self, look: StateSearch, state: CompatibleState) -> Candidate | None:
         """The nearest state of eq. 5.6, if its stiffness ratio is within the bound.
 
         Equal overlaps do not mean equal stiffnesses: these differ like the forces.

@@ -58,7 +58,7 @@ LEANING = RestOptions(ground=1e-2, tolerance=1e-6)
 
 
 @dataclass(eq=False)
-class Search:
+class StateSearch:
     """Convex steps from the pressed corners, and from forces that balance the loads.
 
     Attributes

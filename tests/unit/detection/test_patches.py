@@ -42,7 +42,7 @@ def test_size_of_a_cube_is_its_edge() -> None:
 def test_coplanar_faces_are_one_patch() -> None:
     patches = patches_of(Assembly((gridded(5),)))
     assert patches.count == 6
-    assert np.diff(patches.corner_start).tolist() == [4] * 6
+    assert np.diff(patches.ring_start[patches.first_ring]).tolist() == [4] * 6
     assert patches.area == pytest.approx([1.0] * 6)
     assert patches.convex.all()
 

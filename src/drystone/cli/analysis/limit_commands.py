@@ -13,7 +13,7 @@ from drystone.cli.base.command import Argument, Option, command
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import loading
-from drystone.cli.inputs.limit_options import Search
+from drystone.cli.inputs.limit_options import LimitSearch
 from drystone.cli.inputs.model_input import Subject
 from drystone.cli.inputs.options import vector
 
@@ -46,7 +46,7 @@ def tilt(
     ] = None,
     upper: Annotated[float, Option("Angle at which the search ends (180).", expert=True)] = 180.0,
     subject: Subject,
-    search: Search,
+    search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
 ) -> Answer:
@@ -88,7 +88,7 @@ def friction(
     scaled: Annotated[bool, Option("Search the share of each joint's own coefficient.")] = False,
     subject: Subject,
     seismic: loading.Seismic = None,
-    search: Search,
+    search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
 ) -> Answer:
@@ -121,7 +121,7 @@ def load(
         float, Option("Factor at which the search ends (1000).", kind=kinds.POSITIVE)
     ] = 1000.0,
     seismic: loading.Seismic = None,
-    search: Search,
+    search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
 ) -> Answer:
@@ -146,7 +146,7 @@ def shrink(
     *,
     subject: Subject,
     seismic: loading.Seismic = None,
-    search: Search,
+    search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
 ) -> Answer:
@@ -163,7 +163,7 @@ def shrink(
 
 def _answer(
     subject: Subject,
-    search: Search,
+    search: LimitSearch,
     seismic: str | None,
     find: Callable[[Model, dict[str, Any]], Limit],
     pictures: Pictures,

@@ -17,7 +17,7 @@ from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import families, limit_options, loading, options
-from drystone.cli.inputs.limit_options import Search, working
+from drystone.cli.inputs.limit_options import LimitSearch, working
 from drystone.cli.inputs.model_input import Subject
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def thickness(
         float | None, Option("Value at which the search ends.", flags=("--to",))
     ] = None,
     friction: options.Friction = None,
-    search: Search,
+    search: LimitSearch,
     pictures: Pictures,
     waiting: Waiting,
 ) -> Answer:

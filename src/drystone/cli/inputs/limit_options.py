@@ -21,7 +21,7 @@ Workers: TypeAlias = Annotated[
 
 
 @dataclass(frozen=True)
-class Search:
+class LimitSearch:
     """Options of the search for a limit."""
 
     width: Annotated[

@@ -96,11 +96,6 @@ class Patches:
         """Which patches belong to which block."""
         return Ragged(self.first_patch)
 
-    @property
-    def corner_start(self) -> Ints:
-        """(p + 1,) corners of each patch, all its rings together."""
-        return self.ring_start[self.first_ring]
-
 
 def patches_of(assembly: Assembly) -> Patches:
     """Patches of an assembly.

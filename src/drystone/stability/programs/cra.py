@@ -25,7 +25,7 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
-from drystone.stability.search_starts import SEARCH_LIMIT, Search
+from drystone.stability.search_starts import SEARCH_LIMIT, StateSearch
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -
         motion = statics.scaled_motion(base.displacement, statics.mean_length)
         found = improve(statics, motion, stop=clock.late)
         yield _examined(problem, found.motion, found.force, found.iterations)
-    for found in Search(problem, clock).equal_overlap_states():
+    for found in StateSearch(problem, clock).equal_overlap_states():
         yield _examined(problem, found.motion, found.force, found.iterations)
 
 

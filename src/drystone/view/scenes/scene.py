@@ -301,11 +301,6 @@ class Scene(OneLine):
         """[m], median bounding box diagonal of the blocks."""
         return float(np.median(self.assembly.size))
 
-    @cached_property
-    def force_scale(self) -> float:
-        """[m/N] at which the longest arrow of forces of any stage is as long as a block."""
-        return self.arrow_scale("forces")
-
     def arrow_scale(self, group: str) -> float:
         """[m/N] at which the longest arrow of a group, in any stage, is as long as a block."""
         largest = max(
