@@ -18,7 +18,7 @@ from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import End, LargeDisplacement, move_supports, support_response
 from drystone.stability import check
-from drystone.view import Stage, stage_of
+from drystone.view import LayerKind, Stage, stage_of
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
 MOST_AT_ONCE = 50
@@ -116,9 +116,13 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> Stage:
     placed = replace(model, assembly=there, contacts=contacts)
     # staged as one that stands: where it falls later, the forces are those before it falls
     stage = stage_of(replace(result, model=placed, verdict=Verdict.STABLE), "live")
+    layers = tuple(  # marks of a joint would be moved with its blocks once more
+        replace(one, interface=None) if one.kind is LayerKind.MARKERS else one
+        for one in stage.layers
+    )
     return replace(
         stage, verdict=result.verdict, motion=path[-1], path=path if len(path) > 1 else None,
-        motion_name=MOTION,
+        motion_name=MOTION, layers=layers,
     )  # fmt: skip
 
 
