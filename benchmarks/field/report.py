@@ -53,8 +53,8 @@ def tables(rows: list[dict[str, Any]]) -> str:
             spent += [answer["seconds"]] if answer["seconds"] is not None else []
         middle = f"{np.median(spent):.2g}" if spent else ""
         lines.append(
-            f"| {name} | {marks.total()} | {marks['right']} | {marks['wrong True']} | {marks['wrong False']} "
-            f"| {marks['none']} | {middle} | {sum(spent):.0f} |"
+            f"| {name} | {marks.total()} | {marks['right']} | {marks['wrong True']} "
+            f"| {marks['wrong False']} | {marks['none']} | {middle} | {sum(spent):.0f} |"
         )
     lines += ["", f"| model | state | stands | limit | {' | '.join(names)} |"]
     lines.append("|---" * (4 + len(names)) + "|")
