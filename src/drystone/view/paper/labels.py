@@ -41,8 +41,8 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
             continue
         taken.append((x, y, half))
         sheet.axes.text(
-            float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=SIZE, zorder=1e6, parse_math=False,
-            color=sheet.colours["edge"],
+            float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=SIZE,
+            zorder=1e6, parse_math=False, color=sheet.colours["edge"],
             bbox={
                 "boxstyle": "round,pad=0.15", "facecolor": sheet.colours["background"],
                 "alpha": 0.75, "lw": 0,
