@@ -35,13 +35,14 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
         if not text:
             continue
         place = sheet.project(shown_middle(scene.assembly.blocks[i], sheet.eye)[None])[0]
-        x, y, half = (*(place * sheet.scale), 0.5 * LETTER * (len(text) + 1))
+        x, y = float(place[0]) * sheet.scale, float(place[1]) * sheet.scale
+        half = 0.5 * LETTER * (len(text) + 1)
         if any(abs(x - u) < half + w and abs(y - v) < LINE for u, v, w in taken):
             continue
         taken.append((x, y, half))
         sheet.axes.text(
-            *place, text, ha="center", va="center", fontsize=SIZE, zorder=1e6, parse_math=False,
-            color=sheet.colours["edge"],
+            float(place[0]), float(place[1]), text, ha="center", va="center", fontsize=SIZE,
+            zorder=1e6, parse_math=False, color=sheet.colours["edge"],
             bbox={
                 "boxstyle": "round,pad=0.15", "facecolor": sheet.colours["background"],
                 "alpha": 0.75, "lw": 0,
