@@ -88,7 +88,7 @@ def compare_scaffolding(
                 patience=float("inf") if best else chosen.patience,
             )
             planned = plan(
-                model, options=one, stop=clock.late, time_limit_s=clock.left_s, progress=progress
+                model, options=one, stop=stop, time_limit_s=clock.left_s, progress=progress
             )
             made = None
             if planned.steps:
