@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg.lapack import dgetrf, dgetrs
 from scipy.spatial.transform import Rotation
 
 from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
-from drystone.solvers.dense_factor import inverse
 from drystone.solvers.multifrontal import BlockOrdering
 
 DENSE = 24
@@ -218,7 +219,16 @@ class DenseMaps:
         """
         matrix = self.flat.T @ (tangent @ self.rows).reshape(-1, self.width)
         matrix.reshape(-1)[:: self.width + 1] += weight.ravel()
-        return inverse(matrix)
+        # the factors are those of the transpose, so that nothing is copied
+        lu, pivots, failed = dgetrf(matrix.T, overwrite_a=True)
+        if failed:
+            raise SolverError("the tangent is singular")
+
+        def solve(right: Floats) -> Floats:
+            motion, _ = dgetrs(lu, pivots, right.ravel(), trans=1)
+            return np.asarray(motion, dtype=np.float64).reshape(-1, 6)
+
+        return solve
 
 
 class SparseMaps:
