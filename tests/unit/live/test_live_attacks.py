@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("served")
     io.write(drystone.Model.of(tower(3), friction=0.4), made / "tower.json")
     io.write(drystone.Model.of(overhang(), friction=0.9), made / "out.json")
-    io.write(drystone.Model.of(vault(), friction=0.2), made / "vault.json")
+    io.write(drystone.Model.of(vault(), friction=0.7), made / "vault.json")
     io.write(tower(2), outside / "secret.json")
     (made / "link.json").symlink_to(outside / "secret.json")
     return made
@@ -287,8 +287,8 @@ def test_a_call_that_takes_too_long_ends_and_the_next_is_answered(
 def test_a_model_that_takes_minutes_ends_in_words_and_the_next_call_is_answered(
     live: Live, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(live.calls, "seconds", 1.0)  # its mends take minutes
-    status, told = ask(live, "/v1/mend", {"model": {"file": "vault.json"}})
+    monkeypatch.setattr(live.calls, "seconds", 1.0)  # its plan takes much longer
+    status, told = ask(live, "/v1/plan", {"model": {"file": "vault.json"}})
     if status == 200:
         assert told["stopped"]
     else:
