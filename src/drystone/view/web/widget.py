@@ -18,7 +18,7 @@ from drystone.view.web.notebook import packed
 from drystone.view.web.page import page_text
 
 STEPS = 100
-"""Of a slider from one end to the other, at least."""
+"""Of a slider from one end to the other."""
 
 
 def interact(
