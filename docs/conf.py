@@ -1,5 +1,6 @@
 """How the site is built: ``sphinx-build -W -n docs site`` after ``pip install ".[docs]"``."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -58,7 +59,14 @@ def display_math(self, node):
     raise SkipNode
 
 
+def without_links(*event):
+    """Links of an included file to files that are not part of the site, as plain words."""
+    content = event[-1]
+    content[0] = re.sub(r"\[([^]]+)\]\((?!docs/|https?:)[^)]*\)", r"\1", content[0])
+
+
 def setup(app: Sphinx) -> None:
     """What Sphinx calls when the site is built."""
+    app.connect("include-read", without_links)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     write_reference(HERE / "reference")

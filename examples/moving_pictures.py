@@ -1,25 +1,34 @@
 """Two short moving pictures: a thin arch that falls, and the assembly of a corbelled bridge.
 
 python examples/moving_pictures.py docs
+
+It needs drystone[fall] and Pillow, which matplotlib brings.
 """
 
 import io
 import sys
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
+from matplotlib.figure import Figure
 from PIL import Image
 
 import drystone
 from drystone.assembly import Assembly
 from drystone.base.files import write_bytes
+from drystone.fall import fall
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, corbelled_bridge
-from drystone.settlement import SettlementOptions
-from drystone.view import scene_of
+from drystone.view import Scene, scene_of
 
-SIZE = (6.4, 3.6)
+SIZE = (8.2, 4.4)
 """Inches."""
+DPI = 100
+ROOM = 0.15
+"""Share of the width that is left free around the blocks."""
+
+Picture: TypeAlias = tuple[Figure, np.ndarray]
 
 
 def moved(assembly: Assembly, motion: np.ndarray) -> Assembly:
@@ -32,52 +41,75 @@ def moved(assembly: Assembly, motion: np.ndarray) -> Assembly:
     return Assembly(tuple(blocks), assembly.fixed)
 
 
-def picture(subject: object, folder: Path, **options: object) -> Image.Image:
-    """One frame."""
-    path = folder / "frame.png"
-    drystone.save_figure(subject, path, size=SIZE, dpi=80, **options)
-    frame = Image.open(io.BytesIO(path.read_bytes())).convert("P", palette=Image.Palette.ADAPTIVE)
-    path.unlink()
-    return frame
+def drawn(scene: Scene, toward: tuple[float, float, float], **options: object) -> Picture:
+    """A picture of blocks without words, and where the middle of the model is on the paper.
+
+    Nobody could read words at the width of a phone.
+    """
+    figure = drystone.save_figure(scene, size=SIZE, dpi=DPI, toward=toward, **options)
+    axes = figure.axes[0]
+    words = [*figure.texts, *figure.legends, *figure.axes[1:], *axes.texts, *axes.patches]
+    for one in [*words, *axes.lines]:
+        one.remove()
+    axes.set_position((0.0, 0.0, 1.0, 1.0))
+    axes.set_adjustable("box")
+    eye = np.array(toward) / np.linalg.norm(toward)
+    right = np.cross((0.0, 0.0, 1.0), eye)
+    right /= np.linalg.norm(right)
+    return figure, np.array([right, np.cross(eye, right)]) @ scene.centre
 
 
-def save(frames: list[Image.Image], path: Path, milliseconds: int) -> None:
-    """An endless GIF that waits on its last frame."""
-    times = [milliseconds] * (len(frames) - 1) + [1500]
+def frames(pictures: list[Picture], like: Picture) -> list[Image.Image]:
+    """Images of one place: all that a figure shows, and some room around it."""
+    box = like[0].axes[0].dataLim
+    width = (1.0 + 2.0 * ROOM) * max(box.width, box.height * SIZE[0] / SIZE[1])
+    half = 0.5 * np.array([width, width * SIZE[1] / SIZE[0]])
+    middle = like[1] + [0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)]
+    made = []
+    for figure, place in pictures:
+        (left, low), (right, high) = middle - half - place, middle + half - place
+        figure.axes[0].set(xlim=(left, right), ylim=(low, high))
+        file = io.BytesIO()
+        figure.savefig(file, format="png", dpi=DPI)
+        made.append(Image.open(file).convert("P", palette=Image.Palette.ADAPTIVE, colors=32))
+    return made
+
+
+def save(images: list[Image.Image], path: Path, milliseconds: int) -> None:
+    """An endless GIF that waits on its first and its last frame."""
+    times = [1000] + [milliseconds] * (len(images) - 2) + [2000]
     made = io.BytesIO()
-    frames[0].save(
-        made, "GIF", save_all=True, append_images=frames[1:], duration=times, loop=0, optimize=True
+    images[0].save(
+        made, "GIF", save_all=True, append_images=images[1:], duration=times, loop=0, optimize=True
     )
     write_bytes(path, made.getvalue())
 
 
-def fall(folder: Path, count: int) -> list[Image.Image]:
-    """An arch that is too thin, followed by finite steps."""
+def falling(count: int) -> list[Image.Image]:
+    """An arch that is too thin, until it lies on the ground."""
     model = drystone.Model.of(arch(thickness_ratio=0.1, voussoirs=15), friction=0.7)
-    far = SettlementOptions(fall=4.0)
-    positions = drystone.settle(model, options=far).paths[0].positions
-    size = np.abs(positions).max(axis=(1, 2))
-    chosen = [int(np.searchsorted(size, share * size[-1])) for share in np.linspace(0, 1, count)]
-    view = (0.15, -1.0, 0.1)
-    return [
-        picture(moved(model.assembly, positions[step]), folder, toward=view, preset="solid")
-        for step in chosen
-    ]
+    film = fall(model, drystone.check(model).mechanism)
+    moves = np.abs(film.positions).max(axis=(1, 2))
+    lies = int(np.argmax(moves > 0.99 * moves.max())) + 1
+    chosen = np.linspace(0, min(lies, len(film) - 1), count).astype(int)
+    scenes = [scene_of(moved(model.assembly, film.positions[step])) for step in chosen]
+    figures = [drawn(scene, (0.15, -1.0, 0.25), preset="solid") for scene in scenes]
+    return frames(figures, figures[0])
 
 
-def plan(folder: Path, count: int) -> list[Image.Image]:
+def built(count: int) -> list[Image.Image]:
     """A bridge that is built out from both sides."""
     model = drystone.Model.of(corbelled_bridge(), friction=0.7)
     scene = scene_of(drystone.plan(model))
-    stages = range(len(scene.stages))[:count]
-    view = (0.3, -1.0, 0.25)
-    return [picture(scene, folder, stage=stage, toward=view) for stage in stages]
+    stages = range(len(scene.stages))[-count:]
+    figures = [drawn(scene, (0.3, -1.0, 0.25), stage=stage) for stage in stages]
+    return frames(figures, figures[-1])
 
 
-def main(folder: Path = Path(), count: int = 24) -> None:
+def main(folder: Path = Path(), count: int = 30) -> None:
     """Draw and write both."""
-    save(fall(folder, count), folder / "fall.gif", 80)
-    save(plan(folder, count), folder / "plan.gif", 700)
+    save(falling(count), folder / "fall.gif", 60)
+    save(built(count), folder / "plan.gif", 700)
 
 
 if __name__ == "__main__":

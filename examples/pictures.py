@@ -9,17 +9,17 @@ from pathlib import Path
 import drystone
 from drystone.models import shelf, vault
 
-SIZE = (8.0, 4.8)
+SIZE = (7.0, 4.6)
 """Inches."""
 
 
 def main(folder: Path = Path()) -> tuple[drystone.Result, drystone.Result]:
     """Check both models and draw them."""
     standing = drystone.check(vault(), friction=0.6)
-    drystone.save_figure(standing, folder / "vault.png", size=SIZE, dpi=110)
+    drystone.save_figure(standing, folder / "vault.png", size=SIZE, dpi=130)
     falling = drystone.check(shelf(), friction=0.9)
     view = (0.25, -1.0, 0.2)
-    drystone.save_figure(falling, folder / "shelf.png", size=SIZE, dpi=110, toward=view)
+    drystone.save_figure(falling, folder / "shelf.png", size=(7.0, 5.4), dpi=130, toward=view)
     return standing, falling
 
 

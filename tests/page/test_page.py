@@ -72,7 +72,7 @@ def pixels(tab: Tab) -> bytes:
 
 def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, standing):
     tab = opened(standing)
-    assert tab.text("h1") == "Stands, whichever joints press more"
+    assert tab.text("h1") == "Stands"
     asked = tab.text("#asked")
     for one in ("10 blocks", "free mass ", "density 2400 kg/m³", "friction 0.7", "gravity"):
         assert one in asked
@@ -240,7 +240,7 @@ def test_exports_hold_the_picture_and_the_joints(opened, standing):
     root = ET.fromstring(tab.run("window.made.text()"))
     assert len(root.findall(".//{http://www.w3.org/2000/svg}polygon")) > 30
     told = [text.text for text in root.findall(".//{http://www.w3.org/2000/svg}text")]
-    assert "Stands, whichever joints press more" in told
+    assert "Stands" in told
     assert any(text.startswith("normal force at a corner: 0 N to ") for text in told)
     tab.click("#png")
     tab.until("window.made.type === 'image/png'")

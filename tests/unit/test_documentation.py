@@ -189,6 +189,7 @@ def test_the_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -
 def test_the_moving_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -> None:
     from PIL import Image
 
+    pytest.importorskip("mujoco")
     runpy.run_path(str(ROOT / "examples" / "moving_pictures.py"))["main"](tmp_path, 2)
     assert {path.name for path in tmp_path.iterdir()} == {"fall.gif", "plan.gif"}
     for made in tmp_path.iterdir():
@@ -211,3 +212,14 @@ def test_the_drawings_show_the_layers_that_are_enforced_and_every_one_of_them() 
     assert drawn["house"]() == (ROOT / "docs" / "images" / "house.svg").read_text("utf-8")
     assert drawn["signs"]() == (ROOT / "docs" / "images" / "signs.svg").read_text("utf-8")
     assert {name for floor in drawn["FLOORS"].values() for name in floor} >= set(drawn["layers"]())
+
+
+def test_the_pictures_of_the_tutorial_are_what_the_example_draws(tmp_path: Path) -> None:
+    """Their names; each stands on its page."""
+    runpy.run_path(str(ROOT / "examples" / "tutorial_pictures.py"))["main"](tmp_path)
+    drawn = sorted(path.name for path in tmp_path.iterdir())
+    assert len(drawn) == 4
+    for name in drawn:
+        page = ROOT / "docs" / f"{name.removesuffix('.png')}.md"
+        assert f"](images/{name})" in page.read_text("utf-8")
+        assert (ROOT / "docs" / "images" / name).read_bytes().startswith(b"\x89PNG")

@@ -15,7 +15,7 @@ print(stands.verdict.value, "-", stands.message)
 Frame(stands)
 
 # %%
-# A thinner arch has nowhere to carry its thrust. The page plays how it falls: hinges are blue.
+# In a thinner arch the thrust line does not fit. The page plays how it falls: hinges are blue.
 
 falls = drystone.check(arch(thickness_ratio=0.1), friction=0.7)
 print(falls.verdict.value, "-", falls.message)

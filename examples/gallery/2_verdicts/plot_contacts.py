@@ -2,8 +2,8 @@
 What touches what
 =================
 
-The search for contacts tells what it found, what it left out and why. Read it before the
-verdict.
+The search for contacts reports what it found, what it left out and why. Read this report before
+the verdict.
 """
 
 import drystone

@@ -2,7 +2,7 @@
 The forces in every joint
 =========================
 
-A verdict comes with the forces that prove it. They are a table, and they become a data frame.
+A verdict comes with the forces that prove it, as a table that can become a data frame.
 """
 
 import drystone
@@ -13,7 +13,7 @@ joints = result.joints()
 joints.to_pandas().head()
 
 # %%
-# The joint that works hardest, and the figure of the whole vault.
+# The joint with the largest utilisation, and the figure of the whole vault.
 
 rows = sorted(joints, key=lambda row: -row["friction_use"])
 print(rows[0]["joint"], f"uses {rows[0]['friction_use']:.0%} of its friction")

@@ -1,6 +1,6 @@
 """
-Loads beside the weight
-=======================
+Loads besides the weight
+========================
 
 A load acts on a block, at a point, or on all blocks as an earthquake would.
 """

@@ -2,8 +2,8 @@
 Where joints decide
 ===================
 
-Rigid blocks leave open how joints share a force. Where that decides, the blocks are followed by
-finite steps to rest or into a fall.
+For rigid blocks, equilibrium does not determine how joints share a force. Where the answer depends
+on it, the blocks are followed by finite steps until they rest or fall.
 """
 
 import drystone

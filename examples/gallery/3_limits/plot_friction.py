@@ -2,7 +2,7 @@
 The least friction
 ==================
 
-A barrel vault stands down to some friction coefficient, and slides apart below it.
+A barrel vault stands with enough friction. Below some friction coefficient it slides apart.
 """
 
 import drystone

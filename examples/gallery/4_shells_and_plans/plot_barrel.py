@@ -2,8 +2,8 @@
 A barrel vault of wedged voussoirs
 ==================================
 
-A surface becomes courses, courses become voussoirs in running bond, and their bed joints are
-wedges of two planes.
+A surface is divided into courses, and courses into voussoirs in running bond. Each bed joint is a
+wedge of two planes.
 """
 
 import drystone

@@ -2,8 +2,8 @@
 A puzzle that holds itself
 ==========================
 
-A burr puzzle holds together under every load once its key is held to another piece. Without
-that, the key slides out first.
+A burr puzzle stays together under every load once its key piece is fixed to another piece. Without
+this, the key slides out first.
 """
 
 import drystone

@@ -2,8 +2,8 @@
 An order of assembly
 ====================
 
-The structure is taken apart so that what remains stands, and that is reversed. Each block is
-free, held or propped.
+The structure is taken apart block by block, so that the rest always stands. The order of assembly
+is the reverse. Each block is free, held or propped.
 """
 
 import drystone

@@ -104,7 +104,7 @@ def test_the_examples_of_a_command_run(
 ) -> None:
     """Beside the file that they name. 'reproduce' takes long, 'mcp' and 'live' wait for someone."""
     monkeypatch.chdir(tmp_path)
-    io.write(arch(), "arch.json")
+    io.write(arch(voussoirs=12), "arch.json")
     for example in commands()[name].examples:
         program, *given = shlex.split(example)
         assert program == "drystone"

@@ -34,11 +34,9 @@ def sentence(result: Result) -> str:
     if result.verdict is Verdict.EQUILIBRIUM_EXISTS:
         return "Some forces balance the loads; whether it stands was not asked"
     tried, standing = result.samples.tried, result.samples.standing
-    if tried == 0:
-        return "Stands"
     if standing == tried:
-        return "Stands, whichever joints press more"
-    return f"Stands only if the right joints press more: in {standing} of {tried} cases tried"
+        return "Stands"
+    return f"Contact stiffness decides: stands for {standing} of {tried} tried"
 
 
 def facts_of(

@@ -1,0 +1,12 @@
+"""
+Two robots in turn (section 6.4.2)
+==================================
+
+One robot holds the last block while the other places the next one. The source builds a shell in
+this way. We have no dimensions of it, so an arch of 11 voussoirs is built instead.
+"""
+
+from drystone.reproduce import reproduce
+
+case = reproduce("6.4.2")
+case.table()
