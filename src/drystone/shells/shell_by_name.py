@@ -116,7 +116,7 @@ def shell_by_name(
     Examples
     --------
     >>> shell_by_name("barrel", courses=6, blocks=4, thickness=0.4)
-    <Shell 'barrel vault', 27 voussoirs, <Assembly 36 blocks, 9 fixed>>
+    Shell('barrel vault', 27 voussoirs, Assembly(36 blocks, 9 fixed))
     """
     known = [kind.value for kind in SurfaceKind]
     if surface not in known:

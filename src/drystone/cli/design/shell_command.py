@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial as bound
 from pathlib import Path
@@ -38,9 +39,12 @@ def _count_or_auto(text: str) -> int | None:
 
 def _wedges(text: str) -> tuple[float, ...]:
     try:
-        return tuple(float(part) for part in text.split(","))
+        found = tuple(float(part) for part in text.split(","))
     except ValueError as error:
         raise InputError(f"is '{text}'", remedy="give numbers, by commas") from error
+    if not all(map(math.isfinite, found)):
+        raise InputError(f"is {text}", remedy="give finite numbers")
+    return found
 
 
 @command(

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from drystone.base.display import OneLine
+from drystone.base.arrays import number
+from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
 from drystone.base.settings import Options
 from drystone.contacts import DEFAULT_FRICTION
@@ -44,6 +45,12 @@ class BuildableOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        given: Any = self.wedges
+        if not isinstance(given, list | tuple):
+            raise InputError(
+                f"wedges is {shortened(repr(given), 60)}", remedy="give numbers, the least first"
+            )
+        object.__setattr__(self, "wedges", tuple(number(one, "a wedge") for one in given))
         sizes = [abs(one) for one in self.wedges]
         rising = all(a < b for a, b in pairwise(sizes))
         one_sign = min(self.wedges, default=0.0) >= 0.0 or max(self.wedges) <= 0.0
