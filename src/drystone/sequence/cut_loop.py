@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drystone.assembly import Assembly, Block
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress
@@ -67,9 +67,10 @@ class CutOptions(Options):
         self._refuse_below(1, "most")
         self._refuse_below(0.0, "friction")
         for name in ("tilts_deg", "notches_deg"):
-            if not all(0.0 < one < 60.0 for one in getattr(self, name)):
+            angles = frozen_floats(getattr(self, name), (None,), name)
+            if not ((angles > 0.0) & (angles < 60.0)).all():
                 raise InputError("angles must lie between 0 and 60 degrees", where=name)
-        if not all(abs(one) < 0.5 for one in self.shifts):
+        if not (np.abs(frozen_floats(self.shifts, (None,), "shifts")) < 0.5).all():
             raise InputError("shares must lie between -0.5 and 0.5", where="shifts")
 
 
