@@ -51,7 +51,7 @@ def mended() -> Any:
 KINDS: dict[str, tuple[Callable[[], Any], str]] = {
     "blocks": (lambda: tower(3), "3 blocks"),
     "model": (lambda: STACK, "3 blocks"),
-    "stands": (lambda: drystone.check(STACK), "Stands, whichever joints press more"),
+    "stands": (lambda: drystone.check(STACK), "Stands"),
     "falls": (lambda: drystone.check(shelf(), friction=0.9), "Falls: 2 of 11 blocks"),
     "equilibrium": (lambda: drystone.solve_rbe(STACK), "Some forces balance the loads"),
     "penalty": (lambda: drystone.solve_cra_penalty(ARCH.with_friction(0.2)), ""),

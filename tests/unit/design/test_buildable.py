@@ -9,7 +9,7 @@ import pytest
 import drystone
 from drystone import InputError
 from drystone.cli import main
-from drystone.design import Buildable, BuildableOptions, BuildNeeds, make_buildable
+from drystone.design import BuildableOptions, BuildNeeds, make_buildable
 from drystone.design.building.buildable_search import (
     course_of,
     levels_of,
@@ -18,39 +18,27 @@ from drystone.design.building.buildable_search import (
 )
 from drystone.reproduce.assembly_cases import NICHE, niche_shape
 from drystone.sequence import Order, PlanOptions, Rules, plan
-from drystone.shells import Body, Ground, Layout, barrel_vault, build_shell
+from drystone.shells import Body, Ground, Layout, Shell, barrel_vault, build_shell
 
 BY_COURSE = PlanOptions(rules=Rules(order=Order.COURSE))
 
 
-@pytest.fixture(scope="module")
-def vault() -> Buildable:
+def vault(wedges: list[float]) -> Shell:
     layout, body = NICHE
-    return make_buildable(niche_shape(), layout, body, options=BuildableOptions(friction=0.6))
+    return build_shell(niche_shape(), replace(layout, wedge=wedges), body)
 
 
-def test_the_vault_needs_no_help_with_deeper_wedges_below_some_courses(vault: Buildable) -> None:
-    assert vault.before.cost > (0, 0)
-    assert vault.needs == BuildNeeds(0, 0)
-    assert 0 < len(vault.deepened(0.02)) < len(vault.wedges)
-
-
-def test_the_vault_as_written_is_built_without_help(vault: Buildable, tmp_path: Path) -> None:
+def test_the_published_vault_needs_no_help_with_deeper_wedges_below_two_of_four_courses(
+    tmp_path: Path,
+) -> None:
+    """As `make_buildable` finds it: (0.02, 0.02, 0.3, 0.3), in half a minute."""
+    shallow = plan(vault([0.02, 0.02, 0.02, 0.3]).model(friction=0.6), options=BY_COURSE)
+    assert needs_of(shallow).cost > (0, 0)
     path = tmp_path / "vault.json"
-    drystone.write(vault.shell.model(friction=0.6), path)
+    drystone.write(vault([0.02, 0.02, 0.3, 0.3]).model(friction=0.6), path)
     model = drystone.read(path)
     assert drystone.check(model).stable
     assert needs_of(plan(model, options=BY_COURSE)) == BuildNeeds(0, 0)
-
-
-def test_no_deepened_wedge_can_be_as_shallow_as_the_first(vault: Buildable) -> None:
-    layout, body = NICHE
-    for course in vault.deepened(0.02):
-        wedges = list(vault.wedges)
-        wedges[course - 1] = 0.02
-        shell = build_shell(niche_shape(), replace(layout, wedge=wedges), body)
-        made = plan(shell.model(friction=0.6), options=BY_COURSE)
-        assert needs_of(made).cost > (0, 0)
 
 
 def test_courses_that_close_between_two_springings_are_gone_through_from_both() -> None:
@@ -101,10 +89,11 @@ def test_the_command_takes_a_wedge_for_each_course(
     assert "3 wedges for 2 bed lines" in capsys.readouterr().err
     assert main([*words, "--wedge", "deep"]) == 2
     capsys.readouterr()
+    words[3], words[5] = "2", "6"
     code = main([*words, "--buildable", "--out", str(out), "--json"])
     told = json.loads(capsys.readouterr().out)["buildable"]
     assert code == 0
     assert [told["propped"], told["held"]] <= [told["before"]["propped"], told["before"]["held"]]
-    assert len(told["wedges"]) == 2
+    assert len(told["wedges"]) == 1
     assert drystone.check(drystone.read(out, friction=0.6)).stable
     assert main([*words, "--straight", "--buildable"]) == 2

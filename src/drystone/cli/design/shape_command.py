@@ -19,7 +19,7 @@ from drystone.cli.inputs.model_input import Finding, Subject
 
 @command(
     "drystone shape arch.json --friction 0.8 --most 0.05 --out stands.json",
-    "drystone shape arch.json --aim volume --margin tilt=2deg --html light.html",
+    "drystone shape arch.json --aim volume --margin tilt=2deg --time-limit 5 --html light.html",
 )
 def shape(
     *,
