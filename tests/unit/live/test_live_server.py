@@ -291,6 +291,8 @@ def test_ctrl_c_ends_the_command_and_its_processes(folder: Path) -> None:
         stderr=subprocess.PIPE,
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(Path(drystone.__file__).parents[1])},
+        # a shell starts what runs in the background with Ctrl-C ignored
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert running.stdout is not None
     told = json.loads(running.stdout.readline())
