@@ -83,20 +83,6 @@ def test_sliders_and_picked_blocks_reach_python_and_python_reaches_the_page(
     tab.until(f"(model.values.picked = '', {PICK}, model.saved > 0)")
     tab.until("model.get('picked') === 'voussoir-03'")
 
-    # a click in the frame picks another one
-    left, top, width, height = tab.run(
-        "(({ x, y, width, height }) => [x, y, width, height])"
-        "(document.querySelector('iframe').getBoundingClientRect())"
-    )
-    for down in range(60, int(height), 14):
-        tab.press(left + 0.5 * width, top + down)
-        tab.run("new Promise((done) => setTimeout(done, 100))")  # the frame answers by a message
-        told(tab, live)
-        if live.picked not in ("", "voussoir-03"):
-            break
-    assert live.picked in MODEL.assembly.names
-    assert live.picked != "voussoir-03"
-
     # what goes wrong in Python is told
     live.values = {"friction": -1.0}
     shown(tab, live, "trouble")
