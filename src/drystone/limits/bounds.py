@@ -11,12 +11,12 @@ from functools import partial
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.progress import Stop
 from drystone.formulations.equilibrium import (
     FrictionCone,
     solve_load_factor,
 )
 from drystone.limits.brackets import Bracket
-from drystone.limits.limit_checks import Stop
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.search import Search, Stopped
 from drystone.loads import LoadCase

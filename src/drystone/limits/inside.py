@@ -11,7 +11,8 @@ from functools import cached_property, partial
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound
 from drystone.limits.brackets import Bracket, Found
 from drystone.limits.limit_checks import (
@@ -19,7 +20,6 @@ from drystone.limits.limit_checks import (
     STANDS,
     STANDS_OR_NOT,
     Check,
-    Stop,
     every_stiffness,
     one_stiffness,
     verdict,
@@ -28,7 +28,6 @@ from drystone.limits.limit_families import Family
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import Search, Stopped
 from drystone.results import Result, Verdict
-from drystone.stability.problem import Clock
 from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
@@ -43,14 +42,25 @@ digits. The limit itself depends on the joints by more."""
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Settings of a search. Without a check, that of drystone is made in two steps."""
+    """Settings of a search. Without a check, that of drystone is made in two steps.
+
+    Attributes
+    ----------
+    check, options
+    given
+        The executor, or what starts one.
+    progress, stop, time_limit_s
+    executor
+        What was started.
+    """
 
     check: Check | None
     options: LimitOptions
-    executor: Executor | None
+    given: Workers | None
     progress: Progress | None
     stop: Stop | None
     time_limit_s: float = float("inf")
+    executor: Executor | None = None
 
     @cached_property
     def clock(self) -> Clock:
@@ -63,9 +73,8 @@ class Means:
         check: Callable[..., Result],
         meaning: Mapping[Verdict, bool | None] = STANDS,
     ) -> Search:
-        """A search with a check of drystone, which can be stopped in this process."""
-        limited = self.stop is not None or np.isfinite(self.time_limit_s)
-        if limited and self.executor is None:
+        """A search with a check of drystone, which can be stopped."""
+        if self.stop is not None or np.isfinite(self.time_limit_s):
             check = partial(check, stop=self.clock.late)
         return Search(family, check, self.executor, meaning, self.clock.late)
 
@@ -106,6 +115,17 @@ def searched(
         No block is free, or no free block is loaded.
     """
     _refuse_nothing_to_do(family, start)
+    with WorkerPool(means.given) as pool:
+        return _searched(family, start, end, bound, replace(means, executor=pool.executor))
+
+
+def _searched(
+    family: Family,
+    start: float,
+    end: float,
+    bound: Callable[[Stop], tuple[Bracket, float]],
+    means: Means,
+) -> Limit:
     began = time.perf_counter()
     means.tell("limit of equilibrium", 0)
     outer, width = bound(means.clock.late)
@@ -188,10 +208,10 @@ def _robust(
         search.results[value] = result if robust else replace(result, verdict=Verdict.UNDECIDED)
     if rest.stands is None or _is_robust(full.results[rest.stands]):
         return search.so_far(start).bracket
-    by_way = sorted(search.results, key=lambda value: abs(value - start))
-    sensitive = next(value for value in by_way if search.stands(value) is False)
+    in_order = sorted(search.results, key=lambda value: abs(value - start))
+    sensitive = next(value for value in in_order if search.stands(value) is False)
     try:
-        return search.around(by_way[0], sensitive, (start, rest.stands), width=width).bracket
+        return search.around(in_order[0], sensitive, (start, rest.stands), width=width).bracket
     except Stopped:
         return search.so_far(start).bracket
 

@@ -8,7 +8,6 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Unpack
 
@@ -17,7 +16,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
@@ -58,9 +57,9 @@ def limit_tilt(
     upper: float = 180.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -80,14 +79,6 @@ def limit_tilt(
         uniform contact stiffness, then with others where it falls.
     options
         The default width is 0.05 degree.
-    executor
-        Computes the values of a scan in parallel; the answer does not depend on it.
-    progress
-    stop
-        Called often; True ends the search with the brackets found so far. With an executor it is
-        called between the answers.
-    time_limit_s
-        Time after which the search ends with the brackets found so far.
 
     Examples
     --------
@@ -125,9 +116,9 @@ def limit_friction(
     scaled: bool = False,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -162,9 +153,9 @@ def limit_load(
     upper: float = 1000.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -206,9 +197,9 @@ def limit_shrink(
     *,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -237,9 +228,9 @@ def limit_thickness(
     unit: str = "",
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
 ) -> Limit:
     """The least thickness, or another parameter, at which a parametric model stands.

@@ -10,8 +10,10 @@ from operator import itemgetter
 
 import numpy as np
 
+from drystone.base.progress import Stop
+from drystone.base.workers import WorkerPool
 from drystone.limits.brackets import Bracket, Evaluation, Found
-from drystone.limits.limit_checks import STANDS, Check, Stop
+from drystone.limits.limit_checks import STANDS, Check
 from drystone.limits.limit_families import Family
 from drystone.results import Result, Verdict
 
@@ -70,16 +72,16 @@ class Search:
         if new and self.stop():
             raise Stopped
         task = partial(evaluate, self.family, self.check)
-        if self.executor is None or len(new) < 2:
-            answers: Iterable[Result] = map(task, new)
-        else:
-            answers = self.executor.map(task, new)
-        for value, answer in zip(new, answers, strict=True):
+        pool = WorkerPool(self.executor if len(new) > 1 else None)
+        late = self.stop if self.executor is not None else bool
+        for value, answer in zip(new, pool.answers(task, new, late), strict=False):
             stopped = self.stop()
             if not (stopped and answer.verdict is Verdict.UNDECIDED):
                 self.results[value] = answer
             if stopped:
                 raise Stopped
+        if new and new[-1] not in self.results:
+            raise Stopped
 
     def run(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
@@ -173,8 +175,8 @@ class Search:
         inside, outside = bracket.stands, bracket.falls
         if inside is not None and inside != end:
             ends = abs(inside - start), np.inf if outside is None else abs(outside - start)
-            by_way = sorted(self.results, key=lambda value: abs(value - start))
-            doubtful = [value for value in by_way if ends[0] < abs(value - start) < ends[1]]
+            in_order = sorted(self.results, key=lambda value: abs(value - start))
+            doubtful = [value for value in in_order if ends[0] < abs(value - start) < ends[1]]
             self._close(inside, outside, doubtful, width)
         return self.so_far(start, beyond)
 

@@ -69,7 +69,7 @@ class Driver(Follower):
     ----------
     bodies
     fall
-        Way of a block by its size, while what drives is held, at which it is said to fall.
+        Travel of a block, while what drives is held, at which it is said to fall.
     pace
         Length of the increments, 1 by default.
     stop
@@ -119,8 +119,8 @@ class Driver(Follower):
     def shift(self, motion: Floats, tell: Callable[[float], None]) -> str:
         """Supports move by a motion (n, 6), from the share 0 to the share 1 of it."""
         self.measure = lambda: (self.reached, self._on_supports(motion))
-        way = np.abs(motion).max(initial=0.0)
-        first = min(self._limit() / max(float(way), 1e-300), 1.0)
+        far = np.abs(motion).max(initial=0.0)
+        first = min(self._limit() / max(float(far), 1e-300), 1.0)
 
         def advance(step: float) -> tuple[_Increment | None, Floats]:
             part = step * motion
@@ -204,14 +204,14 @@ class Driver(Follower):
         size = float(self.bodies.size[self.bodies.free].min(initial=np.inf))
         return self.pace * LONGEST * size
 
-    def _way(self) -> Floats:
+    def _travel(self) -> Floats:
         """(f,) of each free block since what drives was last held, by its size."""
         bodies, free = self.bodies, self.bodies.free
         gone = np.linalg.norm(self.pose.place[free] - self.base.place[free], axis=1)
         turned = self.pose.turn[free] @ np.swapaxes(self.base.turn[free], 1, 2)
         angle = np.arccos(np.clip(0.5 * (np.trace(turned, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
-        way: Floats = (gone + angle * bodies.radius[free]) / bodies.size[free]
-        return way
+        travel: Floats = (gone + angle * bodies.radius[free]) / bodies.size[free]
+        return travel
 
     def _gone(self) -> float:
         """Largest displacement of a centroid from the beginning."""

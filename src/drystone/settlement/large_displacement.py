@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, cross, frozen, frozen_floats, number
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
@@ -25,7 +25,7 @@ from drystone.settlement.settlement_types import SettlementOptions
 from drystone.settlement.settling import block_motions, scaled_motion, support_motion
 
 Tell: TypeAlias = Callable[[float], None]
-"""Called with the share of the way that is done."""
+"""Called with the share of the motion that is done."""
 
 STAGE = {
     Drive.LOAD: "pushing",
@@ -48,18 +48,20 @@ def push(
     *,
     to: float | None = None,
     options: SettlementOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> LargeDisplacement:
     """Push a structure until it needs no push any more: load against displacement.
 
     A load grows on top of that of the model. Its displacement is prescribed and its factor found,
-    so that the curve goes on beyond the largest load, where a structure of rigid blocks spends most
-    of its way. The displacement at which the factor has fallen to zero is the displacement
+    so that the curve goes on beyond the largest load, where a structure of rigid blocks makes most
+    of its motion. The displacement at which the factor has fallen to zero is the displacement
     capacity: let go there, the structure falls. Quasi-static: no inertia. The forces keep their
-    direction and act about the moved centroids.
+    direction and act about the moved centroids. Each increment needs the one before, so an
+    ``executor`` has nothing to share.
 
     Parameters
     ----------
@@ -73,11 +75,6 @@ def push(
     options
         ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
         where no carrier is given the moving block carries the ends of joints.
-    progress
-    stop
-        Asked before every increment; True ends it with what is known by then.
-    time_limit_s
-        After it the answer is what is known by then.
 
     Raises
     ------
@@ -97,6 +94,7 @@ def push(
     >>> round(found.peak, 3), round(found.capacity, 2)
     (0.5, 0.5)
     """
+    del executor  # one chain of increments
     model = as_model(given, **how)
     if isinstance(live, LoadCase):
         case = LoadCase.of(model.assembly, live)
@@ -134,8 +132,9 @@ def move_supports(
     *,
     to: float | None = None,
     options: SettlementOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> LargeDisplacement:
@@ -158,6 +157,7 @@ def move_supports(
     InputError
         No support moves, or ``to`` is given for a motion without translation.
     """
+    del executor  # one chain of increments
     model = as_model(given, **how)
     moving = support_motion(model, motion)
     if moving is None:
@@ -184,8 +184,9 @@ def reduce_friction(
     given: Given,
     *,
     options: SettlementOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> LargeDisplacement:
@@ -193,6 +194,7 @@ def reduce_friction(
 
     The last load is the share of the friction at which they fall. All else is as in :func:`push`.
     """
+    del executor  # one chain of increments
     model = as_model(given, **how)
 
     def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
@@ -317,7 +319,7 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
 
 def _mover(driver: Driver, found: LargeDisplacement) -> str:
     """The block that moves farthest while what drives is held."""
-    return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.way))])]
+    return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.travel))])]
 
 
 __all__ = ["move_supports", "push", "reduce_friction"]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
 
 from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -30,8 +32,8 @@ from drystone.settlement.settlement_types import (
 from drystone.settlement.springs import Pose, rotation_vectors
 
 STIFFER, STIFFEST = 1e-2, 1e-9
-"""Overlap of the next try by the last where springs give way, and the smallest: below it gaps are
-lost in rounding."""
+"""Overlap of the next try by the last where springs are too soft, and the smallest: below it gaps
+are lost in rounding."""
 
 
 @checked_call
@@ -40,8 +42,9 @@ def settle(
     motion: Mapping[int | str, Any] | None = None,
     *,
     options: SettlementOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Settlement:
@@ -61,11 +64,6 @@ def settle(
         or translation and rotation [m, rad] (6,) about its centroid; world axes. It is added to the
         motion in the load (:meth:`drystone.LoadCase.settlement`).
     options
-    progress
-    stop
-        Called before every step; True ends it with the results so far.
-    time_limit_s
-        Time after which it ends with the results so far.
 
     Raises
     ------
@@ -93,10 +91,16 @@ def settle(
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
         return _nothing_free(model, chosen, clock)
-    paths = tuple(
-        _path(model, carrier, moving, chosen, clock, progress)
-        for carrier in _carriers(model, chosen)
-    )
+    carriers = _carriers(model, chosen)
+    if executor is None or len(carriers) == 1:
+        paths = tuple(_path(model, one, moving, chosen, clock, progress) for one in carriers)
+    else:
+        task = partial(_path_of, model, moving, chosen, clock.left_s)
+        with WorkerPool(executor) as pool:
+            paths = tuple(pool.answers(task, carriers, clock.late))
+        # where it was ended early: the beginning of the others
+        left = carriers[len(paths) :]
+        paths += tuple(_path(model, one, moving, chosen, clock, progress) for one in left)
     outcome, message = _outcome_of(paths, clock)
     return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": clock.elapsed_s})
 
@@ -151,6 +155,17 @@ def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floa
     return case.motion
 
 
+def _path_of(
+    model: Model,
+    motion: Floats | None,
+    chosen: SettlementOptions,
+    time_limit_s: float,
+    carrier: Carrier,
+) -> SettlementPath:
+    """One run, in a worker."""
+    return _path(model, carrier, motion, chosen, Clock(time_limit_s), None)
+
+
 def _path(
     model: Model,
     carrier: Carrier,
@@ -164,9 +179,9 @@ def _path(
     stage = f"following the blocks, ends carried by the {carrier.value} block"
     most = 0
 
-    def tell(way: float) -> None:
+    def tell(travel: float) -> None:
         nonlocal most
-        most = max(most, min(int(100.0 * way / chosen.fall), 99))
+        most = max(most, min(int(100.0 * travel / chosen.fall), 99))
         if progress is not None:
             progress(stage, most, 100)
 
@@ -191,16 +206,16 @@ def _path(
     if progress is not None:
         progress(stage, 100, 100)
     path = _physical(model, bodies, track, carrier)
-    way = float(track.way.max(initial=0.0))
+    travel = float(track.travel.max(initial=0.0))
     if track.ended != "rests":
         # out of steps: where a block is beyond what stands and still moves, it does not stand
-        moved_on = motion is None and not clock.reason and way > chosen.rest_within
+        moved_on = motion is None and not clock.reason and travel > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
     residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks move as far as the supports that they follow
-    near = motion is not None or way <= chosen.rest_within
+    near = motion is not None or travel <= chosen.rest_within
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
@@ -225,15 +240,15 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
     point[corners] = track.placed.point * bodies.length_unit + origin
     axes[corners] = track.placed.axes
     gap[corners] = track.placed.gap * bodies.length_unit
-    way = np.zeros(len(model.assembly))
-    way[bodies.free] = track.way
+    travel = np.zeros(len(model.assembly))
+    travel[bodies.free] = track.travel
     ends = {"falls": Outcome.FALLS}
     return SettlementPath(
         carrier,
         ends.get(track.ended, Outcome.UNKNOWN),
         model,
         positions,
-        way,
+        travel,
         force,
         point,
         axes,

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Unpack
 
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, supported_model
 from drystone.results import Result
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 
 
 @checked_call
@@ -20,8 +19,9 @@ def check(
     given: Given,
     *,
     options: CheckOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
@@ -32,11 +32,6 @@ def check(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     options
-    progress
-    stop
-        Called often; True ends the analysis with the results so far.
-    time_limit_s
-        Time after which the analysis ends with the results so far.
 
     Returns
     -------
@@ -58,8 +53,8 @@ def check(
     <Verdict.STABLE: 'stable'>
     """
     chosen = CheckOptions.of(options)
-    clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
+    problem = Problem.build(supported_model(given, **how))
+    return Cascade(problem, chosen, progress, Clock(time_limit_s, stop), executor).run()
 
 
 @checked_call
@@ -67,8 +62,9 @@ def could_hold(
     given: Given,
     *,
     options: CheckOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
@@ -88,8 +84,8 @@ def could_hold(
     (<Verdict.STABLE: 'stable'>, <Verdict.UNSTABLE: 'unstable'>)
     """
     chosen = replace(CheckOptions.of(options), settle=False, search=True)
-    clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
+    problem = Problem.build(supported_model(given, **how))
+    return Cascade(problem, chosen, progress, Clock(time_limit_s, stop), executor).run()
 
 
 __all__ = ["CheckOptions", "check", "could_hold"]

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drystone.cli.base.output import clean
 
@@ -106,6 +106,23 @@ class Waiting:
         finally:
             if ours:
                 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    @contextmanager
+    def keywords(
+        self, time_limit: float | None = None, workers: int = 1
+    ) -> Iterator[dict[str, Any]]:
+        """The keywords of everything that takes long, where the first Ctrl-C asks it to stop.
+
+        Several workers are processes of this machine.
+        """
+        executor = None
+        if workers > 1:
+            from drystone.base.workers import LocalWorkers
+
+            executor = LocalWorkers(workers)
+        limit = float("inf") if time_limit is None else time_limit
+        with self.stoppable() as stop:
+            yield {"executor": executor, "progress": self, "stop": stop, "time_limit_s": limit}
 
     def exit_code(self, code: int) -> int:
         """The exit code of an answer; 130 after Ctrl-C."""

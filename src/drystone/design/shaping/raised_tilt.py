@@ -38,7 +38,7 @@ def raise_tilt(search: ShapeSearch) -> Shaped:
     first = tilt = _largest(search, now)
     step, rounds, words = FIRST, 0, "no larger tilt was reached"
     while step >= CLOSE:
-        if search.stop is not None and search.stop():
+        if search.late():
             words = "it was stopped"
             break
         wanted = min(tilt + step, STEEPEST)
@@ -63,7 +63,7 @@ def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:
     """A search for a shape that stands at a tilt [degrees]."""
     margin = replace(search.options.margin, tilt=tilt)
     options = replace(search.options, aim=ShapeAim.STAND, margin=margin)
-    return ShapeSearch(search.model, search.moves, options, search.progress, search.stop)
+    return ShapeSearch(search.model, search.moves, options, search.progress, search.late)
 
 
 def _stands(search: ShapeSearch, model: Model, tilt: float) -> bool:

@@ -364,7 +364,7 @@ class _Search:
         if proved:
             reason = f"its joints block every motion, straight or with rotation: {names}"
         elif self.finder.options.turning:
-            reason = f"paths begin, but all that were tried end at {names}"
+            reason = f"a first step is free, but all paths that were tried end at {names}"
         else:
             reason = f"no straight path is free: {names}"
         return NoPath(self.block, reason, faces, proved)

@@ -247,14 +247,14 @@ class Search:
         return props, together + left
 
     def candidates(self, placed: int) -> Iterator[int]:
-        """Blocks that may and can be removed, in this order; of the highest level only."""
-        rank, level = self.bound.rank, self.bound.level
+        """Blocks that may and can be removed, in this order; of the highest course only."""
+        rank, course = self.bound.rank, self.bound.course
         highest = None
         for block in sorted(members(placed & ~self.bound.core), key=lambda b: int(rank[b])):
-            if highest is not None and level[block] < highest:
+            if highest is not None and course[block] < highest:
                 return
             if self.bound.allows(block, placed) and self.removal.free(block, placed):
-                highest = level[block]
+                highest = course[block]
                 yield block
 
     def removals(self, node: Node) -> list[Node]:

@@ -16,11 +16,11 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.files import PathLike, as_path
+from drystone.base.workers import ExecutorFactory
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
-from drystone.sequence.stage.workers import ExecutorFactory
 
 SAVE_EVERY_S = 10.0
 """Time between two writes of the checkpoint: an interruption loses at most this."""
