@@ -8,7 +8,7 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
-from drystone.sequence.search.best_first import Search
+from drystone.sequence.search.best_first import OrderSearch
 
 
 def planned(assembly: Assembly, friction: float) -> Plan:
@@ -59,7 +59,7 @@ def test_deeper_wedges_need_less_help():
 def test_no_removal_is_called_a_fall_by_screening_alone(monkeypatch):
     """Before help each stage has its check, a check of its neighbourhood, or a lone block."""
     unchecked = []
-    cures = Search.cures
+    cures = OrderSearch.cures
 
     def watched(search, node, answer):
         if node.parent is not None and node.cost == node.parent.cost:
@@ -69,7 +69,7 @@ def test_no_removal_is_called_a_fall_by_screening_alone(monkeypatch):
                 unchecked.append(node)
         return cures(search, node, answer)
 
-    monkeypatch.setattr(Search, "cures", watched)
+    monkeypatch.setattr(OrderSearch, "cures", watched)
     found = planned(niche(0.05), VAULT_FRICTION)
     assert found.counts["held"] > 0
     assert not unchecked

@@ -22,7 +22,7 @@ from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
-from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.inside import SearchSettings, bisected, searched
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import (
     Friction,
@@ -104,7 +104,7 @@ def limit_tilt(
             tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop),
             width,
         ),
-        Means(check, chosen, executor, progress, stop, time_limit_s),
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -141,7 +141,7 @@ def limit_friction(
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    means = Means(check, chosen, executor, progress, stop, time_limit_s)
+    means = SearchSettings(check, chosen, executor, progress, stop, time_limit_s)
     return bisected(family, start, 0.0, 1e-3, means)
 
 
@@ -187,7 +187,7 @@ def limit_load(
         lambda stop: load_factor_bound(
             family, last, share=1e-4, width=chosen.width, cone=chosen.cone, stop=stop
         ),
-        Means(check, chosen, executor, progress, stop, time_limit_s),
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -212,7 +212,11 @@ def limit_shrink(
     model = supported_model(given, **how)
     family = Shrunk(model)
     return bisected(
-        family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop, time_limit_s)
+        family,
+        1.0,
+        0.0,
+        1e-3,
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -266,7 +270,11 @@ def limit_thickness(
     family = Parametric(build, finder, parameter, unit)
     width = 1e-5 * abs(first - last)
     return bisected(
-        family, first, last, width, Means(check, chosen, executor, progress, stop, time_limit_s)
+        family,
+        first,
+        last,
+        width,
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 

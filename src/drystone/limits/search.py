@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.base.progress import Stop
 from drystone.base.workers import WorkerPool
-from drystone.limits.brackets import Bracket, Evaluation, Found
+from drystone.limits.brackets import Bracket, Evaluation, FoundBracket
 from drystone.limits.limit_checks import STANDS, Check
 from drystone.limits.limit_families import Family
 from drystone.results import Result, Verdict
@@ -25,7 +25,7 @@ class Stopped(Exception):
     """The search was asked to stop. It keeps what it found."""
 
 
-class Search:
+class VerdictSearch:
     """A search along one family; keeps all tried values.
 
     Parameters
@@ -85,7 +85,7 @@ class Search:
 
     def run(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
-    ) -> Found:
+    ) -> FoundBracket:
         """Bracket the first change of the verdict between ``start`` and ``end``.
 
         Parameters
@@ -103,7 +103,7 @@ class Search:
 
         Returns
         -------
-        Found
+        FoundBracket
             If the search was stopped: the result of the values tried so far.
         """
         try:
@@ -113,7 +113,7 @@ class Search:
 
     def from_start(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
-    ) -> Found:
+    ) -> FoundBracket:
         """As :meth:`run`; where it falls at the start no other value is tried."""
         try:
             held = self.stands(start)
@@ -123,7 +123,7 @@ class Search:
             return self.so_far(start)
         return self.run(start, end, width=width, scan=scan, beyond=beyond)
 
-    def so_far(self, start: float, beyond: Bracket | None = None) -> Found:
+    def so_far(self, start: float, beyond: Bracket | None = None) -> FoundBracket:
         """The result of the values tried so far, in order from the start."""
         tried = sorted(self.results, key=lambda value: abs(value - start))
         held = [self.meaning[self.results[value].verdict] for value in tried]
@@ -148,7 +148,7 @@ class Search:
         *,
         width: float,
         beyond: Bracket | None = None,
-    ) -> Found:
+    ) -> FoundBracket:
         """Bracket the change of the verdict by growing steps from two guesses.
 
         No value far from the change is tried: a check that falls is slow.
@@ -190,7 +190,7 @@ class Search:
 
     def _run(
         self, start: float, end: float, width: float, scan: int, beyond: Bracket | None
-    ) -> Found:
+    ) -> FoundBracket:
         grid = np.linspace(start, end, max(scan, 1) + 1).tolist()
         self.evaluate(grid)
         held = [self.stands(value) for value in grid]
@@ -249,8 +249,8 @@ class Search:
             else:
                 doubtful.append(middle)
 
-    def _found(self, bracket: Bracket, islands: tuple[tuple[float, float], ...]) -> Found:
-        return Found(bracket, islands, self.evaluations())
+    def _found(self, bracket: Bracket, islands: tuple[tuple[float, float], ...]) -> FoundBracket:
+        return FoundBracket(bracket, islands, self.evaluations())
 
     def evaluations(self) -> tuple[Evaluation, ...]:
         """Tried values, in ascending order."""
@@ -283,4 +283,4 @@ def _runs(
     return tuple(runs)
 
 
-__all__ = ["Search", "Stopped", "evaluate"]
+__all__ = ["Stopped", "VerdictSearch", "evaluate"]

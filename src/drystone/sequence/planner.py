@@ -23,7 +23,7 @@ from drystone.sequence.scaffold.scaffolded_stages import (
     ScaffoldOptions,
     Support,
 )
-from drystone.sequence.search.best_first import Search
+from drystone.sequence.search.best_first import OrderSearch
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.search.states import Node, SearchOptions
@@ -204,7 +204,7 @@ class _Planner:
             kind, bearing = self.options.scaffold, self.options.scaffold_options
             scaffold = ScaffoldedStages(self.model.model, kind, bearing)
         while True:
-            search = Search(
+            search = OrderSearch(
                 self.evaluator,
                 self.bound,
                 self.removal,

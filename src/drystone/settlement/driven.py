@@ -45,7 +45,7 @@ KEPT = 120
 """Moments that are kept; of more, every other one is left out."""
 
 
-class Moment(NamedTuple):
+class DrivenState(NamedTuple):
     """The blocks after an increment.
 
     Attributes
@@ -91,8 +91,8 @@ class Driver(Follower):
         self.reached = self.distance = self.factor = self.next_factor = 0.0
         self.measure: Callable[[], tuple[float, float]] = lambda: (self.reached, self.factor)
         self.curve: list[tuple[float, float]] = []
-        self.moments: list[Moment] = []
-        self.last: Moment | None = None
+        self.moments: list[DrivenState] = []
+        self.last: DrivenState | None = None
         self.every, self.passed = 1, 0
         self.whole = bodies.friction
 
@@ -230,7 +230,7 @@ class Driver(Follower):
         """Keep the moment; of too many, every other one but first, last and largest load."""
         displacement, load = self.measure()
         self.curve.append((displacement, load))
-        self.last = Moment(displacement, load, self.pose, self.placed, self.response)
+        self.last = DrivenState(displacement, load, self.pose, self.placed, self.response)
         self.passed += 1
         if self.passed < self.every and load <= max(one.load for one in self.moments):
             return
@@ -241,7 +241,7 @@ class Driver(Follower):
             self.moments = [one for i, one in enumerate(self.moments) if i % 2 == 0 or i == top]
             self.every *= 2
 
-    def kept(self) -> list[Moment]:
+    def kept(self) -> list[DrivenState]:
         """The moments that were kept, and the last one."""
         last = [] if self.last is None or self.last is self.moments[-1] else [self.last]
         return [*self.moments, *last]
@@ -300,4 +300,4 @@ class Driver(Follower):
             self.factor = self.next_factor
 
 
-__all__ = ["Driver", "Moment"]
+__all__ = ["DrivenState", "Driver"]

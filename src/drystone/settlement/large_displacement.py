@@ -19,7 +19,7 @@ from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.corners import Carrier
-from drystone.settlement.driven import Driver, Moment
+from drystone.settlement.driven import DrivenState, Driver
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.settlement_types import SettlementOptions
 from drystone.settlement.settling import block_motions, scaled_motion, support_motion
@@ -247,7 +247,9 @@ def _driven(
     return replace(found, message=_said(found, driver))
 
 
-def _state(model: Model, bodies: Bodies, moment: Moment, length: float, load: float) -> LargeState:
+def _state(
+    model: Model, bodies: Bodies, moment: DrivenState, length: float, load: float
+) -> LargeState:
     """A moment in m and N, for all interfaces of the model."""
     contacts = model.contacts
     mine = model.active[contacts.interface]
@@ -270,7 +272,7 @@ def _state(model: Model, bodies: Bodies, moment: Moment, length: float, load: fl
     )
 
 
-def _frames(contacts: Contacts, active: Bools, moment: Moment) -> Floats:
+def _frames(contacts: Contacts, active: Bools, moment: DrivenState) -> Floats:
     """(m, 3, 3) of the active interfaces: the mean of their corners, weighted by the pressure."""
     number = np.cumsum(active) - 1
     owner = number[contacts.interface[active[contacts.interface]]]

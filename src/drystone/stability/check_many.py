@@ -11,6 +11,7 @@ from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
 from typing import Any, TextIO, TypeAlias, Unpack
 
+from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike, plain_target, read_bytes
@@ -19,6 +20,7 @@ from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How
+from drystone.model import Model
 from drystone.stability.check import check
 from drystone.stability.check_options import CheckOptions
 
@@ -87,9 +89,10 @@ def check_many(
     >>> found["verdict"].tolist()
     ['stable', 'unstable']
     """
-    if isinstance(models, str | bytes | os.PathLike) or not isinstance(models, Iterable):
+    one = isinstance(models, str | bytes | os.PathLike | Assembly | Model)
+    if one or not isinstance(models, Iterable):
         said = f"the models are {shortened(repr(models), 60)}"
-        raise InputError(said, remedy="give several, such as [model]")
+        raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop)
     rows = [] if out is None else _earlier(out)
     opened: AbstractContextManager[TextIO | None]

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from drystone.cli.base.output import clean
@@ -67,12 +66,7 @@ class Waiting:
             self._timer.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self.end_stage()
         if self._timer is not None:
             self._timer.cancel()
@@ -80,7 +74,7 @@ class Waiting:
             self._timer = None
             if self._bar is not None:
                 self._bar.stop()
-        if isinstance(error, KeyboardInterrupt):
+        if kind is KeyboardInterrupt:
             end_workers()
 
     @contextmanager

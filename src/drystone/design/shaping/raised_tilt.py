@@ -56,7 +56,7 @@ def raise_tilt(search: ShapeSearch) -> Shaped:
     result = margin.holds(now)
     stands = margin.meets(result)
     words = f"stands tilted by {tilt:.1f} degrees, {first:.1f} before; {words}"
-    return Shaped(search.model, now, x, result, stands, tilt, first, rounds, words)
+    return Shaped(search.model, now, result, stands, rounds, words, x, tilt, first)
 
 
 def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:

@@ -264,7 +264,7 @@ class ShapeSearch:
         self.late = late
         if not stands:
             words += ": it does not stand"
-        return Shaped(self.model, model, x, result, stands, values[0], values[1], rounds, words)
+        return Shaped(self.model, model, result, stands, rounds, words, x, *values)
 
 
 __all__ = ["ShapeSearch", "Stopped"]

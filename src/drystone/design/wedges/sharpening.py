@@ -12,17 +12,16 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mends import stands_already
+from drystone.design.surgery.changed_model import ChangedStructure
 from drystone.design.surgery.joint_surgery import STEEPEST
 from drystone.design.wedges.plane_joints import PlaneJoints
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
-from drystone.results import Result
 from drystone.stability import CheckOptions, check
 
 TENSE = 0.01
@@ -77,37 +76,19 @@ class SharpenOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Sharpened(OneLine):
+class Sharpened(ChangedStructure):
     """A structure with wedges in some joints.
 
     Attributes
     ----------
-    before, model
-        The structure without wedges, and with them.
     sharpness : (j,) [degrees]
         Of each interface of ``before``; zero where it stays plane.
-    rounds
-        In which joints were sharpened.
-    result
-        The check of ``model``, or that of the case of the margin in which it falls.
-    stands
-        Whether it stands at the margin.
     least
         Whether every sharpened joint is known to be needed. Not so where it was stopped.
-    message
     """
 
-    before: Model
-    model: Model
     sharpness: Floats
-    rounds: int
-    result: Result
-    stands: bool
     least: bool
-    message: str
-
-    def _summary(self) -> str:
-        return self.message
 
     @property
     def joints(self) -> list[tuple[str, str, float]]:
@@ -120,15 +101,8 @@ class Sharpened(OneLine):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
-        return {
-            "stands": self.stands,
-            "verdict": self.result.verdict.value,
-            "message": self.message,
-            "check": self.result.message,
-            "rounds": self.rounds,
-            "least": self.least,
-            "joints": [{"blocks": [a, b], "sharpness_deg": value} for a, b, value in self.joints],
-        }
+        joints = [{"blocks": [a, b], "sharpness_deg": value} for a, b, value in self.joints]
+        return super().to_dict() | {"least": self.least, "joints": joints}
 
 
 @checked_call
@@ -182,7 +156,8 @@ def sharpen(
     none = np.zeros(model.contacts.count)
     first = chosen.margin.holds(model)
     if chosen.margin.meets(first):
-        return Sharpened(model, model, none, 0, first, True, True, stands_already(chosen.margin))
+        words = stands_already(chosen.margin)
+        return Sharpened(model, model, first, True, 0, words, sharpness=none, least=True)
     if not joints.usable.any():
         kept = ", ".join(model.assembly.names[i] for i in sorted(keep))
         what = "no joint may be changed" + (f": the joints of {kept} stay" if kept else "")
@@ -228,9 +203,9 @@ class _Sharpening:
         model = self.joints.wedged(sharpness)
         result = self.options.margin.holds(model)
         stands = self.options.margin.meets(result)
-        return Sharpened(
-            self.joints.model, model, sharpness, rounds, result, stands, least and stands, words
-        )
+        least = least and stands
+        before = self.joints.model
+        return Sharpened(before, model, result, stands, rounds, words, sharpness, least)
 
     def tell(self, stage: str, done: int, total: int) -> None:
         if self.progress is not None:

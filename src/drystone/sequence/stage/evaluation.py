@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import replace
-from types import TracebackType
 
 import numpy as np
 
@@ -106,12 +105,7 @@ class Evaluator(OneLine):
     def __enter__(self) -> Evaluator:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self.save()
         if self._factory is not None and self._executor is not None:
             self._executor.shutdown(wait=kind is None, cancel_futures=True)

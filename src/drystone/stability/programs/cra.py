@@ -61,7 +61,7 @@ class CRAOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class _State:
+class _OverlapState:
     force: Floats
     displacement: Floats
     residuals: Residuals
@@ -151,9 +151,11 @@ def solve_cra(
     )
 
 
-def _best(states: Iterator[_State], options: CRAOptions, clock: Clock) -> _State | None:
+def _best(
+    states: Iterator[_OverlapState], options: CRAOptions, clock: Clock
+) -> _OverlapState | None:
     """The first state that meets all conditions; the best one where none does."""
-    best: _State | None = None
+    best: _OverlapState | None = None
     for state in states:
         if best is None or _worst(state, options) < _worst(best, options):
             best = state
@@ -164,14 +166,14 @@ def _best(states: Iterator[_State], options: CRAOptions, clock: Clock) -> _State
     return best
 
 
-def _worst(state: _State, options: CRAOptions) -> tuple[bool, float, float]:
+def _worst(state: _OverlapState, options: CRAOptions) -> tuple[bool, float, float]:
     met = state.residuals.largest <= options.tolerance
     return (not met, 0.0 if met else state.residuals.largest, state.slide)
 
 
 def _states(
     problem: Problem, base: Result, options: CRAOptions, clock: Clock, pool: WorkerPool
-) -> Iterator[_State]:
+) -> Iterator[_OverlapState]:
     """Candidates for eq. 5.6: the equal-overlap path per slip length, convex steps, the search."""
     statics = problem.statics
     loose = RestOptions(ground=1e-8, tolerance=1e-8)
@@ -191,7 +193,7 @@ def _states(
         yield _examined(problem, found.motion, found.force, found.iterations)
 
 
-def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) -> _State:
+def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) -> _OverlapState:
     physical, displacement = problem.force(force), problem.displacement(motion)
     residuals = check_forces(problem.model, physical, displacement)
     moved = corner_motion(problem.model.assembly, problem.model.contacts, displacement)
@@ -202,7 +204,7 @@ def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) 
     spread = float(np.abs(overlap / mean - 1.0).max(initial=0.0))
     deeper = float((np.maximum(0.0, -moved[:, 0] / mean - 1.0)).max(initial=0.0))
     slide = float(np.abs(moved[problem.corners]).max(initial=0.0)) / mean
-    return _State(
+    return _OverlapState(
         physical,
         displacement,
         replace(residuals, overlap=max(spread, deeper)),
