@@ -12,6 +12,7 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -103,6 +104,9 @@ class PathFinder:
         self.up = np.asarray(self.options.up) / np.linalg.norm(self.options.up)
         self._solids = Solids(model.assembly)
         self._mover: dict[int, Mover] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return PathFinder, (self.model, self.options)  # solids do not travel
 
     def path(self, block: int, here: Bools) -> RemovalPath | NoPath:
         """A path of removal for one block.
