@@ -29,7 +29,7 @@ Workers: TypeAlias = Executor | ExecutorFactory
 
 KEYWORDS = {
     "executor": """\
-Computes independent parts side by side: a :class:`concurrent.futures.Executor`, or a function
+Computes independent parts side by side: a ``concurrent.futures.Executor``, or a function
 that starts one, such as ``drystone.sequence.LocalWorkers(4)``. The result does not depend on it.
 Where every step needs the one before, there is nothing to share, and it is not used.""",
     "progress": """\
