@@ -220,10 +220,18 @@ def test_a_link_brings_the_view_back(opened, standing):
     tab = opened(standing)
     tab.click("#side")
     tab.click("[data-preset=utilisation]")
+    tab.run("document.getElementById('section-axis').value = '1'")
+    tab.run("document.getElementById('section-axis').dispatchEvent(new Event('change'))")
+    tab.slide("#section", 0.25)
+    for key in (".", "h", ".", ".", "h"):
+        tab.key(key)
     tab.click("#link")
     view = tab.run("document.getElementById('address').value").split("#")[1]
     again = opened(standing, fragment=f"#{view}")
     assert again.run("document.querySelector('[data-preset=utilisation]').ariaPressed") == "true"
+    assert again.run("document.getElementById('section-axis').value") == "1"
+    assert again.run("document.getElementById('section').value") == "0.25"
+    assert again.text("#all") == "Show 2 hidden"
     again.click("#link")
     assert again.run("document.getElementById('address').value").split("#")[1] == view
 

@@ -15,7 +15,7 @@ const shownLayers = new Map();
 
 const page = {
   stage: 0, preset: "", wanted: "", selected: -1, joint: -1, hovered: -1, time: 0, opacity: 1, stretch: 1,
-  hidden: new Set(), section: { axis: -1, at: 0 }, measuring: null, printing: false,
+  hidden: new Set(), section: { axis: -1, at: 0, side: 1 }, measuring: null, printing: false,
 };
 let waiting = false;
 let hurried = false; // pictures come slowly
