@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from drystone.base.arrays import Floats
@@ -123,6 +123,7 @@ class Attempts:
         again: bool = False,
         start: Start | None = None,
         falls: Callable[[], bool] | None = None,
+        much: float = MUCH,
     ) -> Candidate:
         """Follow one stiffness distribution to rest.
 
@@ -134,6 +135,8 @@ class Attempts:
         start
         falls
             Whether it falls with every stiffness; called where the ground carries a large share.
+        much
+            That share.
         """
         numerics = screening.numerics
         if start is None:  # at the beginning of a path steps are often reduced
@@ -146,7 +149,7 @@ class Attempts:
         if not over and state.converged and most >= CLEARLY:
             # high towers load this ground as much, and reach a rest state on weaker ground
             over = first_motion(self.problem, state) is not None
-        if not over and most >= MUCH and falls is not None:
+        if not over and most >= much and falls is not None:
             over = falls()
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
@@ -163,6 +166,12 @@ class Attempts:
                 self.stalled.append(final.motion)
         return candidate
 
+    def start(self, springs: Compliance, displacement: Floats) -> Start:
+        """A start at displacements (n, 6) [m, rad], such as those of a similar model."""
+        statics = self.problem.statics
+        motion = statics.scaled_motion(displacement, statics.mean_length)
+        return start_from(self.problem.system, springs, motion)
+
     def nearby(self, springs: Compliance, start: Start) -> Candidate | None:
         """The rest state near a start, if there is one and it stands."""
         state = find_rest_nearby(self.problem.system, springs, AT_REST, start, self.clock.late)
@@ -171,18 +180,19 @@ class Attempts:
         self.iterations += state.iterations
         return self._stood(state)
 
-    def attempt_from(self, other: Candidate, springs: Compliance) -> Candidate:
-        """As :meth:`attempt`, first from the rest state of other stiffnesses, if it is one."""
-        if not other.stands:
-            return self.attempt(springs)
-        statics = self.problem.statics
-        motion = statics.scaled_motion(other.displacement, statics.mean_length)
-        start = start_from(self.problem.system, springs, motion)
-        found = self.nearby(springs, start)
-        if found is None:
+    def attempt_from(self, springs: Compliance, rests: Sequence[Floats]) -> Candidate:
+        """As :meth:`attempt`, first from displacements (n, 6) [m, rad] of similar rest states."""
+        starts = [self.start(springs, displacement) for displacement in rests]
+        for start in starts:
+            found = self.nearby(springs, start)
+            if found is not None:
+                return found
+        for start in starts[-1:]:
             state = self._rest(springs, FROM_OTHER, start)
             found = self._stood(state) if state.converged else None
-        return found if found is not None else self.attempt(springs)
+            if found is not None:
+                return found
+        return self.attempt(springs)
 
     def _stood(self, state: RestState) -> Candidate | None:
         """A state counted as a rest state that was found, if it is one."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -18,7 +19,7 @@ from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import Attempts, Candidate
+from drystone.stability.attempts import CLEARLY, MUCH, Attempts, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.programs.rbe import ANY_FORCES
@@ -39,15 +40,35 @@ SENSITIVE = "sensitive to how the joints press"
 
 
 class Cascade:
-    """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion."""
+    """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion.
+
+    Parameters
+    ----------
+    problem, options, progress, clock
+    known : (n, 6) [m, rad] each
+        Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
+        one. The same stiffness is tried from there first.
+
+    Attributes
+    ----------
+    rests
+        As ``known``, of this model.
+    """
 
     def __init__(
-        self, problem: Problem, options: CheckOptions, progress: Progress | None, clock: Clock
+        self,
+        problem: Problem,
+        options: CheckOptions,
+        progress: Progress | None,
+        clock: Clock,
+        known: Mapping[int, Floats] | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
         self.progress = progress
         self.clock = clock
+        self.known = known or {}
+        self.rests: dict[int, Floats] = {}
         self.iterations = 0
         self.equal_overlap = self.balances = False
         self.stiffness_ratio = 1.0
@@ -60,6 +81,13 @@ class Cascade:
         problem = self.problem
         if problem.statics.free_count == 0:
             return self._nothing_free()
+        if self.options.uniform:
+            strict = replace(self.options, samples=0, settle=False, uniform=False)
+            once = Cascade(problem, strict, self.progress, self.clock, self.known)
+            found = once.run()
+            self.attempts, self.rests = once.attempts, once.rests
+            if not found.stable or self.clock.late():
+                return replace(found, options=self.options)
         dropped = self._free_fall()
         return self._after_free_fall() if dropped is None else dropped
 
@@ -69,8 +97,7 @@ class Cascade:
         problem = self.problem
         self._report("rest state", 0)
         attempts = self.attempts
-        springs = compliance.uniform(problem.statics)
-        uniform = attempts.attempt(springs, falls=lambda: self.collapse is not None)
+        uniform = attempts.standing[0] if attempts.standing else self._uniform()
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
                 return self._unstable("no contact forces can balance the loads", self.collapse)
@@ -78,6 +105,8 @@ class Cascade:
                 # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
+        if uniform.stands:
+            self.rests[0] = uniform.displacement
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
         if not (settle and attempts.falling):  # otherwise the stiffness decides, whatever others do
@@ -93,20 +122,41 @@ class Cascade:
             return self._sensitive(found)
         return self._first_motion()
 
+    def _uniform(self) -> Candidate:
+        """Uniform contact stiffness."""
+        springs, attempts = compliance.uniform(self.problem.statics), self.attempts
+        found = None
+        if 0 in self.known and self.problem.statics.dry:
+            found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
+        # without friction equilibrium decides
+        much = MUCH if self.problem.statics.friction.any() else CLEARLY
+        return found or attempts.attempt(
+            springs, falls=lambda: self.collapse is not None, much=much
+        )
+
     def _other_stiffnesses(self, uniform: Candidate) -> None:
-        """Rest states for the samples of the stiffness, once."""
+        """Rest states for the samples of the stiffness, once.
+
+        Without friction the motion of a joint is normal to its limits. Then all stiffnesses give
+        the same answer (static theorem of limit analysis).
+        """
         attempts, statics = self.attempts, self.problem.statics
-        if attempts.tried > 1:
+        if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
         samples = compliance.samples(statics, self.options.samples, self.options.seed)
         for number, sample in enumerate(samples):
             if self.clock.late():
                 break
             self._report("stiffness samples", 2 + number)
-            if statics.dry:
-                attempts.attempt_from(uniform, sample)
-            else:  # a start is scaled as if forces were in proportion to the motion
-                attempts.attempt(sample)
+            rests = [self.known[1 + number]] if 1 + number in self.known else []
+            if uniform.stands:
+                rests.append(uniform.displacement)
+            # a start is scaled as if forces were in proportion to the motion
+            found = attempts.attempt_from(sample, rests if statics.dry else ())
+            if found.stands:
+                self.rests[1 + number] = found.displacement
+            elif self.options.uniform:  # settlement decides
+                break
 
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Unpack
 
+from drystone.base.arrays import Floats
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, supported_model
+from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
@@ -62,6 +64,28 @@ def check(
     return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
 
 
+def check_near(
+    model: Model, known: Mapping[int, Floats], *, options: CheckOptions
+) -> tuple[Result, dict[int, Floats]]:
+    """The verdict of :func:`check`, begun at the rest states of a similar model.
+
+    Parameters
+    ----------
+    model
+    known : (n, 6) [m, rad] each
+        Displacements of the rest states of a similar model with the same blocks, by the number of
+        the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
+    options
+
+    Returns
+    -------
+    Result, dict
+        The verdict, and the displacements of the rest states that were found.
+    """
+    cascade = Cascade(Problem.build(model), options, None, Clock(float("inf")), known)
+    return cascade.run(), cascade.rests
+
+
 @checked_call
 def could_hold(
     given: Given,
@@ -92,4 +116,4 @@ def could_hold(
     return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
 
 
-__all__ = ["CheckOptions", "check", "could_hold"]
+__all__ = ["CheckOptions", "check", "check_near", "could_hold"]
