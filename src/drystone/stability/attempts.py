@@ -182,12 +182,13 @@ class Attempts:
 
     def attempt_from(self, springs: Compliance, rests: Sequence[Floats]) -> Candidate:
         """As :meth:`attempt`, first from displacements (n, 6) [m, rad] of similar rest states."""
-        starts = [self.start(springs, displacement) for displacement in rests]
-        for start in starts:
+        start = None
+        for displacement in rests:
+            start = self.start(springs, displacement)
             found = self.nearby(springs, start)
             if found is not None:
                 return found
-        for start in starts[-1:]:
+        if start is not None:
             state = self._rest(springs, FROM_OTHER, start)
             found = self._stood(state) if state.converged else None
             if found is not None:

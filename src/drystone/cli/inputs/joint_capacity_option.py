@@ -22,7 +22,8 @@ JointCapacities: TypeAlias = Annotated[
     str | None,
     Option(
         "What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N and "
-        f"bending moment in Nm, such as {EXAMPLE}; or a table block_a,block_b,tension,cohesion,shear in N.",
+        f"bending moment in Nm, such as {EXAMPLE}; or a table "
+        "block_a,block_b,tension,cohesion,shear in N.",
         CONTACTS,
         metavar="WHAT|FILE.csv",
         expert=True,
