@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.checks import check_forces
-from drystone.formulations.rest.compliance import Compliance
+from drystone.formulations.rest.compliance import Compliance, uniform
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
@@ -162,6 +165,22 @@ class Attempts:
             if not over:
                 self.stalled.append(final.motion)
         return candidate
+
+    def start_at(self, motion: Floats, slip: float | None = None) -> tuple[Compliance, Start]:
+        """Uniform springs, and their start from a motion (n, 6) [m, rad] of a similar model.
+
+        Raises
+        ------
+        InputError
+            The motion has another shape.
+        """
+        count = len(self.problem.model.assembly)
+        if np.shape(motion) != (count, 6) or not np.isfinite(motion).all():
+            raise InputError(f"the start must hold {count} times six finite numbers", where="start")
+        statics = self.problem.statics
+        springs = uniform(statics, slip=slip)
+        scaled = statics.scaled_motion(np.asarray(motion), statics.mean_length)
+        return springs, start_from(self.problem.system, springs, scaled)
 
     def nearby(self, springs: Compliance, start: Start) -> Candidate | None:
         """The rest state near a start, if there is one and it stands."""

@@ -42,7 +42,12 @@ class Cascade:
     """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion."""
 
     def __init__(
-        self, problem: Problem, options: CheckOptions, progress: Progress | None, clock: Clock
+        self,
+        problem: Problem,
+        options: CheckOptions,
+        progress: Progress | None,
+        clock: Clock,
+        start: Floats | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
@@ -54,6 +59,7 @@ class Cascade:
         self.stage = "free fall"
         self.attempts = Attempts(problem, clock)
         self.settlement: Settlement | None = None
+        self.start = start
 
     def run(self) -> Result:
         """The verdict, with its proof."""
@@ -68,6 +74,9 @@ class Cascade:
         """The verdict where something presses on every block."""
         problem = self.problem
         self._report("rest state", 0)
+        near = None if self.start is None else self._near(self.start)
+        if near is not None:
+            return near
         attempts = self.attempts
         springs = compliance.uniform(problem.statics)
         uniform = attempts.attempt(springs, falls=lambda: self.collapse is not None)
@@ -92,6 +101,21 @@ class Cascade:
         if found is not None:
             return self._sensitive(found)
         return self._first_motion()
+
+    def _near(self, start: Floats) -> Result | None:
+        """STABLE near the rest state of a similar model, for every stiffness that is tried.
+
+        Where one has no rest state near it, all of them are tried afresh: the verdict of a model
+        does not depend on the start.
+        """
+        found = self.attempts.nearby(*self.attempts.start_at(start))
+        if found is not None:
+            self._other_stiffnesses(found)
+            if len(self.attempts.standing) == self.attempts.tried or self.clock.late():
+                return self._stable(found)
+        self.iterations += self.attempts.iterations
+        self.attempts = Attempts(self.problem, self.clock)
+        return None
 
     def _other_stiffnesses(self, uniform: Candidate) -> None:
         """Rest states for the samples of the stiffness, once."""

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Unpack
 
+from drystone.base.arrays import Floats
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, supported_model
@@ -20,6 +21,7 @@ def check(
     given: Given,
     *,
     options: CheckOptions | None = None,
+    start: Floats | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
     time_limit_s: float = float("inf"),
@@ -32,6 +34,9 @@ def check(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     options
+    start : (n, 6) [m, rad]
+        ``displacement`` of the result of a similar model with the same blocks. It saves time where
+        the model stands for every stiffness that is tried, and does not change the verdict.
     progress
     stop
         Called often; True ends the analysis with the results so far.
@@ -48,7 +53,7 @@ def check(
     Raises
     ------
     InputError
-        What was given cannot be made into a model.
+        What was given cannot be made into a model, or the start has another shape.
 
     Examples
     --------
@@ -59,7 +64,8 @@ def check(
     """
     chosen = CheckOptions.of(options)
     clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
+    problem = Problem.build(supported_model(given, **how))
+    return Cascade(problem, chosen, progress, clock, start).run()
 
 
 @checked_call
