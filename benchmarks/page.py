@@ -106,7 +106,8 @@ FRAME = """(async () => {
   const view = document.getElementById('view');
   const gl = view.getContext('webgl2');
   const pixel = new Uint8Array(4);
-  const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // until it is drawn
+  // until it is drawn
+  const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
   const times = [];
   wait();
   await new Promise((done) => setTimeout(done, 300)); // the page learns how slow pictures are
