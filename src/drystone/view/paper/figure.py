@@ -270,6 +270,9 @@ def _write_title(
         top -= 0.32 / size[1]
     facts = {**scene.facts, **stage.facts}
     asked = asked_line(facts, scene.made) if facts else ""
+    asked = asked.replace(
+        " \N{MIDDLE DOT}", "\N{NO-BREAK SPACE}\N{MIDDLE DOT}"
+    )  # no line begins with one
     lines = textwrap.wrap(asked, characters, max_lines=2, placeholder=" ...")
     lines += textwrap.wrap(stage.message, characters, max_lines=2, placeholder=" ...")
     figure.text(0.02, top, "\n".join(lines), fontsize=8, color=ink, va="top", parse_math=False)
@@ -327,7 +330,8 @@ def _draw_bar(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
         bar = figure.add_axes((0.76, 0.945 - 0.1 * number, 0.21, 0.018))
         steps = np.linspace(0.0, 1.0, 33)
         colours = ramp_colours(steps[:-1] + 1.0 / 64.0, sheet.theme)
-        bar.bar(steps[:-1], 1.0, width=1.0 / 32.0, align="edge", color=colours, linewidth=0.0)
+        wide = 1.5 / 32.0  # each reaches below the next one: no seams in an SVG
+        bar.bar(steps[:-1], 1.0, width=wide, align="edge", color=colours, linewidth=0.0)
         bar.set_xlim(0.0, 1.0)
         bar.set_ylim(0.0, 1.0)
         top = sheet.scene.top(layer.key)

@@ -33,6 +33,8 @@ WIDEST = 5.0
 """[points], line of the largest force in a network."""
 SHADES = 12
 """Number of colours of forces: a triangle is divided until each part has one colour."""
+FINEST = 0.02
+"""[inches], about, parts that are not divided any more. Chosen: half a millimetre."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,7 +291,9 @@ def _coloured(sheet: Sheet, layer: Layer) -> list[tuple[int, Floats, Floats]]:
     triangle, polygon = triangulate(layer.position, start)
     pieces: list[tuple[int, Floats, Floats]] = []
     for corners, number in zip(triangle, polygon.tolist(), strict=True):
-        steps = max(1, int(np.ceil(SHADES * np.ptp(np.minimum(share[corners], 1.0)))))
+        shades = SHADES * float(np.ptp(np.minimum(share[corners], 1.0)))
+        fine = float(np.ptp(at[corners], axis=0).max()) * sheet.scale / FINEST
+        steps = max(1, int(np.ceil(min(shades, fine))))
         weight = _divided(steps)
         colours = ramp_colours(weight.mean(axis=1) @ share[corners], sheet.theme)
         pieces += [

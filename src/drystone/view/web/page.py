@@ -16,7 +16,7 @@ from drystone.view.web.encode import encode, to_text
 
 SCRIPTS = (
     "linear.js", "data.js", "shaders.js", "line-shaders.js", "shadow.js", "graphics.js",
-    "renderer.js", "picking.js", "camera.js", "pointers.js",
+    "block-renderer.js", "renderer.js", "picking.js", "camera.js", "pointers.js",
     "legend.js", "panel.js", "overlay.js", "captions.js", "export.js", "extent.js", "state.js",
     "drawing.js", "playing.js", "choosing.js", "pointing.js", "views.js", "framed.js",
     "taking-out.js", "main.js",

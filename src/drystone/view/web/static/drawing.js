@@ -3,6 +3,7 @@
 const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
 const PAPER = 700; // [CSS pixels], about the width of a printed page
 const IN_PLANE = 1e-3; // by the size of a block: what is so near the section plane lies in it
+const MARKER = 6.5; // [CSS pixels], half the size of a marker on large blocks
 const MANY = 3000; // blocks, from which lines wait where pictures come slowly
 
 function sizeOf() {

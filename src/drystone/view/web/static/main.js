@@ -29,7 +29,7 @@ const KEYS = {
 function connectSliders() {
   const onInput = (id, change) => byId(id).addEventListener("input", (event) => {
     change(Number(event.target.value));
-    redraw();
+    redraw(true);
   });
   onInput("opacity", (value) => { page.opacity = value; });
   onInput("scale", (value) => { page.stretch = 10 ** value; });
@@ -84,7 +84,7 @@ function connect() {
     seen ||= canvas.clientWidth > 0;
     redraw();
   }).observe(canvas);
-  window.addEventListener("resize", redraw); // a new pixel ratio
+  window.addEventListener("resize", () => redraw()); // a new pixel ratio
   window.addEventListener("hashchange", () => readView(location.hash.slice(1)));
   for (const one of [darkness, forcing]) one.addEventListener("change", refreshPanels);
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
