@@ -29,6 +29,8 @@ FLUSH = 1e-6
 """Distance below which an edge of an interface lies on an edge of a block, by the block's size."""
 STRAIGHT = 1e-6
 """Sine of the angle between two edges below which they are one side."""
+BENT = 1e-3
+"""Sine of the angle between two faces of a block above which they meet at an edge."""
 FLUSH_REACH = 0.02
 """By the smaller block's size, how far an edge where both faces end flush goes with the block that
 carries it: the other face is taken as longer by as much as what stands may move."""
@@ -80,14 +82,15 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier) -> Ends
     carrier
         The choice at edges that belong to both blocks.
     """
-    of_a, of_b = _edge_owners(assembly, contacts)
-    away = distance_from_supports(assembly, contacts)
-    far = np.sign(away[contacts.block_b] - away[contacts.block_a])
-    both = 0.5 + 0.5 * (far if carrier is Carrier.MOVING else -far)
-    joint = contacts.interface
-    share = np.where(of_b & ~of_a, 1.0, np.where(of_a & ~of_b, 0.0, both[joint]))
     after, before = _neighbours(contacts)
     outward = _outward(contacts, after)
+    (of_a, bend_a), (of_b, bend_b) = _edge_owners(assembly, contacts, outward)
+    away = distance_from_supports(assembly, contacts)
+    far = np.sign(away[contacts.block_b] - away[contacts.block_a])
+    joint = contacts.interface
+    both = (0.5 + 0.5 * (far if carrier is Carrier.MOVING else -far))[joint]
+    both = np.where(_fitted(bend_a, bend_b), bend_b > bend_a, both)
+    share = np.where(of_b & ~of_a, 1.0, np.where(of_a & ~of_b, 0.0, both))
     reach = _reach(assembly, contacts, of_a, of_b, outward)
     edges = np.stack([outward, outward[before]], axis=1)
     weight = np.stack([share, share[before]], axis=1)
@@ -108,10 +111,16 @@ def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier) -> Ends
 
 def flush_ends(assembly: Assembly, contacts: Contacts) -> bool:
     """Whether the carrier makes a difference: somewhere an edge belongs to both blocks."""
-    of_a, of_b = _edge_owners(assembly, contacts)
+    outward = _outward(contacts, _neighbours(contacts)[0])
+    (of_a, bend_a), (of_b, bend_b) = _edge_owners(assembly, contacts, outward)
     away = distance_from_supports(assembly, contacts)
     unlike = (away[contacts.block_a] != away[contacts.block_b])[contacts.interface]
-    return bool(((of_a == of_b) & unlike).any())
+    return bool(((of_a == of_b) & unlike & ~_fitted(bend_a, bend_b)).any())
+
+
+def _fitted(bend_a: Floats, bend_b: Floats) -> Bools:
+    """(k,) whether a convex edge of one block lies in a re-entrant edge of the other."""
+    return np.asarray((np.minimum(bend_a, bend_b) < -BENT) & (np.maximum(bend_a, bend_b) > BENT))
 
 
 def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
@@ -253,38 +262,51 @@ def _outward(contacts: Contacts, after: Ints) -> Floats:
     return np.stack([along[:, 1], -along[:, 0]], axis=1)
 
 
-def _edge_owners(assembly: Assembly, contacts: Contacts) -> tuple[Bools, Bools]:
-    """(k,) whether the edge from each corner to the next lies on an edge of block a, and of b."""
+def _edge_owners(
+    assembly: Assembly, contacts: Contacts, outward: Floats
+) -> list[tuple[Bools, Floats]]:
+    """For blocks a and b, of the edge from each corner to the next: is it theirs, and its bend.
+
+    The bend (k,) is the sine of the angle by which the block's surface turns away from the
+    interface at the edge: positive at a convex edge, negative at a re-entrant one.
+    """
     after, _ = _neighbours(contacts)
     middle = 0.5 * (contacts.point + contacts.point[after])
     along = contacts.point[after] - contacts.point
+    away = np.einsum("kij,ki->kj", contacts.frame[contacts.interface, 1:], outward)
     found = []
-    segments = _block_edges(assembly)
+    segments, normals = _block_edges(assembly)
     for block in (contacts.block_a, contacts.block_b):
         of_corner = block[contacts.interface]
-        owned = np.zeros(len(middle), dtype=bool)
+        owned, bend = np.zeros(len(middle), dtype=bool), np.zeros(len(middle))
         order = np.argsort(of_corner, kind="stable")
         starts = np.searchsorted(of_corner[order], np.arange(len(assembly) + 1))
         for i in np.unique(of_corner).tolist():
             here = order[starts[i] : starts[i + 1]]
-            owned[here] = _on_edges(middle[here], along[here], segments[i], assembly.size[i])
-        found.append(owned)
-    return found[0], found[1]
+            on = _on_edges(middle[here], along[here], segments[i], assembly.size[i])
+            owned[here] = on.any(axis=1)
+            turned = np.where(on, away[here] @ normals[i].T, 0.0)
+            most = np.abs(turned).argmax(axis=1)
+            bend[here] = turned[np.arange(len(here)), most]
+        found.append((owned, bend))
+    return found
 
 
-def _block_edges(assembly: Assembly) -> list[Floats]:
-    """Per block the ends (e, 2, 3) of the sides of its faces."""
+def _block_edges(assembly: Assembly) -> tuple[list[Floats], list[Floats]]:
+    """Per block the ends (e, 2, 3) of the sides of its faces, and normals (e, 3) of the faces."""
     faces = assembly.faces
     following = np.arange(len(faces.loop)) + 1
     following[faces.start[1:] - 1] = faces.start[:-1]
     ends = np.stack([faces.point[faces.loop], faces.point[faces.loop[following]]], axis=1)
     owner = np.repeat(faces.owner, np.diff(faces.start))
     bounds = np.searchsorted(owner, np.arange(len(assembly) + 1))
-    return [ends[bounds[i] : bounds[i + 1]] for i in range(len(assembly))]
+    normal = _FaceSides(assembly).normal[np.repeat(np.arange(faces.count), np.diff(faces.start))]
+    parts = [slice(bounds[i], bounds[i + 1]) for i in range(len(assembly))]
+    return [ends[part] for part in parts], [normal[part] for part in parts]
 
 
 def _on_edges(middle: Floats, along: Floats, segments: Floats, size: float) -> Bools:
-    """(k,) whether a point lies on one of the segments (e, 2, 3) that runs along a direction."""
+    """(k, e) whether a point lies on a segment (e, 2, 3) that runs along a direction."""
     begin, run = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.linalg.norm(run, axis=1)
     axis = run / np.where(length > 0.0, length, 1.0)[:, None]
@@ -296,7 +318,7 @@ def _on_edges(middle: Floats, along: Floats, segments: Floats, size: float) -> B
     direction = along / np.where(reach > 0.0, reach, 1.0)[:, None]
     askew = np.linalg.norm(cross(direction[:, None], axis[None]), axis=2)
     parallel = (askew < 1e-3) | (reach == 0.0)[:, None]
-    return np.asarray((near & parallel).any(axis=1))
+    return np.asarray(near & parallel)
 
 
 __all__ = ["Carrier", "Ends", "distance_from_supports", "flush_ends", "joint_ends", "slid"]

@@ -36,6 +36,7 @@ from drystone.stability.screening import SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 SENSITIVE = "sensitive to how the joints press"
+NOT_REACHED = "forces could balance the loads, but the loads alone do not bring them about"
 
 
 class Cascade:
@@ -186,10 +187,7 @@ class Cascade:
             motion = self.problem.normalised(found.displacement)
         words = f"{found.message}; {held}: {SENSITIVE}"
         if not stood and self.balances:
-            words = (
-                "forces could balance the loads, but only prestress would bring them about: "
-                f"{found.message}"
-            )
+            words = f"{NOT_REACHED}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
         return replace(self._unstable(words, motion), settlement=found)
 
     def _rests(self, found: Settlement, why: str) -> Result:
@@ -345,10 +343,7 @@ class Cascade:
             if motion is not None:
                 words = "it starts to move"
                 if self.balances:
-                    words = (
-                        "forces could balance the loads, but only prestress would bring them "
-                        f"about: {words}"
-                    )
+                    words = f"{NOT_REACHED}; {words}"
                 return self._unstable(words + left_out, motion)
         tried = self.attempts.tried
         those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
