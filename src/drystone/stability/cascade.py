@@ -14,6 +14,7 @@ from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
+from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -193,7 +194,8 @@ class Cascade:
     def _rests(self, found: Settlement, why: str) -> Result:
         """STABLE after settling, with a rest state in place if some stiffness has one.
 
-        Otherwise the forces are those on the moved blocks, in the axes of the first joints.
+        Otherwise the forces are those on the moved blocks, in the axes of the first joints. Faces
+        that were met are the last joints of the model of the result.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
         for one in self.attempts.standing[:1]:
@@ -205,11 +207,13 @@ class Cascade:
                 residuals=one.residuals,
                 settlement=found,
             )
-        contacts, path = self.problem.model.contacts, found.path
+        path = found.path
+        contacts = path.model.contacts
         world = np.einsum("ki,kij->kj", path.force, path.axes)
         return self._answer(
             Verdict.STABLE,
             words,
+            model=path.model,
             force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
             displacement=path.displacement,
             residuals=path.residuals,
@@ -374,13 +378,15 @@ class Cascade:
             falling=falling,
         )
 
-    def _answer(self, verdict: Verdict, message: str, **found: object) -> Result:
+    def _answer(
+        self, verdict: Verdict, message: str, model: Model | None = None, **found: object
+    ) -> Result:
         self._report("done", 3 + self.options.samples)
         elapsed, checking = self.clock.elapsed_s, self.attempts.checking_s
         return Result(
             method="check",
             verdict=verdict,
-            model=self.problem.model,
+            model=self.problem.model if model is None else model,
             message=message,
             samples=Samples(self.attempts.tried, len(self.attempts.standing)),
             stopped=self.clock.reason,
