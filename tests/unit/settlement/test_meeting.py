@@ -1,11 +1,13 @@
-"""Faces that are apart at the beginning act where blocks meet."""
+"""Faces that are apart at the beginning act where blocks meet; edges that lie in each other."""
 
 import numpy as np
 import pytest
 
 from drystone import Assembly, LoadCase, Model, Verdict, check, settle
 from drystone.models import box, wedge
-from drystone.settlement import End, Outcome, push
+from drystone.models.solids import prism
+from drystone.settlement import Carrier, End, Outcome, push
+from drystone.settlement.faces.corners import joint_ends
 from drystone.settlement.faces.meeting import faces_apart
 
 WEIGHT = 2400.0 * 9.81
@@ -82,3 +84,27 @@ def test_what_is_pushed_against_a_wall_is_held() -> None:
     free = (found.displacement > 1e-4) & (found.displacement < 0.0999)
     assert found.load[free] == pytest.approx(0.3, rel=1e-4)
     assert found.capacity is None
+
+
+@pytest.mark.parametrize("carrier", Carrier)
+@pytest.mark.parametrize(("ridge", "owner"), [(0.5, 0.0), (-0.5, 1.0)])
+def test_in_a_re_entrant_edge_the_convex_one_carries_the_corners(
+    carrier: Carrier, ridge: float, owner: float
+) -> None:
+    joint = [(-1.0, 0.0), (0.0, ridge), (1.0, 0.0)]
+    blocks = (
+        prism([(-1.0, -2.0), (1.0, -2.0), *joint[::-1]], (0.0, 1.0), "lower"),
+        prism([*joint, (1.0, 2.0), (-1.0, 2.0)], (0.0, 1.0), "upper"),
+    )
+    model = Model.of(Assembly(blocks).with_fixed(["lower"]), friction=0.5)
+    contacts = model.contacts
+    assert [one.blocks for one in contacts] == [(0, 1), (0, 1)]
+    none = np.zeros((contacts.corner_count, 2))
+    ends = joint_ends(model.assembly, contacts, carrier, none)
+    middle = 0.5 * (contacts.point + contacts.point[ends.after])
+    at_ridge = np.abs(middle[:, 0]) < 1e-9
+    assert at_ridge.sum() == 2
+    assert (ends.share[at_ridge, 0] == owner).all()
+    # where both are convex and end flush either may carry them
+    outer = np.abs(middle[:, 0]) > 1.0 - 1e-9
+    assert (ends.share[outer, 0] == (carrier is Carrier.MOVING)).all()
