@@ -90,8 +90,8 @@ def push(
     Raises
     ------
     InputError
-        The load has no force on a free block, ``to`` is not above zero, or what was given cannot be
-        made into a model.
+        The load has no force on a free block, ``to`` is not above zero, joints carry more than
+        friction, or what was given cannot be made into a model.
 
     Examples
     --------
@@ -219,6 +219,7 @@ def _driven(
 ) -> LargeDisplacement:
     """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N."""
     chosen = SettlementOptions.of(options)
+    model.require_dry("large displacement")
     if not len(model.assembly.free):
         raise InputError("every block is fixed", remedy="leave a block free")
     apart = faces_apart(model, FARTHEST)
