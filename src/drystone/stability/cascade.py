@@ -15,6 +15,7 @@ from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
+from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -37,6 +38,7 @@ from drystone.stability.screening import SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 SENSITIVE = "sensitive to how the joints press"
+NOT_REACHED = "forces could balance the loads, but the loads alone do not bring them about"
 
 
 class Cascade:
@@ -236,16 +238,14 @@ class Cascade:
             motion = self.problem.normalised(found.displacement)
         words = f"{found.message}; {held}: {SENSITIVE}"
         if not stood and self.balances:
-            words = (
-                "forces could balance the loads, but only prestress would bring them about: "
-                f"{found.message}"
-            )
+            words = f"{NOT_REACHED}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
         return replace(self._unstable(words, motion), settlement=found)
 
     def _rests(self, found: Settlement, why: str) -> Result:
         """STABLE after settling, with a rest state in place if some stiffness has one.
 
-        Otherwise the forces are those on the moved blocks, in the axes of the first joints.
+        Otherwise the forces are those on the moved blocks, in the axes of the first joints. Faces
+        that were met are the last joints of the model of the result.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
         for one in self.attempts.standing[:1]:
@@ -257,11 +257,13 @@ class Cascade:
                 residuals=one.residuals,
                 settlement=found,
             )
-        contacts, path = self.problem.model.contacts, found.path
+        path = found.path
+        contacts = path.model.contacts
         world = np.einsum("ki,kij->kj", path.force, path.axes)
         return self._answer(
             Verdict.STABLE,
             words,
+            model=path.model,
             force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
             displacement=path.displacement,
             residuals=path.residuals,
@@ -395,10 +397,7 @@ class Cascade:
             if motion is not None:
                 words = "it starts to move"
                 if self.balances:
-                    words = (
-                        "forces could balance the loads, but only prestress would bring them "
-                        f"about: {words}"
-                    )
+                    words = f"{NOT_REACHED}; {words}"
                 return self._unstable(words + left_out, motion)
         tried = self.attempts.tried
         those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
@@ -429,13 +428,15 @@ class Cascade:
             falling=falling,
         )
 
-    def _answer(self, verdict: Verdict, message: str, **found: object) -> Result:
+    def _answer(
+        self, verdict: Verdict, message: str, model: Model | None = None, **found: object
+    ) -> Result:
         self._report("done", 3 + self.options.samples)
         elapsed, checking = self.clock.elapsed_s, self.attempts.checking_s
         return Result(
             method="check",
             verdict=verdict,
-            model=self.problem.model,
+            model=self.problem.model if model is None else model,
             message=message,
             samples=Samples(self.attempts.tried, len(self.attempts.standing)),
             stopped=self.clock.reason,
