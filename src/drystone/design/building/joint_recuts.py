@@ -155,7 +155,7 @@ def recut_joints(
     >>> from drystone.models import snake
     >>> found = recut_joints(snake(), friction=0.66)
     >>> found.free, [(one.kind, one.angle_deg) for one in found.changes]
-    (True, [('wedge', -10.0)])
+    (True, [('wedge', 10.0)])
     """
     chosen = RecutOptions.of(options)
     model = supported_model(given, **how)
