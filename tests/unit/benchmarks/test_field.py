@@ -123,6 +123,7 @@ def test_small_models_are_asked_first() -> None:
 def test_rows_that_are_known_are_not_asked_again() -> None:
     class Counted:
         name = "counted"
+        limit = 1.0
         asked = 0
 
         def ask(self, task: Any) -> dict[str, Any]:
@@ -137,6 +138,11 @@ def test_rows_that_are_known_are_not_asked_again() -> None:
     assert program.asked == 3
     assert again == [(first[0], False), (first[1], True)]
     assert list(rows_of(every, [program], end=0.0)) == []
+    program.limit = 2.0
+    assert [new for _, new in rows_of(every, [program], first)] == [True, True]
+    program.limit, program.name = 1.0, "a newer one"
+    ((row, _), *_) = rows_of(every, [program], first)
+    assert list(row["answers"]) == ["a newer one"]
 
 
 def test_tables_are_written_between_the_marks_of_a_page(tmp_path: Path) -> None:
