@@ -214,7 +214,7 @@ def rows_of(
 ) -> Iterator[tuple[Row, bool]]:
     """Every state with the answers of the programs, and whether one of them was asked now.
 
-    No state is begun after ``end`` (monotonic) [s]. Answers that were ``told`` before are kept where
+    No state is begun after ``end`` (monotonic) [s]. Answers that were ``told`` before are kept if
     the program, the task, its limit and the machine are the same.
     """
     known: dict[tuple[str, str], dict[str, Any]] = {}
