@@ -1,5 +1,6 @@
 """What the README and the pages under docs say is so: their commands, examples, links, lists."""
 
+import pkgutil
 import re
 import runpy
 import shlex
@@ -10,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+import drystone as drystone_package
+from drystone import models
 from drystone.results import Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -172,6 +175,26 @@ def test_an_extra_that_an_error_names_exists() -> None:
     }
     assert named
     assert named <= set(project["optional-dependencies"])
+
+
+WITH_AN_EXTRA = {"drystone.cli", "drystone.mcp"}
+"""Started from the command line; the second needs a package that the site is built without."""
+
+
+def test_the_reference_has_every_public_name() -> None:
+    reference = runpy.run_path(str(ROOT / "docs" / "reference.py"))
+    seen: set[int] = set()
+    listed = [m for modules in reference["ROOMS"].values() for m in modules]
+    assert all(reference["public"](module, seen) for module in listed)
+    modules = [f"drystone.{one.name}" for one in pkgutil.iter_modules(drystone_package.__path__)]
+    assert {m: reference["public"](m, seen) for m in modules if m not in WITH_AN_EXTRA} == {
+        m: [] for m in modules if m not in WITH_AN_EXTRA
+    }
+
+
+def test_the_page_of_models_has_every_family() -> None:
+    page = (ROOT / "docs" / "models.md").read_text("utf-8")
+    assert [name for name in models.__all__ if f"`{name}`" not in page] == []
 
 
 def test_the_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -> None:
