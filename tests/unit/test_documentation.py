@@ -13,6 +13,7 @@ import pytest
 
 import drystone as drystone_package
 from drystone import models
+from drystone.cli import main
 from drystone.results import Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -89,16 +90,22 @@ ANSWERS = {
 """Beginning of each command of the README: its exit code, and words of its answer."""
 
 
-def test_the_readmes_commands_answer_as_it_says(followed: tuple[Path, str]) -> None:
+def test_the_readmes_commands_answer_as_it_says(
+    followed: tuple[Path, str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """In their order: some read what an earlier one wrote."""
     folder, _ = followed
+    monkeypatch.chdir(folder)
     commands = re.findall(r"^ {4}drystone (.*)$", README, re.MULTILINE)
     assert len(commands) == len(ANSWERS)
     for command, (beginning, (code, words)) in zip(commands, ANSWERS.items(), strict=True):
         assert command.startswith(beginning)
-        run = drystone(command, folder)
-        assert (run.returncode, run.stderr) == (code, ""), command
-        assert words in run.stdout, command
+        answered = main(shlex.split(command))
+        printed = capsys.readouterr()
+        assert (answered, printed.err) == (code, ""), command
+        assert words in printed.out, command
     written = {path.name for path in folder.iterdir()}
     assert {"fall.png", "barrel.json", "plan.html", "vault.glb"} <= written
 
