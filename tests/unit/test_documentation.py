@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import drystone as drystone_package
-from drystone import models
+from drystone import __version__, models
 from drystone.cli import main
 from drystone.results import Verdict
 
@@ -164,6 +164,13 @@ def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
     }
     page = (ROOT / "docs" / "dependencies.md").read_text("utf-8")
     assert set(re.findall(r"^\| ([a-z][\w.-]*) \| [A-Z]", page, re.MULTILINE)) == needed
+
+
+def test_the_version_has_one_source() -> None:
+    others = ["pyproject.toml", "benchmarks/field/pyproject.toml", "CITATION.cff", "README.md"]
+    others += ["docs/citing.md", "docs/conf.py"]
+    named = [name for name in others if __version__ in (ROOT / name).read_text("utf-8")]
+    assert named == []
 
 
 def test_every_dependency_of_the_core_is_imported() -> None:
