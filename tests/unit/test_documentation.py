@@ -1,5 +1,6 @@
 """What the README and the pages under docs say is so: their commands, examples, links, lists."""
 
+import contextlib
 import pkgutil
 import re
 import runpy
@@ -9,11 +10,13 @@ import sys
 import tomllib
 from pathlib import Path
 
+import click
 import pytest
 
 import drystone as drystone_package
 from drystone import __version__, models
 from drystone.cli import main
+from drystone.cli.application import app
 from drystone.results import Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -151,6 +154,27 @@ def test_links_lead_to_something(page: Path) -> None:
     links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text("utf-8"))
     local = [link for link in links if not link.startswith("https://")]
     assert [link for link in local if not (page.parent / link).exists()] == []
+
+
+def commands_of(page: Path) -> list[str]:
+    """The command lines of a page, and in its text the commands that name a file."""
+    text = page.read_text("utf-8").replace("\\\n", " ")
+    lines = re.findall(r"^ {4}(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$", text, re.MULTILINE)
+    named = r"`drystone ([a-z][^`\n]*\b(?:FILE|MODEL|SURFACE|FAMILY|\w+\.\w+)\b[^`\n]*)`"
+    return [*lines, *re.findall(named, text)]
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if commands_of(page)], ids=lambda page: page.name
+)
+def test_the_commands_of_a_page_have_arguments_and_options_that_exist(page: Path) -> None:
+    """They are parsed, not run."""
+    for line in commands_of(page):
+        arguments, command = shlex.split(line), app
+        while isinstance(command, click.Group) and arguments:
+            command = command.commands[arguments.pop(0)]
+        with contextlib.suppress(click.exceptions.Exit), command.make_context(line, arguments):
+            pass
 
 
 def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:

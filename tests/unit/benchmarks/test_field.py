@@ -175,6 +175,18 @@ def test_a_solver_of_dry_joints_has_no_answer_for_joints_that_pull() -> None:
         program.close()
 
 
+def test_the_solver_of_the_page_is_asked(tmp_path: Path) -> None:
+    page = (MODELS.parents[2] / "docs" / "benchmark.md").read_text("utf-8")
+    script = tmp_path / "my_solver.py"
+    script.write_text(page.partition("```python\n")[2].partition("```")[0], "utf-8")
+    program: Any = Program([sys.executable, str(script)], 60.0)
+    try:
+        rows = [row for row, _ in rows_of(questions("slide"), [program])]
+    finally:
+        program.close()
+    assert "| my solver 1.0 | 2 | 1 | 0 | 1 | 0 | 0 | 0 |" in tables(rows)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit of CPU time")
 def test_a_state_that_takes_too_much_cpu_has_no_answer() -> None:
     script = PULLS.replace("FOLDER", repr(str(MODELS.parent)))
