@@ -13,6 +13,7 @@ SLOW = {"benchmarks", "cli", "compat", "design", "fall", "limits", "live", "mcp"
 SLOW |= {"sequence", "settlement", "shells", "view", "test_benchmark_speed.py", "test_display.py"}
 SLOW |= {"test_documentation.py", "test_freeform.py", "test_numerical_trouble.py"}
 SLOW |= {"test_public_api.py", "test_stopping.py", "test_settled_verdicts.py", "test_curved.py"}
+SLOW |= {"test_check_many.py", "test_hostile.py", "test_rhino.py"}
 """Of tests/unit: what takes longer than the quick look of ``pytest -m fast`` may."""
 
 
