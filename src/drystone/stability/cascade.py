@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.progress import Progress
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
@@ -26,6 +26,7 @@ from drystone.stability.proofs import (
     FALLING_SHARE,
     NO_APPROACH,
     beside_supports,
+    closing_blocks,
     first_motion,
     found_mechanism,
     free_acceleration,
@@ -67,10 +68,7 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem = self.problem
-        self._report("rest state", 0)
-        attempts = self.attempts
-        springs = compliance.uniform(problem.statics)
-        uniform = attempts.attempt(springs, falls=lambda: self.collapse is not None)
+        attempts, uniform = self.attempts, self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
                 return self._unstable("no contact forces can balance the loads", self.collapse)
@@ -93,6 +91,13 @@ class Cascade:
             return self._sensitive(found)
         return self._first_motion()
 
+    @cached_property
+    def uniform(self) -> Candidate:
+        """The answer of uniform contact stiffness."""
+        self._report("rest state", 0)
+        springs = compliance.uniform(self.problem.statics)
+        return self.attempts.attempt(springs, falls=lambda: self.collapse is not None)
+
     def _other_stiffnesses(self, uniform: Candidate) -> None:
         """Rest states for the samples of the stiffness, once."""
         attempts, statics = self.attempts, self.problem.statics
@@ -111,8 +116,9 @@ class Cascade:
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
-        Following the blocks decides where they press a little, as on a plug that hardly tapers, and
-        where a free block touches those that would fall: it may settle against them.
+        A free block that touches those that would fall may settle against them: a rest state in
+        which something presses on each of them shows that it does. Without one, and where they
+        press a little, as on a plug that hardly tapers, following the blocks decides.
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, and so do
@@ -132,6 +138,8 @@ class Cascade:
             surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
                 where=falling
             )
+            if not apart and self._caught(falling):
+                return None
             why = "hardly anything presses on some of its blocks at first"
             followed = None if surely else self._follow()
             if followed is not None and followed.outcome is Outcome.RESTS:
@@ -153,6 +161,16 @@ class Cascade:
             mechanism=problem.normalised(motion),
             prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
+        )
+
+    @one_blas_thread()
+    def _caught(self, falling: Bools) -> bool:
+        """Whether uniform stiffness has a rest state in which something presses on blocks (n,)."""
+        model, state = self.problem.model, self.uniform
+        if not state.stands:
+            return False
+        return bool(
+            closing_blocks(model.assembly, model.contacts, state.displacement)[falling].all()
         )
 
     @one_blas_thread()

@@ -8,7 +8,7 @@ import os
 import pickle
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, nullcontext
 from itertools import chain, islice
 from typing import Any, TextIO, TypeAlias, Unpack
@@ -16,7 +16,7 @@ from typing import Any, TextIO, TypeAlias, Unpack
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike, plain_target, read_bytes
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import LOST_WORKER, Clock, Progress
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.io.opening import Given, How
@@ -179,7 +179,7 @@ class _Workers:
             return
         taken: deque[Task] = deque()
         futures: deque[Future[Row]] = deque()
-        alone = 0
+        alone, suspect = 0, -1
         while not late():
             ahead = 1 if alone else AHEAD
             try:
@@ -189,14 +189,16 @@ class _Workers:
                 if not taken:
                     return
                 row = futures[0].result()
-            except (BrokenExecutor, ConnectionError) as error:
+            except LOST_WORKER as error:
                 self._revive(error)
-                if alone:  # nothing else can have ended the worker
+                if not alone:  # those that were at work are asked one by one: which one was it?
+                    alone = len(taken)
+                elif taken[0][0] != suspect:  # another program may have ended the worker: once more
+                    suspect = taken[0][0]
+                else:
                     alone -= 1
                     number, name, _ = taken.popleft()
                     yield [number, name, "failed", 0, 0, "", "its worker was ended twice", 0.0]
-                else:  # those that were at work are asked one by one: which one was it?
-                    alone = len(taken)
                 tasks = chain(tuple(taken), tasks)
                 taken.clear()
                 futures.clear()

@@ -107,12 +107,13 @@ class Mortal(ThreadPoolExecutor):
     """An executor that breaks after some work, for good."""
 
     left = 3
+    error: Exception = BrokenExecutor("a worker was killed")
 
     def submit(self, function, /, *arguments, **named):  # type: ignore[no-untyped-def]
         self.left -= 1
         if self.left < 0:
             future: Future = Future()
-            future.set_exception(BrokenExecutor("a worker was killed"))
+            future.set_exception(self.error)
             return future
         return super().submit(function, *arguments, **named)
 
@@ -131,6 +132,20 @@ def test_new_workers_are_started_for_dead_ones(alone):
 
     assert essence(arch_plan(executor=start)) == alone
     assert len(started) > 1
+
+
+def test_a_scheduler_that_dies_for_good_is_done_without(alone):
+    class Gone(Mortal):
+        error = OSError("connection reset by peer")
+
+    first = [Gone(2)]
+
+    def connect() -> Mortal:
+        if not first:
+            raise InputError("no scheduler answers")
+        return first.pop()
+
+    assert essence(arch_plan(executor=connect)) == alone
 
 
 CALLS = {"left": 0}
