@@ -3,6 +3,9 @@
 import functools
 import json
 import os
+import subprocess
+import sys
+import time
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from pathlib import Path
 
@@ -101,6 +104,33 @@ def test_two_workers_of_which_one_is_killed_give_the_same_plan(checked, tmp_path
     check = functools.partial(mortal, marker, os.getpid())
     assert essence(arch_plan(check=check, executor=LocalWorkers(2))) == checked
     assert marker.exists()
+
+
+STARTS_A_WORKER = """
+import os, time
+from drystone.sequence.stage.workers import LocalWorkers
+if __name__ == "__main__":
+    with LocalWorkers(1)() as workers:
+        print(workers.submit(os.getpid).result(), flush=True)
+        time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="processes that are killed")
+def test_workers_end_when_the_process_that_started_them_is_killed(tmp_path):
+    script = tmp_path / "starts.py"
+    script.write_text(STARTS_A_WORKER, encoding="utf-8")
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE) as starter:
+        assert starter.stdout is not None
+        worker = int(starter.stdout.readline())
+        starter.kill()
+    for _ in range(200):
+        try:
+            os.kill(worker, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.02)
+    pytest.fail("the worker goes on")
 
 
 class Mortal(ThreadPoolExecutor):

@@ -1,6 +1,7 @@
 """Many models, their verdicts in a file that can be continued."""
 
 import os
+import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
@@ -105,3 +106,12 @@ def test_a_scheduler_that_dies_is_told_and_the_file_keeps_what_was_known(tmp_pat
     assert len(out.read_text(encoding="utf-8").splitlines()) == 3
     again = drystone.check_many(MODELS, out=out, friction=0.6)
     assert again["verdict"].tolist() == VERDICTS
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device without space")
+def test_a_full_disk_is_told_as_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    module = sys.modules["drystone.stability.check_many"]  # its function has the same name
+    monkeypatch.setattr(module, "plain_target", lambda _: Path("/dev/full"))
+    monkeypatch.setattr(module, "_earlier", lambda _: [])
+    with pytest.raises(InputError, match="No space left on device; free some space"):
+        drystone.check_many([tower(2)], out=tmp_path / "found.csv", friction=0.6)
