@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.progress import Progress
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
@@ -28,6 +28,7 @@ from drystone.stability.proofs import (
     FALLING_SHARE,
     NO_APPROACH,
     beside_supports,
+    closing_blocks,
     first_motion,
     found_mechanism,
     free_acceleration,
@@ -97,9 +98,7 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem = self.problem
-        self._report("rest state", 0)
-        attempts = self.attempts
-        uniform = attempts.standing[0] if attempts.standing else self._uniform()
+        attempts, uniform = self.attempts, self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
                 return self._unstable("no contact forces can balance the loads", self.collapse)
@@ -124,9 +123,13 @@ class Cascade:
             return self._sensitive(found)
         return self._first_motion()
 
-    def _uniform(self) -> Candidate:
-        """Uniform contact stiffness."""
+    @cached_property
+    def uniform(self) -> Candidate:
+        """The answer of uniform contact stiffness."""
+        self._report("rest state", 0)
         springs, attempts = compliance.uniform(self.problem.statics), self.attempts
+        if attempts.standing:
+            return attempts.standing[0]
         found = None
         if 0 in self.known and self.problem.statics.dry:
             found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
@@ -163,8 +166,9 @@ class Cascade:
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
-        Following the blocks decides where they press a little, as on a plug that hardly tapers, and
-        where a free block touches those that would fall: it may settle against them.
+        A free block that touches those that would fall may settle against them: a rest state in
+        which something presses on each of them shows that it does. Without one, and where they
+        press a little, as on a plug that hardly tapers, following the blocks decides.
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, and so do
@@ -184,6 +188,8 @@ class Cascade:
             surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
                 where=falling
             )
+            if not apart and self._caught(falling):
+                return None
             why = "hardly anything presses on some of its blocks at first"
             followed = None if surely else self._follow()
             if followed is not None and followed.outcome is Outcome.RESTS:
@@ -205,6 +211,16 @@ class Cascade:
             mechanism=problem.normalised(motion),
             prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
+        )
+
+    @one_blas_thread()
+    def _caught(self, falling: Bools) -> bool:
+        """Whether uniform stiffness has a rest state in which something presses on blocks (n,)."""
+        model, state = self.problem.model, self.uniform
+        if not state.stands:
+            return False
+        return bool(
+            closing_blocks(model.assembly, model.contacts, state.displacement)[falling].all()
         )
 
     @one_blas_thread()
