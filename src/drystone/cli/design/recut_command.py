@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 @command(
-    "drystone recut bridge.json --friction 0.34 --out recut.json",
-    "drystone recut blocks.json --hands 1 --html built.html",
+    "drystone recut arch.json --most 4 --out recut.json",
+    "drystone recut arch.json --hands 3 --most 2 --html built.html",
 )
 def recut(
     *,
