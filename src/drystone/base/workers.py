@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import (
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+)
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import chain, islice
+from multiprocessing.process import BaseProcess
 from typing import Any, TypeAlias, TypeVar
 
 from drystone.base.errors import InputError, MissingDependency
@@ -21,6 +29,8 @@ Found = TypeVar("Found")
 AHEAD = 64
 """Items that are given to the workers before their answers are asked for: enough for some tens of
 workers, and few enough to be kept in memory."""
+LOST_WORKER = (BrokenExecutor, CancelledError, OSError)
+"""What an answer raises when its worker has died, or the scheduler or the network to it."""
 POLL_S = 0.1
 """Time between two looks at the clock while an answer is waited for."""
 
@@ -43,11 +53,23 @@ class LocalWorkers:
         """Start the workers."""
         # spawned, not forked: a fork does not copy the threads of numerical libraries
         context = multiprocessing.get_context("spawn")
-        executor = ProcessPoolExecutor(self.count, mp_context=context)
+        executor = ProcessPoolExecutor(self.count, mp_context=context, initializer=end_with_parent)
         with _interrupts_ignored():
             for _ in range(self.count):
                 executor.submit(int)  # starts a process
         return executor
+
+
+def end_with_parent() -> None:
+    """End this worker process when the process that started it is killed."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
+
+
+def _end_after(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
 
 
 class WorkerPool:
@@ -117,29 +139,34 @@ class WorkerPool:
         if ahead is not None:
             window = ahead * int(getattr(self.executor, "_max_workers", None) or 1)
         left = iter(items)
-        taken: deque[tuple[Item, Future[Found]]] = deque()
-        alone = 0
+        taken: deque[Item] = deque()
+        futures: deque[Future[Found]] = deque()
+        alone, suspect = 0, None
         try:
             while not late():
                 try:
                     for item in islice(left, (1 if alone else window) - len(taken)):
-                        taken.append((item, self._submit(task, item)))
+                        taken.append(item)
+                        futures.append(self._submit(task, item))
                     if not taken:
                         return
-                    future = taken[0][1]
+                    future = futures[0]
                     while not future.done() and not late():
                         with suppress(TimeoutError):
                             future.result(timeout=POLL_S)
                     if not future.done():
                         return
                     answer = future.result()
-                except (BrokenExecutor, ConnectionError) as error:
+                except LOST_WORKER as error:
                     self._revive(error)
-                    again = [item for item, _ in taken]
+                    again = list(taken)
                     taken.clear()
+                    futures.clear()
                     if not alone:  # they are asked one by one: which one was it?
                         alone = len(again)
-                    else:  # nothing else can have ended the worker
+                    elif suspect is not again[0]:  # another program may have ended it: once more
+                        suspect = again[0]
+                    else:
                         alone -= 1
                         if failed is None:
                             raise InputError(
@@ -150,10 +177,11 @@ class WorkerPool:
                     left = chain(again, left)
                 else:
                     taken.popleft()
+                    futures.popleft()
                     alone = max(alone - 1, 0)
                     yield answer
         finally:
-            for _, future in taken:
+            for future in futures:
                 future.cancel()
 
     def _submit(self, task: Callable[[Item], Found], item: Item) -> Future[Found]:
@@ -264,4 +292,4 @@ class _DaskExecutor(Executor):
         self._client.close()
 
 
-__all__ = ["DaskWorkers", "ExecutorFactory", "LocalWorkers", "WorkerPool"]
+__all__ = ["LOST_WORKER", "DaskWorkers", "ExecutorFactory", "LocalWorkers", "WorkerPool"]

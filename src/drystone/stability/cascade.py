@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.progress import Clock, Progress, Workers
 from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.results import Result, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import Candidate, attempt_sample
-from drystone.stability.check_answers import ONLY_PRESTRESS, SENSITIVE, Answers
+from drystone.stability.attempts import CLEARLY, MUCH, Candidate, attempt_sample
+from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.programs.rbe import ANY_FORCES
 from drystone.stability.proofs import (
     NO_APPROACH,
     beside_supports,
+    closing_blocks,
     first_motion,
     found_mechanism,
     free_acceleration,
@@ -37,7 +40,20 @@ from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 
 class Cascade:
-    """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion."""
+    """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion.
+
+    Parameters
+    ----------
+    problem, options, progress, clock, executor
+    known : (n, 6) [m, rad] each
+        Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
+        one. The same stiffness is tried from there first.
+
+    Attributes
+    ----------
+    rests
+        As ``known``, of this model.
+    """
 
     def __init__(
         self,
@@ -46,11 +62,14 @@ class Cascade:
         progress: Progress | None,
         clock: Clock,
         executor: Workers | None = None,
+        known: Mapping[int, Floats] | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
         self.clock = clock
         self.executor = executor
+        self.known = known or {}
+        self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)
         self.attempts = self.answers.attempts
@@ -61,6 +80,15 @@ class Cascade:
         problem = self.problem
         if problem.statics.free_count == 0:
             return self.answers.nothing_free()
+        if self.options.uniform:
+            strict = replace(self.options, samples=0, settle=False, uniform=False)
+            progress = self.answers.progress
+            once = Cascade(problem, strict, progress, self.clock, self.executor, self.known)
+            found = once.run()
+            self.attempts, self.rests = once.attempts, once.rests
+            self.answers.attempts = self.attempts
+            if not found.stable or self.clock.late():
+                return replace(found, options=self.options)
         with WorkerPool(self.executor) as self.pool:
             dropped = self._free_fall()
             return self._after_free_fall() if dropped is None else dropped
@@ -69,10 +97,7 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem = self.problem
-        self.answers.report("rest state", 0)
-        attempts = self.attempts
-        springs = compliance.uniform(problem.statics)
-        uniform = attempts.attempt(springs, falls=lambda: self.collapse is not None)
+        attempts, uniform = self.attempts, self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
                 return self.answers.unstable(
@@ -82,6 +107,8 @@ class Cascade:
                 # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
+        if uniform.stands:
+            self.rests[0] = uniform.displacement
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
         if not (settle and attempts.falling):  # otherwise the stiffness decides, whatever others do
@@ -95,24 +122,56 @@ class Cascade:
         found = self._search()
         return self.answers.first_motion() if found is None else found
 
+    @cached_property
+    def uniform(self) -> Candidate:
+        """The answer of uniform contact stiffness."""
+        self.answers.report("rest state", 0)
+        springs, attempts = compliance.uniform(self.problem.statics), self.attempts
+        if attempts.standing:
+            return attempts.standing[0]
+        found = None
+        if 0 in self.known and self.problem.statics.dry:
+            found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
+        # without friction equilibrium decides
+        much = MUCH if self.problem.statics.friction.any() else CLEARLY
+        return found or attempts.attempt(
+            springs, falls=lambda: self.collapse is not None, much=much
+        )
+
     def _other_stiffnesses(self, uniform: Candidate) -> None:
-        """Rest states for the samples of the stiffness, once."""
+        """Rest states for the samples of the stiffness, once.
+
+        Without friction the motion of a joint is normal to its limits. Then all stiffnesses give
+        the same answer (static theorem of limit analysis).
+        """
         attempts, statics = self.attempts, self.problem.statics
-        if attempts.tried > 1:
+        if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
-        samples = compliance.samples(statics, self.options.samples, self.options.seed)
+        springs = compliance.samples(statics, self.options.samples, self.options.seed)
+        samples: list[tuple[Compliance, Sequence[Floats]]] = []
+        for number, sample in enumerate(springs, start=1):
+            rests = [self.known[number]] if number in self.known else []
+            if uniform.stands:
+                rests.append(uniform.displacement)
+            # a start is scaled as if forces were in proportion to the motion
+            samples.append((sample, rests if statics.dry else ()))
         self.answers.report("stiffness samples", 2)
-        task = partial(attempt_sample, self.problem, self.clock, uniform)
+        task = partial(attempt_sample, self.problem, self.clock)
         tried = self.pool.answers(task, samples, self.clock.late)
-        for number, record in enumerate(tried, start=3):
+        for number, record in enumerate(tried, start=1):
             attempts.add(record)
-            self.answers.report("stiffness samples", number)
+            self.answers.report("stiffness samples", 2 + number)
+            if record.standing:
+                self.rests[number] = record.standing[0].displacement
+            elif self.options.uniform:  # settlement decides
+                break
 
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
-        Following the blocks decides where they press a little, as on a plug that hardly tapers, and
-        where a free block touches those that would fall: it may settle against them.
+        A free block that touches those that would fall may settle against them: a rest state in
+        which something presses on each of them shows that it does. Without one, and where they
+        press a little, as on a plug that hardly tapers, following the blocks decides.
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, and so do
@@ -132,6 +191,8 @@ class Cascade:
             surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
                 where=falling
             )
+            if not apart and self._caught(falling):
+                return None
             why = "hardly anything presses on some of its blocks at first"
             followed = None if surely else self._follow()
             if followed is not None and followed.outcome is Outcome.RESTS:
@@ -153,6 +214,16 @@ class Cascade:
             mechanism=problem.normalised(motion),
             prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
+        )
+
+    @one_blas_thread()
+    def _caught(self, falling: Bools) -> bool:
+        """Whether uniform stiffness has a rest state in which something presses on blocks (n,)."""
+        model, state = self.problem.model, self.uniform
+        if not state.stands:
+            return False
+        return bool(
+            closing_blocks(model.assembly, model.contacts, state.displacement)[falling].all()
         )
 
     @one_blas_thread()
@@ -188,7 +259,7 @@ class Cascade:
             motion = self.problem.normalised(found.displacement)
         words = f"{found.message}; {held}: {SENSITIVE}"
         if not stood and self.answers.balances:
-            words = ONLY_PRESTRESS + found.message
+            words = f"{NOT_REACHED}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
         return replace(self.answers.unstable(words, motion), settlement=found)
 
     @cached_property

@@ -6,6 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.progress import Clock, Progress
+from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Settlement
 from drystone.stability.attempts import Attempts, Candidate
@@ -14,7 +15,7 @@ from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE, first_motion, moving_blocks
 
 SENSITIVE = "sensitive to how the joints press"
-ONLY_PRESTRESS = "forces could balance the loads, but only prestress would bring them about: "
+NOT_REACHED = "forces could balance the loads, but the loads alone do not bring them about"
 
 
 class Answers:
@@ -103,7 +104,8 @@ class Answers:
     def rests(self, found: Settlement, why: str) -> Result:
         """STABLE after settling, with a rest state in place if some stiffness has one.
 
-        Otherwise the forces are those on the moved blocks, in the axes of the first joints.
+        Otherwise the forces are those on the moved blocks, in the axes of the first joints. Faces
+        that were met are the last joints of the model of the result.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
         for one in self.attempts.standing[:1]:
@@ -115,11 +117,13 @@ class Answers:
                 residuals=one.residuals,
                 settlement=found,
             )
-        contacts, path = self.problem.model.contacts, found.path
+        path = found.path
+        contacts = path.model.contacts
         world = np.einsum("ki,kij->kj", path.force, path.axes)
         return self.answer(
             Verdict.STABLE,
             words,
+            model=path.model,
             force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
             displacement=path.displacement,
             residuals=path.residuals,
@@ -141,7 +145,7 @@ class Answers:
             if motion is not None:
                 words = "it starts to move"
                 if self.balances:
-                    words = ONLY_PRESTRESS + words
+                    words = f"{NOT_REACHED}; {words}"
                 return self.unstable(words + left_out, motion)
         tried = self.attempts.tried
         those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
@@ -172,14 +176,16 @@ class Answers:
             falling=falling,
         )
 
-    def answer(self, verdict: Verdict, message: str, **found: object) -> Result:
+    def answer(
+        self, verdict: Verdict, message: str, model: Model | None = None, **found: object
+    ) -> Result:
         """A result, with the counts and times of the check."""
         self.report("done", 3 + self.options.samples)
         elapsed, checking = self.clock.elapsed_s, self.attempts.checking_s
         return Result(
             method="check",
             verdict=verdict,
-            model=self.problem.model,
+            model=self.problem.model if model is None else model,
             message=message,
             samples=Samples(self.attempts.tried, len(self.attempts.standing)),
             stopped=self.clock.reason,
@@ -191,4 +197,4 @@ class Answers:
         )
 
 
-__all__ = ["ONLY_PRESTRESS", "SENSITIVE", "Answers"]
+__all__ = ["NOT_REACHED", "SENSITIVE", "Answers"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -17,6 +18,7 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import diagnose
+from drystone.design.causes.prop_forces import Stopped
 from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mend_kinds import KINDS, MAKERS
@@ -217,7 +219,7 @@ def find_mends(
     clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
     keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
-    first = chosen.margin.holds(model)
+    first = chosen.margin.holds(model, stop=clock.late)
     if chosen.margin.meets(first):
         return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
     found = diagnose(
@@ -234,7 +236,7 @@ def find_mends(
             held = sorted(others - set(region.blocks))
             own: list[Mend] = []
             names = tuple(model.assembly.names[i] for i in region.blocks)
-            task = partial(_of_kind, model, found.motion, region, chosen.margin, keep, held)
+            task = partial(_of_kind, model, found.motion, region, chosen.margin, keep, held, clock)
             stage = f"mends of region {number + 1}"
             if progress is not None:
                 progress(stage, 0, len(chosen.kinds))
@@ -265,17 +267,21 @@ def _of_kind(
     margin: DesignMargin,
     keep: frozenset[int],
     held: list[int],
+    clock: Clock,
     kind: str,
 ) -> tuple[list[Mend], list[Tried]]:
     """The mends of one kind for a region, and what was tried without success."""
-    bench = Bench(model, motion, region, margin, keep)
-    made = [_verified(model, bench, one, held, margin) for one in MAKERS[kind](bench)]
-    return [one for one in made if one is not None], bench.tried
+    bench = Bench(model, motion, region, margin, keep, clock.late)
+    made = []
+    with contextlib.suppress(Stopped):
+        for candidate in MAKERS[kind](bench):
+            found = _verified(model, bench, candidate, held)
+            if found is not None:
+                made.append(found)
+    return made, bench.tried
 
 
-def _verified(
-    model: Model, bench: Bench, candidate: Candidate, held: list[int], margin: DesignMargin
-) -> Mend | None:
+def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int]) -> Mend | None:
     """The change on the whole structure, checked; ``None`` if it falls.
 
     If the least value of the local model is not sufficient for the whole structure, a larger one is
@@ -295,9 +301,9 @@ def _verified(
         still = [names[i] for i in held if names[i] in made.assembly]
         fixed = [made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)]
         asked = made.with_supports([*fixed, *still]) if still else made
-        result = margin.holds(asked, quick=quick)
+        result = bench.holds(asked, quick=quick)
         why = why if quick else result.message
-        return (made, result) if margin.meets(result) else None
+        return (made, result) if bench.margin.meets(result) else None
 
     value = candidate.value
     answer = changed_and_checked(value)
