@@ -262,9 +262,17 @@ def _driven(
 
 def _of_corners(moment: Moment, kept: Bools) -> Moment:
     """The moment with some of its corners."""
-    placed = Placed(*(one[kept] for one in moment.placed))
-    response = Response(*(one[kept] for one in moment.response))
-    return moment._replace(placed=placed, response=response)
+    placed, response = moment.placed, moment.response
+    return moment._replace(
+        placed=Placed(placed.point[kept], placed.axes[kept], placed.gap[kept]),
+        response=Response(
+            response.force[kept],
+            response.pressed[kept],
+            response.sliding[kept],
+            response.direction[kept],
+            response.softening[kept],
+        ),
+    )
 
 
 def _state(
