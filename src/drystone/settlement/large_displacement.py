@@ -39,6 +39,8 @@ STAGE = {
     Drive.SUPPORTS: "moving the supports",
     Drive.FRICTION: "reducing the friction",
 }
+WATCHED = 0.3
+"""[s] between two states that are watched. Chosen: a picture of 400 blocks takes a tenth of it."""
 ENDS = {
     "spent": End.SPENT,
     "falls": End.FALLS,
@@ -142,6 +144,7 @@ def move_supports(
     *,
     to: float | None = None,
     options: SettlementOptions | None = None,
+    watch: Callable[[LargeState], None] | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
     time_limit_s: float = float("inf"),
@@ -160,6 +163,8 @@ def move_supports(
     to : [m]
         The motion is made larger or smaller until its largest translation is this; left out, it is
         taken as it is.
+    watch
+        Called with the blocks as they are while they are followed, a few times a second.
 
     Raises
     ------
@@ -180,11 +185,21 @@ def move_supports(
         moving, longest = moving * (to / longest), to
     still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))
 
+    clock = Clock(time_limit_s, stop)
+    watched = 0.0
+
     def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
-        ended = driver.shift(scaled_motion(bodies, moving), tell)
+        def told(share: float) -> None:
+            nonlocal watched
+            tell(share)
+            if watch is not None and driver.last and clock.elapsed_s > watched + WATCHED:
+                watched = clock.elapsed_s
+                watch(_state(still, bodies, driver.last, longest, bodies.force_unit))
+
+        ended = driver.shift(scaled_motion(bodies, moving), told)
         return ended, longest, bodies.force_unit
 
-    return _driven(still, Drive.SUPPORTS, run, options, progress, Clock(time_limit_s, stop))
+    return _driven(still, Drive.SUPPORTS, run, options, progress, clock)
 
 
 @checked_call

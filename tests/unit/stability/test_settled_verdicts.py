@@ -129,7 +129,10 @@ def test_a_block_that_its_free_neighbours_settle_against_does_not_fall_freely(
 ) -> None:
     # within 0.3 degrees of upright the plate's own weight opens both of its joints
     model = tilted(plate(), Y, degrees, friction=0.7)
-    assert check(model).verdict is Verdict.STABLE
+    found = check(model)
+    assert found.verdict is Verdict.STABLE
+    # a rest state in which both neighbours press on it: nothing is followed
+    assert found.settlement is None
     assert try_rest(model).verdict is Verdict.STABLE
 
 
