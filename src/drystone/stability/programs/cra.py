@@ -110,7 +110,9 @@ def solve_cra(
     chosen = CRAOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    problem.model.require_dry("coupled rigid-block analysis")
+    problem.model.require_dry(
+        "coupled rigid-block analysis", "eq. 5.6 is for joints that only press and rub"
+    )
     base = Cascade(
         problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
     ).run()
