@@ -40,6 +40,13 @@ def test_capacities_follow_a_part_of_the_model():
     assert not part.contacts.dry.any()
 
 
+def test_who_follows_dry_joints_only_refuses_others():
+    glued = MODEL.with_capacity(JointCapacity.of(MODEL.contacts, tension=1.0))
+    for work in (drystone.settle, drystone.push):
+        with pytest.raises(InputError, match="takes dry joints only"):
+            work(glued)
+
+
 @pytest.mark.parametrize("suffix", [".json"])
 def test_a_file_keeps_them(tmp_path, suffix):
     capacity = JointCapacity.of(MODEL.contacts, tension=[0.1, 0.2, 0.0], shear=7.0)

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
@@ -167,9 +170,18 @@ class Attempts:
         return candidate
 
     def start(self, springs: Compliance, displacement: Floats) -> Start:
-        """A start at displacements (n, 6) [m, rad], such as those of a similar model."""
+        """A start at displacements (n, 6) [m, rad], such as those of a similar model.
+
+        Raises
+        ------
+        InputError
+            They have another shape, or are not finite.
+        """
+        count = len(self.problem.model.assembly)
+        if np.shape(displacement) != (count, 6) or not np.isfinite(displacement).all():
+            raise InputError(f"the start must hold {count} times six finite numbers", where="start")
         statics = self.problem.statics
-        motion = statics.scaled_motion(displacement, statics.mean_length)
+        motion = statics.scaled_motion(np.asarray(displacement), statics.mean_length)
         return start_from(self.problem.system, springs, motion)
 
     def nearby(self, springs: Compliance, start: Start) -> Candidate | None:

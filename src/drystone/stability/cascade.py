@@ -8,13 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.progress import Progress
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
+from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
@@ -27,6 +28,7 @@ from drystone.stability.proofs import (
     FALLING_SHARE,
     NO_APPROACH,
     beside_supports,
+    closing_blocks,
     first_motion,
     found_mechanism,
     free_acceleration,
@@ -37,6 +39,7 @@ from drystone.stability.screening import SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 SENSITIVE = "sensitive to how the joints press"
+NOT_REACHED = "forces could balance the loads, but the loads alone do not bring them about"
 
 
 class Cascade:
@@ -95,9 +98,7 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem = self.problem
-        self._report("rest state", 0)
-        attempts = self.attempts
-        uniform = attempts.standing[0] if attempts.standing else self._uniform()
+        attempts, uniform = self.attempts, self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
                 return self._unstable("no contact forces can balance the loads", self.collapse)
@@ -122,9 +123,13 @@ class Cascade:
             return self._sensitive(found)
         return self._first_motion()
 
-    def _uniform(self) -> Candidate:
-        """Uniform contact stiffness."""
+    @cached_property
+    def uniform(self) -> Candidate:
+        """The answer of uniform contact stiffness."""
+        self._report("rest state", 0)
         springs, attempts = compliance.uniform(self.problem.statics), self.attempts
+        if attempts.standing:
+            return attempts.standing[0]
         found = None
         if 0 in self.known and self.problem.statics.dry:
             found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
@@ -161,8 +166,9 @@ class Cascade:
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
-        Following the blocks decides where they press a little, as on a plug that hardly tapers, and
-        where a free block touches those that would fall: it may settle against them.
+        A free block that touches those that would fall may settle against them: a rest state in
+        which something presses on each of them shows that it does. Without one, and where they
+        press a little, as on a plug that hardly tapers, following the blocks decides.
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, and so do
@@ -182,6 +188,8 @@ class Cascade:
             surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
                 where=falling
             )
+            if not apart and self._caught(falling):
+                return None
             why = "hardly anything presses on some of its blocks at first"
             followed = None if surely else self._follow()
             if followed is not None and followed.outcome is Outcome.RESTS:
@@ -203,6 +211,16 @@ class Cascade:
             mechanism=problem.normalised(motion),
             prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
+        )
+
+    @one_blas_thread()
+    def _caught(self, falling: Bools) -> bool:
+        """Whether uniform stiffness has a rest state in which something presses on blocks (n,)."""
+        model, state = self.problem.model, self.uniform
+        if not state.stands:
+            return False
+        return bool(
+            closing_blocks(model.assembly, model.contacts, state.displacement)[falling].all()
         )
 
     @one_blas_thread()
@@ -236,16 +254,14 @@ class Cascade:
             motion = self.problem.normalised(found.displacement)
         words = f"{found.message}; {held}: {SENSITIVE}"
         if not stood and self.balances:
-            words = (
-                "forces could balance the loads, but only prestress would bring them about: "
-                f"{found.message}"
-            )
+            words = f"{NOT_REACHED}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
         return replace(self._unstable(words, motion), settlement=found)
 
     def _rests(self, found: Settlement, why: str) -> Result:
         """STABLE after settling, with a rest state in place if some stiffness has one.
 
-        Otherwise the forces are those on the moved blocks, in the axes of the first joints.
+        Otherwise the forces are those on the moved blocks, in the axes of the first joints. Faces
+        that were met are the last joints of the model of the result.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
         for one in self.attempts.standing[:1]:
@@ -257,11 +273,13 @@ class Cascade:
                 residuals=one.residuals,
                 settlement=found,
             )
-        contacts, path = self.problem.model.contacts, found.path
+        path = found.path
+        contacts = path.model.contacts
         world = np.einsum("ki,kij->kj", path.force, path.axes)
         return self._answer(
             Verdict.STABLE,
             words,
+            model=path.model,
             force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
             displacement=path.displacement,
             residuals=path.residuals,
@@ -395,10 +413,7 @@ class Cascade:
             if motion is not None:
                 words = "it starts to move"
                 if self.balances:
-                    words = (
-                        "forces could balance the loads, but only prestress would bring them "
-                        f"about: {words}"
-                    )
+                    words = f"{NOT_REACHED}; {words}"
                 return self._unstable(words + left_out, motion)
         tried = self.attempts.tried
         those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
@@ -429,13 +444,15 @@ class Cascade:
             falling=falling,
         )
 
-    def _answer(self, verdict: Verdict, message: str, **found: object) -> Result:
+    def _answer(
+        self, verdict: Verdict, message: str, model: Model | None = None, **found: object
+    ) -> Result:
         self._report("done", 3 + self.options.samples)
         elapsed, checking = self.clock.elapsed_s, self.attempts.checking_s
         return Result(
             method="check",
             verdict=verdict,
-            model=self.problem.model,
+            model=self.problem.model if model is None else model,
             message=message,
             samples=Samples(self.attempts.tried, len(self.attempts.standing)),
             stopped=self.clock.reason,

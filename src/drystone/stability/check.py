@@ -22,6 +22,7 @@ def check(
     given: Given,
     *,
     options: CheckOptions | None = None,
+    start: Floats | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
     time_limit_s: float = float("inf"),
@@ -34,6 +35,9 @@ def check(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     options
+    start : (n, 6) [m, rad]
+        ``displacement`` of the result of a similar model with the same blocks. It saves time where
+        the model stands for every stiffness that is tried, and does not change the verdict.
     progress
     stop
         Called often; True ends the analysis with the results so far.
@@ -50,7 +54,7 @@ def check(
     Raises
     ------
     InputError
-        What was given cannot be made into a model.
+        What was given cannot be made into a model, or the start has another shape.
 
     Examples
     --------
@@ -61,7 +65,9 @@ def check(
     """
     chosen = CheckOptions.of(options)
     clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
+    problem = Problem.build(supported_model(given, **how))
+    known = None if start is None else {0: start}
+    return Cascade(problem, chosen, progress, clock, known).run()
 
 
 def check_near(

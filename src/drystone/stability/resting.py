@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.rest_state import Start
@@ -104,11 +103,8 @@ def try_rest(
 
 def _start(attempts: Attempts, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
     """Springs of the first friction law, and their start from a motion (n, 6) [m, rad]."""
-    count = len(attempts.problem.model.assembly)
-    if np.shape(motion) != (count, 6) or not np.isfinite(motion).all():
-        raise InputError(f"the start must hold {count} times six finite numbers", where="start")
     springs = compliance.uniform(attempts.problem.statics, slip=slip)
-    return springs, attempts.start(springs, np.asarray(motion))
+    return springs, attempts.start(springs, motion)
 
 
 def _first_standing(

@@ -89,6 +89,9 @@ const HEAR = {
     atOnce = `${now.moves.length ? "first order" : "uniform stiffness"}: ${Math.round(answer.computed_ms)} ms`;
     byId("live-state").textContent = atOnce;
   },
+  following: ({ wish, picture }) => {
+    if (wish === live.wish && !planShown()) showAnswer(picture, true);
+  },
   whole: ({ wish, answer, picture }) => {
     if (wish !== live.wish) return;
     wholeAnswer = { state: live.asked, headline: answer.headline, verdict: answer.verdict.toUpperCase() };

@@ -15,7 +15,9 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
+from drystone.base.errors import DrystoneError
 from drystone.base.files import PathLike, as_path
+from drystone.base.progress import LOST_WORKER
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Answer, Stage, members
@@ -249,14 +251,19 @@ class Evaluator(OneLine):
                 for future in futures:
                     yield left[0], future.result()
                     del left[0]
-            except (BrokenExecutor, ConnectionError) as error:
+            except LOST_WORKER as error:
                 self._revive(error)
         for part in left:
             yield part, self.model.solve(part, self._rests_near(part))
 
     def _start(self) -> Executor | None:
         if self._executor is None and self._factory is not None:
-            self._executor = self._factory()
+            try:
+                self._executor = self._factory()
+            except DrystoneError:
+                if not self._revivals:
+                    raise
+                self._factory = None  # it is gone for good: the work goes on in this process
         return self._executor
 
     def _submit(self, part: Stage) -> Future[Answer]:
