@@ -239,7 +239,9 @@ def _driven(
 ) -> LargeDisplacement:
     """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N."""
     chosen = SettlementOptions.of(options)
-    model.require_dry("large displacement")
+    model.require_dry(
+        "large displacement", "what a joint still carries after it has moved is not known"
+    )
     if not len(model.assembly.free):
         raise InputError("every block is fixed", remedy="leave a block free")
     apart = faces_apart(model, FARTHEST)

@@ -89,7 +89,7 @@ def settle(
     """
     chosen = SettlementOptions.of(options)
     model = supported_model(given, **how)
-    model.require_dry("settlement")
+    model.require_dry("settlement", "what a joint still carries after it has moved is not known")
     clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))

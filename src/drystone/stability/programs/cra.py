@@ -107,7 +107,9 @@ def solve_cra(
     chosen = CRAOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    problem.model.require_dry("coupled rigid-block analysis")
+    problem.model.require_dry(
+        "coupled rigid-block analysis", "eq. 5.6 is for joints that only press and rub"
+    )
     shimmed = CheckOptions(samples=2, settle=False, search=True)
     with WorkerPool(executor) as pool:
         base = Cascade(problem, shimmed, progress, clock, pool.executor).run()

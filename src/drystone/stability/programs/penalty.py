@@ -93,7 +93,10 @@ def solve_cra_penalty(
     chosen = PenaltyOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    problem.model.require_dry("the penalty form of coupled rigid-block analysis")
+    problem.model.require_dry(
+        "the penalty form of coupled rigid-block analysis",
+        "it measures the pull that dry joints lack",
+    )
     shimmed = CheckOptions(samples=2, settle=False, search=True)
     dry = Cascade(problem, shimmed, progress, clock, executor).run()
     assembly = problem.model.assembly

@@ -82,7 +82,7 @@ def solve_cra_reference(
         raise MissingDependency("casadi", extra="reference", purpose="the reference") from error
     clock = Clock(float("inf"))
     problem = Problem.build(as_model(given, **how))
-    problem.model.require_dry("the reference")
+    problem.model.require_dry("the reference", "eq. 5.6 is for joints that only press and rub")
     corners = problem.statics.corner_count
     if corners > LARGEST:
         raise InputError(
