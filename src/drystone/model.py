@@ -57,7 +57,7 @@ class Model(Card):
     report
         What the contact search found and left out; ``None`` where the contacts were given.
     notes
-        What was assumed on the way here, one sentence each.
+        What was assumed while it was made, one sentence each.
     cases
         Load cases that came with the model, to choose from.
 

@@ -17,13 +17,14 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.base.errors import InputError, MissingDependency
+from drystone.base.progress import Clock
 from drystone.checks import check_forces
 from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 
 LARGEST = 400
 """Corners of the largest model taken, some 50 blocks: beyond it the solver rarely ends."""
