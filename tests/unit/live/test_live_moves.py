@@ -3,6 +3,7 @@
 import base64
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from drystone.io.jsontext import Field
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
 from drystone.live.computing.snapshot import Found
+from drystone.live.computing.tasks import TASKS, Work
 from drystone.live.computing.wish import Wish, asked
 from drystone.live.serving import Live
 from drystone.models import arch, box, tower
@@ -155,9 +157,23 @@ def test_load_cases_side_by_side_follow_their_supports(window: Window) -> None:
     assert told[1].startswith("Stands with its supports moved by 20 mm")
 
 
-def test_the_limit_says_that_the_supports_did_not_move(window: Window) -> None:
-    found = window.until("limit", window.task("limit", moves=MOVE))
-    assert "not moved" in found["message"]
+def test_the_limit_is_that_of_the_moved_supports() -> None:
+    model = drystone.Model.of(arch(0.15, 5), friction=0.9)
+    wish = wish_of(moves=[{"block": FOOT, "by": [0.05, 0.0, 0.0]}])
+    made, nothing = asked(model, wish), Field({}, "", Path("wish"))
+    work = Work(model, wish, made, nothing, lambda: False, lambda *_: None, "arch", print)
+    ((event, found),) = TASKS["limit"](work)
+    assert event == "limit"
+    assert found["stands"] < drystone.limit_tilt(model, (0, 1, 0)).best.stands - 0.5
+    for tilt, verdict in ((found["stands"], "stable"), (found["falls"], "unstable")):
+        tilted = asked(model, replace(wish, tilt=tilt))
+        assert verdict_of(tilted, stop=lambda: False).result.verdict == verdict
+
+
+def test_mends_and_plans_say_that_the_supports_did_not_move(window: Window) -> None:
+    for task in ("mends", "plan"):
+        found = window.until(task, window.task(task, moves=MOVE))
+        assert "not moved" in found.get("plan", found)["message"]
 
 
 def test_a_block_on_one_support_moves_with_it() -> None:

@@ -89,6 +89,15 @@ def verdict_of(
     return replace(found, stage=replace(found.stage, headline=headline))
 
 
+def after_moving(
+    model: Model, motion: Floats, stop: Callable[[], bool], seconds: float = float("inf")
+) -> Result:
+    """The verdict on a model whose supports move (n, 6) [m, rad], as a limit asks for it."""
+    moving = model.with_load(replace(model.load, motion=motion))
+    found = _followed(moving, None, stop, seconds, None)
+    return check(model, stop=stop) if found is None else found.result
+
+
 def _followed(
     model: Model,
     progress: Progress | None,
@@ -168,4 +177,4 @@ def _carried(model: Model, motion: Floats) -> Contacts:
     return replace(contacts, point=contacts.point + 0.5 * way)
 
 
-__all__ = ["at_once", "verdict_of"]
+__all__ = ["after_moving", "at_once", "verdict_of"]
