@@ -18,11 +18,18 @@ from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.corners import Carrier
 from drystone.settlement.driven import Driver, Moment
+from drystone.settlement.faces.corners import Carrier
+from drystone.settlement.faces.meeting import (
+    FARTHEST,
+    faces_apart,
+    followed_model,
+    model_with_met,
+)
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.settlement_types import SettlementOptions
 from drystone.settlement.settling import block_motions, scaled_motion, support_motion
+from drystone.settlement.springs import Placed, Response
 
 Tell: TypeAlias = Callable[[float], None]
 """Called with the share of the way that is done."""
@@ -37,6 +44,7 @@ WATCHED = 0.3
 ENDS = {
     "spent": End.SPENT,
     "falls": End.FALLS,
+    "held": End.HELD,
     "reached": End.REACHED,
     "stopped": End.STOPPED,
     "lost": End.LOST,
@@ -84,8 +92,8 @@ def push(
     Raises
     ------
     InputError
-        The load has no force on a free block, ``to`` is not above zero, or what was given cannot be
-        made into a model.
+        The load has no force on a free block, ``to`` is not above zero, joints carry more than
+        friction, or what was given cannot be made into a model.
 
     Examples
     --------
@@ -226,11 +234,15 @@ def _driven(
 ) -> LargeDisplacement:
     """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N."""
     chosen = SettlementOptions.of(options)
+    model.require_dry("large displacement")
     if not len(model.assembly.free):
         raise InputError("every block is fixed", remedy="leave a block free")
-    part = model.with_contacts(model.contacts.select(model.active))
+    apart = faces_apart(model, FARTHEST)
+    part, gap = followed_model(model, apart)
     carrier = Carrier.MOVING if chosen.carrier is None else chosen.carrier
-    bodies = build_bodies(part, carrier, overlap=chosen.overlap, tangential=chosen.tangential)
+    bodies = build_bodies(
+        part, carrier, overlap=chosen.overlap, tangential=chosen.tangential, gap=gap
+    )
     driver = Driver(
         bodies, fall=chosen.fall, pace=chosen.pace, step_limit=chosen.step_limit, stop=clock.late
     )
@@ -248,7 +260,10 @@ def _driven(
     if progress is not None:
         progress(STAGE[drive], 100, 100)
     curve = np.array(driver.curve) * (length, load)
-    states = tuple(_state(model, bodies, one, length, load) for one in driver.kept())
+    model, mine, kept = model_with_met(model, apart, driver.met)
+    states = tuple(
+        _state(model, bodies, _of_corners(one, kept), mine, length, load) for one in driver.kept()
+    )
     end = ENDS[ended]
     stopped = ""
     if end is End.STOPPED:
@@ -260,10 +275,18 @@ def _driven(
     return replace(found, message=_said(found, driver))
 
 
-def _state(model: Model, bodies: Bodies, moment: Moment, length: float, load: float) -> LargeState:
-    """A moment in m and N, for all interfaces of the model."""
+def _of_corners(moment: Moment, kept: Bools) -> Moment:
+    """The moment with some of its corners."""
+    placed = Placed(*(one[kept] for one in moment.placed))
+    response = Response(*(one[kept] for one in moment.response))
+    return moment._replace(placed=placed, response=response)
+
+
+def _state(
+    model: Model, bodies: Bodies, moment: Moment, mine: Bools, length: float, load: float
+) -> LargeState:
+    """A moment in m and N, for all interfaces of the model; ``mine`` are its corners."""
     contacts = model.contacts
-    mine = model.active[contacts.interface]
     origin = model.assembly.centroid[bodies.free].mean(axis=0)
     point = contacts.point.copy()
     point[mine] = moment.placed.point * bodies.length_unit + origin
@@ -325,6 +348,8 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
         return f"{peak}; no load is needed any more at {found.capacity:.4g} m"
     if found.end is End.FALLS:
         return f"{peak}; it falls at {far:.4g} m, '{_mover(driver, found)}' first"
+    if found.end is End.HELD:
+        return f"nothing gives way at {far:.4g} m, where it is {last:.4g}{unit}"
     why = {End.REACHED: "followed", End.LOST: "no further position was found, followed"}
     told = why.get(found.end, f"{found.stopped}, followed")
     return f"{peak}; {told} to {far:.4g} m, where it is {last:.4g}{unit}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.checks import check_forces
-from drystone.formulations.rest.compliance import Compliance, uniform
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
@@ -126,6 +126,7 @@ class Attempts:
         again: bool = False,
         start: Start | None = None,
         falls: Callable[[], bool] | None = None,
+        much: float = MUCH,
     ) -> Candidate:
         """Follow one stiffness distribution to rest.
 
@@ -137,6 +138,8 @@ class Attempts:
         start
         falls
             Whether it falls with every stiffness; called where the ground carries a large share.
+        much
+            That share.
         """
         numerics = screening.numerics
         if start is None:  # at the beginning of a path steps are often reduced
@@ -149,7 +152,7 @@ class Attempts:
         if not over and state.converged and most >= CLEARLY:
             # high towers load this ground as much, and reach a rest state on weaker ground
             over = first_motion(self.problem, state) is not None
-        if not over and most >= MUCH and falls is not None:
+        if not over and most >= much and falls is not None:
             over = falls()
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
@@ -166,21 +169,20 @@ class Attempts:
                 self.stalled.append(final.motion)
         return candidate
 
-    def start_at(self, motion: Floats, slip: float | None = None) -> tuple[Compliance, Start]:
-        """Uniform springs, and their start from a motion (n, 6) [m, rad] of a similar model.
+    def start(self, springs: Compliance, displacement: Floats) -> Start:
+        """A start at displacements (n, 6) [m, rad], such as those of a similar model.
 
         Raises
         ------
         InputError
-            The motion has another shape.
+            They have another shape, or are not finite.
         """
         count = len(self.problem.model.assembly)
-        if np.shape(motion) != (count, 6) or not np.isfinite(motion).all():
+        if np.shape(displacement) != (count, 6) or not np.isfinite(displacement).all():
             raise InputError(f"the start must hold {count} times six finite numbers", where="start")
         statics = self.problem.statics
-        springs = uniform(statics, slip=slip)
-        scaled = statics.scaled_motion(np.asarray(motion), statics.mean_length)
-        return springs, start_from(self.problem.system, springs, scaled)
+        motion = statics.scaled_motion(np.asarray(displacement), statics.mean_length)
+        return start_from(self.problem.system, springs, motion)
 
     def nearby(self, springs: Compliance, start: Start) -> Candidate | None:
         """The rest state near a start, if there is one and it stands."""
@@ -190,18 +192,20 @@ class Attempts:
         self.iterations += state.iterations
         return self._stood(state)
 
-    def attempt_from(self, other: Candidate, springs: Compliance) -> Candidate:
-        """As :meth:`attempt`, first from the rest state of other stiffnesses, if it is one."""
-        if not other.stands:
-            return self.attempt(springs)
-        statics = self.problem.statics
-        motion = statics.scaled_motion(other.displacement, statics.mean_length)
-        start = start_from(self.problem.system, springs, motion)
-        found = self.nearby(springs, start)
-        if found is None:
+    def attempt_from(self, springs: Compliance, rests: Sequence[Floats]) -> Candidate:
+        """As :meth:`attempt`, first from displacements (n, 6) [m, rad] of similar rest states."""
+        start = None
+        for displacement in rests:
+            start = self.start(springs, displacement)
+            found = self.nearby(springs, start)
+            if found is not None:
+                return found
+        if start is not None:
             state = self._rest(springs, FROM_OTHER, start)
             found = self._stood(state) if state.converged else None
-        return found if found is not None else self.attempt(springs)
+            if found is not None:
+                return found
+        return self.attempt(springs)
 
     def _stood(self, state: RestState) -> Candidate | None:
         """A state counted as a rest state that was found, if it is one."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.formulations.rest import compliance
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.rest_state import Start
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
@@ -71,7 +72,7 @@ def try_rest(
             np.zeros((len(model.assembly), 6)),
         )
     elif not _falls_freely(problem, screening, clock):
-        near = None if start is None else attempts.start_at(start, screening.slip_lengths[0])
+        near = None if start is None else _start(attempts, start, screening.slip_lengths[0])
         found = None if near is None else attempts.nearby(*near)
         if found is None:
             found = _first_standing(attempts, screening, near and near[1])
@@ -98,6 +99,12 @@ def try_rest(
         iterations=attempts.iterations,
         time_s={"solve": clock.elapsed_s},
     )
+
+
+def _start(attempts: Attempts, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
+    """Springs of the first friction law, and their start from a motion (n, 6) [m, rad]."""
+    springs = compliance.uniform(attempts.problem.statics, slip=slip)
+    return springs, attempts.start(springs, motion)
 
 
 def _first_standing(

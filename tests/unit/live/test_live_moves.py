@@ -20,7 +20,7 @@ from drystone.live.computing.snapshot import Found
 from drystone.live.computing.tasks import TASKS, Work
 from drystone.live.computing.wish import Wish, asked
 from drystone.live.serving import Live
-from drystone.models import arch, box, tower
+from drystone.models import box, tower
 from drystone.settlement import (
     End,
     LargeDisplacement,
@@ -28,7 +28,7 @@ from drystone.settlement import (
     move_supports,
     support_response,
 )
-from tests.unit.live.live_client import Window, ask
+from tests.unit.live.live_client import Window, ask, served_arch
 
 FOOT = "springer-right"
 AWAY = (0.02, 0.0, 0.0)
@@ -41,9 +41,7 @@ def wish_of(**values: object) -> Wish:
 
 @pytest.fixture(scope="module")
 def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
-    path = tmp_path_factory.mktemp("moves") / "arch.json"
-    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
-    with Live(path, port=0) as made:
+    with served_arch(tmp_path_factory.mktemp("moves")) as made:
         yield made
 
 

@@ -118,6 +118,10 @@ const HEAR = {
     showMends(event);
   },
   model: mended,
+  unchanged: ({ message }) => {
+    busy(false);
+    byId("mends").replaceChildren(element("p", message));
+  },
   plan: (event) => {
     busy(false);
     showPlanAnswer(event);
@@ -157,6 +161,10 @@ function connectStrip() {
     return task("mends");
   });
   onClick("plan-find", () => task("plan"));
+  onClick("recut-find", () => {
+    leavePlan();
+    return task("recut");
+  });
   onClick("plan-leave", leavePlan);
   onClick("task-stop", () => {
     busy(false);
