@@ -16,11 +16,11 @@ from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
-from drystone.live.computing.snapshot import Found
+from drystone.live.computing.snapshot import Found, snapshot
 from drystone.live.computing.tasks import TASKS, Work
 from drystone.live.computing.wish import Wish, asked
 from drystone.live.serving import Live
-from drystone.models import box, tower
+from drystone.models import arch, box, tower
 from drystone.settlement import (
     End,
     LargeDisplacement,
@@ -181,6 +181,22 @@ def test_a_block_on_one_support_moves_with_it() -> None:
     for found in (at_once(made.moving), verdict_of(made, stop=lambda: False)):
         assert found.moved
         np.testing.assert_allclose(found.stage.motion[1], [0, 0, -0.1, 0, 0, 0], atol=1e-4)
+
+
+def test_a_block_that_meets_another_is_shown_with_the_interfaces_of_the_model() -> None:
+    base, top = box((1, 1, 1), name="base"), box((1, 1, 1), (0, 0, 1), name="top")
+    wall = box((1, 1, 2), (1.05, 0, 0.5), name="wall")
+    assembly = drystone.Assembly((base, top, wall)).with_fixed([0, 2])
+    made = asked(
+        drystone.Model.of(assembly, friction=0.9),
+        wish_of(moves=[{"block": "base", "by": [0.2, 0, 0]}]),
+    )
+    seen: list[Found] = []
+    found = verdict_of(made, stop=lambda: False, watch=seen.append)
+    for one in (*seen, found):
+        assert len(one.result.force) == made.part.contacts.corner_count
+        assert snapshot(made, wish_of(), one)["stage"]["moved"]
+    assert found.stage.motion[1, 0] < 0.1  # the wall holds it back
 
 
 def test_of_many_blocks_the_supports_are_shown_at_once() -> None:

@@ -117,25 +117,36 @@ def _followed(
     last = found.states[-1]
     verdict = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
     message = f"{FORCE}: {found.message}"
+    contacts, force = _of_model(model, last)
     result = Result(
-        "settlement", verdict.get(found.end, Verdict.UNDECIDED), found.model, message,
-        force=last.force, displacement=last.positions, stopped=found.stopped,
+        "settlement", verdict.get(found.end, Verdict.UNDECIDED), model, message,
+        force=force, displacement=last.positions, stopped=found.stopped,
     )  # fmt: skip
     path = np.stack([one.positions for one in found.states])
-    stage = _moved(result, last.contacts, path)
+    stage = _moved(result, contacts, path)
     return Found(result, replace(stage, headline=_headline(found)), moved=True)
 
 
 def _on_the_way(model: Model, state: LargeState) -> Found:
     """The blocks before the supports have moved all their way."""
+    contacts, force = _of_model(model, state)
     result = Result(
         "settlement", Verdict.UNDECIDED, model, "the blocks are being followed",
-        force=state.force, displacement=state.positions,
+        force=force, displacement=state.positions,
     )  # fmt: skip
-    stage = _moved(result, state.contacts, state.positions[None])
+    stage = _moved(result, contacts, state.positions[None])
     far = units.quantity(state.displacement, "m")
     headline = f"Supports moved by {far} so far: the blocks are being followed"
     return Found(result, replace(stage, headline=headline, verdict=None), moved=True)
+
+
+def _of_model(model: Model, state: LargeState) -> tuple[Contacts, Floats]:
+    """The moved interfaces of the model and their forces, without those that blocks met later.
+
+    The page knows the interfaces of the model only, and those that were met come after them.
+    """
+    own = np.arange(state.contacts.count) < model.contacts.count
+    return state.contacts.select(own), state.force[: model.contacts.corner_count]
 
 
 def _headline(found: LargeDisplacement) -> str:
