@@ -194,7 +194,10 @@ def move_supports(
             tell(share)
             if watch is not None and driver.last and clock.elapsed_s > watched + WATCHED:
                 watched = clock.elapsed_s
-                watch(_state(still, bodies, driver.last, longest, bodies.force_unit))
+                apart = faces_apart(still, FARTHEST)
+                shown, mine, kept = model_with_met(still, apart, driver.met)
+                now = _of_corners(driver.last, kept)
+                watch(_state(shown, bodies, now, mine, longest, bodies.force_unit))
 
         ended = driver.shift(scaled_motion(bodies, moving), told)
         return ended, longest, bodies.force_unit
@@ -277,9 +280,17 @@ def _driven(
 
 def _of_corners(moment: Moment, kept: Bools) -> Moment:
     """The moment with some of its corners."""
-    placed = Placed(*(one[kept] for one in moment.placed))
-    response = Response(*(one[kept] for one in moment.response))
-    return moment._replace(placed=placed, response=response)
+    placed, response = moment.placed, moment.response
+    return moment._replace(
+        placed=Placed(placed.point[kept], placed.axes[kept], placed.gap[kept]),
+        response=Response(
+            response.force[kept],
+            response.pressed[kept],
+            response.sliding[kept],
+            response.direction[kept],
+            response.softening[kept],
+        ),
+    )
 
 
 def _state(
