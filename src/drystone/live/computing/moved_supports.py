@@ -69,19 +69,18 @@ def verdict_of(
     stop: Callable[[], bool],
     progress: Progress | None = None,
     time_limit_s: float = float("inf"),
-    start: Floats | None = None,
     watch: Callable[[Found], None] | None = None,
 ) -> Found:
     """The whole verdict of a load case; where supports move, of the blocks that follow them.
 
-    ``start`` is as in :func:`drystone.check`. ``watch`` is given the blocks while they follow.
+    ``watch`` is given the blocks while they follow.
     """
     moves = asked.motion is not None
     found = _followed(asked.moving, progress, stop, time_limit_s, watch) if moves else None
     if found is not None:
         return found
     found = Found.at_rest(
-        check(asked.part, start=start, progress=progress, stop=stop, time_limit_s=time_limit_s)
+        check(asked.part, progress=progress, stop=stop, time_limit_s=time_limit_s)
     )
     if not moves:
         return found
