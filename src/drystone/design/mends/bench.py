@@ -12,12 +12,14 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import names_of
+from drystone.design.causes.prop_forces import Stopped
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.surgery.joint_changes import (
     Change,
 )
 from drystone.model import Model
+from drystone.results import Result
 
 MANY = 4
 """Largest number of blocks of a region with which every joint and every block is tried alone.
@@ -91,6 +93,8 @@ class Bench:
     margin
     keep
         Positions of blocks that may not be changed.
+    stop
+        Called often; True ends the search.
     """
 
     def __init__(
@@ -100,6 +104,7 @@ class Bench:
         region: Region,
         margin: DesignMargin,
         keep: frozenset[int],
+        stop: Callable[[], bool] | None = None,
     ) -> None:
         self.model = model
         self.region = region
@@ -108,8 +113,22 @@ class Bench:
         self.interfaces: Ints = np.flatnonzero(interfaces_of(self.model, region.blocks))
         self.motion = motion
         self.keep = keep
+        self.stop = stop
         self.tried: list[Tried] = []
         self.own = list(range(len(region.blocks)))
+
+    def holds(self, model: Model, *, quick: bool = False) -> Result:
+        """Whether a model stands at the margin.
+
+        Raises
+        ------
+        Stopped
+            The search is to end; what the check found by then says nothing.
+        """
+        result = self.margin.holds(model, quick=quick, stop=self.stop)
+        if result.stopped:
+            raise Stopped
+        return result
 
     def stands(self, make: Change) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
@@ -118,7 +137,7 @@ class Bench:
             changed = make(self.local, *here)
         except InputError:
             return False
-        return self.margin.meets(self.margin.holds(changed, quick=True))
+        return self.margin.meets(self.holds(changed, quick=True))
 
     def least(
         self,

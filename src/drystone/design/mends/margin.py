@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,7 +62,9 @@ class DesignMargin(Options):
             cases += [tilted(model, axis, self.tilt) for axis in AXES]
         return cases
 
-    def holds(self, model: Model, *, quick: bool = False) -> Result:
+    def holds(
+        self, model: Model, *, quick: bool = False, stop: Callable[[], bool] | None = None
+    ) -> Result:
         """The check of the model, or of the first case in which it does not stand.
 
         Parameters
@@ -69,13 +72,15 @@ class DesignMargin(Options):
         model
         quick
             Try one stiffness only, for searches: if a model stands with it, it stands.
+        stop
+            Called often; True ends the check with what is known by then.
         """
         options = QUICK if quick else CheckOptions()
-        first = check(model, options=options)
+        first = check(model, options=options, stop=stop)
         if not self.meets(first):
             return first
         for case in self.cases(model):
-            result = check(case, options=options)
+            result = check(case, options=options, stop=stop)
             if not self.meets(result):
                 return result
         return first

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Unpack
@@ -14,6 +15,7 @@ from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
 from drystone.design.causes.diagnosed import Diagnosis
 from drystone.design.causes.diagnosis import diagnose
+from drystone.design.causes.prop_forces import Stopped
 from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mend_kinds import KINDS, MAKERS
@@ -202,7 +204,7 @@ def find_mends(
         Number of regions to mend, the heaviest first; all when left out.
     progress
     stop
-        Called between two changes; True ends the search with the results so far.
+        Called often; True ends the search with the results so far.
     found_one
         Called with each change as soon as it was checked on the whole structure.
 
@@ -214,7 +216,7 @@ def find_mends(
     chosen = MendOptions.of(options)
     model = as_model(given, **how)
     keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
-    first = chosen.margin.holds(model)
+    first = chosen.margin.holds(model, stop=stop)
     if chosen.margin.meets(first):
         return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
     found = diagnose(first.model, result=first, progress=progress, stop=stop)
@@ -225,7 +227,7 @@ def find_mends(
     looked = found.regions if regions is None else found.regions[:regions]
     others = set(found.others).union(*(region.blocks for region in found.regions))
     for number, region in enumerate(looked):
-        bench = Bench(model, found.motion, region, chosen.margin, keep)
+        bench = Bench(model, found.motion, region, chosen.margin, keep, stop)
         own: list[Mend] = []
         held = sorted(others - set(region.blocks))
         for kind in chosen.kinds:
@@ -233,12 +235,13 @@ def find_mends(
                 break
             if progress is not None:
                 progress(f"mends of region {number + 1}", chosen.kinds.index(kind), len(KINDS))
-            for candidate in MAKERS[kind](bench):
-                made = _verified(model, bench, candidate, held, chosen.margin)
-                if made is not None:
-                    own.append(made)
-                    if found_one is not None:
-                        found_one(made)
+            with contextlib.suppress(Stopped):
+                for candidate in MAKERS[kind](bench):
+                    made = _verified(model, bench, candidate, held)
+                    if made is not None:
+                        own.append(made)
+                        if found_one is not None:
+                            found_one(made)
         mends += sorted(own, key=lambda one: one.cost)
         names = tuple(model.assembly.names[i] for i in region.blocks)
         tried += [(names, one) for one in bench.tried]
@@ -252,9 +255,7 @@ def stands_already(margin: DesignMargin) -> str:
     return "it stands already, at the margin that is asked for"
 
 
-def _verified(
-    model: Model, bench: Bench, candidate: Candidate, held: list[int], margin: DesignMargin
-) -> Mend | None:
+def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int]) -> Mend | None:
     """The change on the whole structure, checked; ``None`` if it falls.
 
     If the least value of the local model is not sufficient for the whole structure, a larger one is
@@ -274,9 +275,9 @@ def _verified(
         still = [names[i] for i in held if names[i] in made.assembly]
         fixed = [made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)]
         asked = made.with_supports([*fixed, *still]) if still else made
-        result = margin.holds(asked, quick=quick)
+        result = bench.holds(asked, quick=quick)
         why = why if quick else result.message
-        return (made, result) if margin.meets(result) else None
+        return (made, result) if bench.margin.meets(result) else None
 
     value = candidate.value
     answer = changed_and_checked(value)
