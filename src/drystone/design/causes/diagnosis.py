@@ -28,7 +28,7 @@ from drystone.design.causes.regions import first_motion_of, interfaces_of, local
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import check, solve_cra_penalty
+from drystone.stability import check, solve_cra_penalty, stands_for_all
 from drystone.stability.problem import Clock
 
 
@@ -203,8 +203,7 @@ def _friction_of_all(model: Model, regions: list[Region]) -> float | None:
         return None
     most = max(value for value in each if value is not None)
     rough = np.maximum(model.contacts.friction, most)
-    stands = check(model.with_friction(rough), options=QUICK).stable
-    return most if stands else None
+    return most if stands_for_all(model.with_friction(rough), samples=0) else None
 
 
 __all__ = ["Diagnosis", "DiagnosisOptions", "Region", "diagnose"]

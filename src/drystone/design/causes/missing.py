@@ -9,13 +9,13 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
-from drystone.design.causes.prop_forces import QUICK, PropForce
+from drystone.design.causes.prop_forces import PropForce
 from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.solid import crossings
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import check
+from drystone.stability import stands_for_all
 
 ROUGHEST = 4.0
 """Largest tried friction coefficient. Chosen: it corresponds to 76 degrees, where a joint acts like
@@ -125,7 +125,7 @@ def friction_needed(model: Model) -> float | None:
 
     def stands(value: float) -> bool:
         rough = np.where(model.active, np.maximum(own, value), own)
-        return check(model.with_friction(rough), options=QUICK).stable
+        return stands_for_all(model.with_friction(rough), samples=0)
 
     return least(stands, float(own[model.active].min(initial=0.0)), ROUGHEST)
 
@@ -141,7 +141,7 @@ def ballast_needed(model: Model, blocks: tuple[int, ...]) -> Ballast | None:
     for block in blocks[:SEARCHED]:
 
         def stands(weight: float, block: int = block) -> bool:
-            return check(ballasted(model, block, weight), options=QUICK).stable
+            return stands_for_all(ballasted(model, block, weight), samples=0)
 
         steps = [share * own for share in (0.1, 0.3, 1.0, 3.0, HEAVIEST)]
         low = 0.0

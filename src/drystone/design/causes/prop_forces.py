@@ -16,7 +16,7 @@ from drystone.design.surgery.changed_model import changed, fresh_name, usual_fri
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
-from drystone.stability import CheckOptions, check
+from drystone.stability import CheckOptions, try_rest
 
 HEAD = 0.1
 """Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""
@@ -179,7 +179,7 @@ def least_prop(
     for block in blocks:
         for seat in seats(model, int(block), motion[block], shares):
             held, number = propped(model, seat)
-            answer = check(held, options=QUICK)
+            answer = try_rest(held)
             if not answer.stable:
                 continue
             resultant = answer.resultants

@@ -14,7 +14,6 @@ from drystone.design.causes.diagnosis_words import names_of, newtons, place
 from drystone.design.causes.missing import HEAVIEST, ballasted
 from drystone.design.causes.prop_forces import (
     HEAD,
-    QUICK,
     SHARES,
     PropSeat,
     least_prop,
@@ -23,11 +22,11 @@ from drystone.design.causes.prop_forces import (
 )
 from drystone.design.mends.bench import MANY, Bench, Candidate
 from drystone.design.surgery.changed_model import joined_contacts
-from drystone.design.surgery.joint_changes import with_block
+from drystone.design.surgery.joint_changes import Change, with_block
 from drystone.design.surgery.struts import struts
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
-from drystone.stability import check
+from drystone.stability import stands_for_all, try_rest
 
 STRUTS = 6
 """Number of struts of one block that are tried, the shortest first."""
@@ -60,8 +59,7 @@ def support_mends(bench: Bench) -> Iterator[Candidate]:
             else:  # it stands on a block that the region does not touch
                 wide = bench.model.subset([*bench.blocks.tolist(), strut.on])
                 wide = wide.with_supports(list(range(len(bench.own), len(wide))))
-                result = bench.margin.holds(with_block(strut.body, wide), quick=True)
-                stands = bench.margin.meets(result)
+                stands = bench.margin.stands(with_block(strut.body, wide), quick=True)
             if stands:
                 on = names_of(bench.model, [strut.on])
                 size = strut.body.volume
@@ -91,7 +89,7 @@ def prop_mends(bench: Bench) -> Iterator[Candidate]:
         bench.fail("prop", "the best props do not keep the margin")
         return
     made = make(bench.local, np.arange(len(bench.blocks)), np.arange(0))
-    found = check(made, options=QUICK).resultants
+    found = try_rest(made).resultants
     told, force = [], 0.0
     for number, seat in enumerate(chosen, made.contacts.count - len(chosen)):
         size = float(np.linalg.norm(found.force[number]))
@@ -128,7 +126,7 @@ def fewest_props(model: Model, blocks: Sequence[int], motion: Floats) -> list[Pr
 
     def stands(some: Sequence[PropSeat]) -> bool:
         made = _with_props(some, model, np.arange(len(model)), np.arange(0))
-        return check(made, options=QUICK).stable
+        return stands_for_all(made, samples=0)
 
     if not chosen or not stands(chosen):
         return []
@@ -153,14 +151,16 @@ def tie_mends(bench: Bench) -> Iterator[Candidate]:
             rate = float((other - velocity[i]) @ along / np.linalg.norm(along))
             apart.append((rate, i, j))
     fastest = sorted((one for one in apart if one[0] > 0.0), reverse=True)[:TIES]
+    tried: list[Change] = []
     for _, i, j in fastest:
 
         def make(model: Model, blocks: Ints, _: Ints, one: int = i, other: int = j) -> Model:
             return tied(model, int(blocks[one]), int(blocks[other]))
 
+        tried.append(make)
         if bench.stands(make):
             made = tied(bench.local, i, j)
-            force = check(made, options=QUICK).resultants.force[made.contacts.count - 1]
+            force = try_rest(made).resultants.force[made.contacts.count - 1]
             size = float(np.linalg.norm(force))
             yield Candidate.single(
                 "tie",
@@ -170,7 +170,7 @@ def tie_mends(bench: Bench) -> Iterator[Candidate]:
                 added=1,
             )
             return
-    bench.fail("tie", f"{len(fastest)} pairs of blocks that move apart were tried")
+    bench.fail("tie", f"{len(fastest)} pairs of blocks that move apart were tried", *tried)
 
 
 def tied(model: Model, block: int, other: int) -> Model:

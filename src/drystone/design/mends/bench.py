@@ -12,12 +12,12 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import names_of
+from drystone.design.causes.prop_forces import QUICK
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
-from drystone.design.surgery.joint_changes import (
-    Change,
-)
+from drystone.design.surgery.joint_changes import Change
 from drystone.model import Model
+from drystone.stability import check
 
 MANY = 4
 """Largest number of blocks of a region with which every joint and every block is tried alone.
@@ -91,6 +91,8 @@ class Bench:
     margin
     keep
         Positions of blocks that may not be changed.
+    stop
+        Asked often; once it is True, no change is found to hold the region.
     """
 
     def __init__(
@@ -100,6 +102,7 @@ class Bench:
         region: Region,
         margin: DesignMargin,
         keep: frozenset[int],
+        stop: Callable[[], bool] | None = None,
     ) -> None:
         self.model = model
         self.region = region
@@ -108,17 +111,20 @@ class Bench:
         self.interfaces: Ints = np.flatnonzero(interfaces_of(self.model, region.blocks))
         self.motion = motion
         self.keep = keep
+        self.stop = stop
         self.tried: list[Tried] = []
         self.own = list(range(len(region.blocks)))
 
     def stands(self, make: Change) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
-        here = np.arange(len(self.blocks)), np.arange(len(self.interfaces))
         try:
-            changed = make(self.local, *here)
+            return self.margin.stands(self.changed(make), quick=True, stop=self.stop)
         except InputError:
             return False
-        return self.margin.meets(self.margin.holds(changed, quick=True))
+
+    def changed(self, make: Change) -> Model:
+        """The local model after a change."""
+        return make(self.local, np.arange(len(self.blocks)), np.arange(len(self.interfaces)))
 
     def least(
         self,
@@ -159,9 +165,31 @@ class Bench:
         above = contacts.centroid[interface][2] > self.local.assembly.centroid[own][2]
         return f"the {'upper' if above else 'lower'} joint, with {names_of(self.local, [other])},"
 
-    def fail(self, kind: str, what: str) -> None:
-        """Note a kind of mend that does not hold the region, and how far it was tried."""
+    def fail(self, kind: str, what: str, *nearest: Change) -> None:
+        """Note a kind of mend that does not hold the region, and how close it came.
+
+        Parameters
+        ----------
+        kind, what
+        nearest
+            The changes that went farthest.
+        """
+        shares = [share for share in map(self._not_carried, nearest) if share is not None]
+        if shares:
+            what += f"; {100.0 * min(shares):.2g} % of its load is then still not carried"
         self.tried.append(Tried(kind, what))
+
+    def _not_carried(self, make: Change) -> float | None:
+        """Share of the load of the region that nothing carries after a change, if it then falls."""
+        try:
+            changed = self.changed(make)
+        except InputError:
+            return None
+        prop = check(changed, options=QUICK, stop=self.stop).prop
+        load = np.linalg.norm(changed.load.wrench[changed.assembly.free, :3], axis=1).sum()
+        if prop is None or load == 0.0:
+            return None
+        return min(float(np.linalg.norm(prop[:, :3], axis=1).sum() / load), 1.0)
 
 
 def volume_changed(before: Model, after: Model) -> float:

@@ -70,7 +70,8 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
                 close=0.01,
             )
     if not found:
-        bench.fail("friction", f"it falls up to a coefficient of {ROUGHEST:g} in all its joints")
+        bench.fail("friction", f"it falls up to a coefficient of {ROUGHEST:g} in all its joints",
+                   make(ROUGHEST))  # fmt: skip
 
 
 def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
@@ -103,7 +104,8 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
                 best = value, make
         most = f"{steps[-1]:g} degrees" if kind != "let-in" else f"{1e3 * steps[-1]:.0f} mm"
         if best is None:
-            bench.fail(kind, f"{name.rstrip(',')} up to {most}")
+            farthest = [change_of(kind, group, side, steps[-1]) for side in (1.0, -1.0)]
+            bench.fail(kind, f"{name.rstrip(',')} up to {most}", *farthest)
             continue
         yield Candidate(
             kind, words_of(kind, name), best[0], best[1], joints=len(group),
@@ -125,7 +127,7 @@ def thicker_mends(bench: Bench) -> Iterator[Candidate]:
 
     value = bench.least(make, THICKER, 0.02)
     if value is None:
-        bench.fail("thicker", f"up to {100.0 * THICKER[-1]:g} % more thickness")
+        bench.fail("thicker", f"up to {100.0 * THICKER[-1]:g} % more thickness", make(THICKER[-1]))
         return
     them = names_of(bench.model, bench.region.blocks)
     yield Candidate(
@@ -143,13 +145,14 @@ def glue_mends(bench: Bench) -> Iterator[Candidate]:
     load = bench.local.load.wrench[bench.own, :3]
     weight = float(np.linalg.norm(load.sum(axis=0)))
     pairs = dict.fromkeys(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
-    found = False
+    found, tried = False, []
     for a, b in pairs:
         if {int(bench.blocks[a]), int(bench.blocks[b])} & bench.keep:
             continue
         own = np.flatnonzero((contacts.block_a == a) & (contacts.block_b == b))
         make = partial(_glued, own)
         steps = [share * weight for share in STRENGTHS]
+        tried.append(make(steps[-1]))
         value = bench.least(make, steps, 0.01 * weight)
         if value is not None:
             found = True
@@ -162,6 +165,7 @@ def glue_mends(bench: Bench) -> Iterator[Candidate]:
         bench.fail(
             "glue",
             f"it falls with glue of {STRENGTHS[-1]:g} times its weight in any one of its joints",
+            *tried,
         )
 
 
@@ -192,7 +196,7 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
     contacts = bench.local.contacts
     pulls = {pull.interface: pull.force for pull in bench.region.needs.pulls}
     pairs = dict.fromkeys(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
-    found = False
+    found, tried = False, []
     for a, b in pairs:
         if {int(bench.blocks[a]), int(bench.blocks[b])} & bench.keep:
             continue
@@ -202,6 +206,7 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
         def make(model: Model, blocks: Ints, _: Ints, one: int = first, two: int = second) -> Model:
             return merge_blocks(model, int(blocks[one]), int(blocks[two]))
 
+        tried.append(make)
         if bench.stands(make):
             found = True
             own = [k for k in range(contacts.count) if {int(contacts.block_a[k]),
@@ -213,7 +218,7 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
                 joints=len(own),
             )  # fmt: skip
     if not found:
-        bench.fail("merge", "it falls with any two of its blocks made one")
+        bench.fail("merge", "it falls with any two of its blocks made one", *tried)
 
 
 def _friction_words(where: str, value: float) -> str:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.design.causes.prop_forces import QUICK
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import CheckOptions, check
+from drystone.stability import check, stands_for_all
 
 AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 """The horizontal axes about which a structure is tilted."""
@@ -61,37 +61,43 @@ class DesignMargin(Options):
             cases += [tilted(model, axis, self.tilt) for axis in AXES]
         return cases
 
-    def holds(self, model: Model, *, quick: bool = False) -> Result:
+    def holds(self, model: Model, stop: Callable[[], bool] | None = None) -> Result:
         """The check of the model, or of the first case in which it does not stand.
 
         Parameters
         ----------
         model
-        quick
-            Try one stiffness only, for searches: if a model stands with it, it stands.
+        stop
+            Asked often; True ends a check with what is known.
         """
-        options = QUICK if quick else CheckOptions()
-        first = check(model, options=options)
+        first = check(model, stop=stop)
         if not self.meets(first):
             return first
         for case in self.cases(model):
-            result = check(case, options=options)
+            result = check(case, stop=stop)
             if not self.meets(result):
                 return result
         return first
 
-    def stands(self, model: Model) -> bool:
+    def stands(
+        self, model: Model, *, quick: bool = False, stop: Callable[[], bool] | None = None
+    ) -> bool:
         """Whether a model stands at the margin, for searches: the first case that falls ends it.
 
-        Settlement is followed only where it counts.
+        Parameters
+        ----------
+        model
+        quick
+            Try one stiffness only, and do not follow settlement.
+        stop
+            Asked often; once it is True, nothing is found to stand.
         """
-        options = CheckOptions(settle=not self.robust)
-        for case in (model, *self.cases(model)):
-            if self.robust and not check(case, options=QUICK).stable:
-                return False
-            if not self.meets(check(case, options=options)):
-                return False
-        return True
+        cases = (model, *self.cases(model))
+        if quick:
+            return all(stands_for_all(case, samples=0, stop=stop) for case in cases)
+        if self.robust:
+            return all(stands_for_all(case, stop=stop) for case in cases)
+        return all(check(case, stop=stop).stable for case in cases)
 
     def meets(self, result: Result) -> bool:
         """Whether a result is good enough."""

@@ -95,7 +95,7 @@ def mend(
     steps: list[Mend] = []
     log: list[str] = []
     while True:
-        result = chosen.margin.holds(model)
+        result = chosen.margin.holds(model, stop)
         stands = chosen.margin.meets(result)
         if stands:
             log.append(f"it stands: {result.message}" if steps else stands_already(chosen.margin))

@@ -214,7 +214,7 @@ def find_mends(
     chosen = MendOptions.of(options)
     model = as_model(given, **how)
     keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
-    first = chosen.margin.holds(model)
+    first = chosen.margin.holds(model, stop)
     if chosen.margin.meets(first):
         return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
     found = diagnose(first.model, result=first, progress=progress, stop=stop)
@@ -225,7 +225,7 @@ def find_mends(
     looked = found.regions if regions is None else found.regions[:regions]
     others = set(found.others).union(*(region.blocks for region in found.regions))
     for number, region in enumerate(looked):
-        bench = Bench(model, found.motion, region, chosen.margin, keep)
+        bench = Bench(model, found.motion, region, chosen.margin, keep, stop)
         own: list[Mend] = []
         held = sorted(others - set(region.blocks))
         for kind in chosen.kinds:
@@ -264,7 +264,8 @@ def _verified(
 
     why = ""
 
-    def changed_and_checked(value: float, *, quick: bool = False) -> tuple[Model, Result] | None:
+    def changed_whole(value: float) -> tuple[Model, Model] | None:
+        """The whole model with the change, and the same with other regions held."""
         nonlocal why
         try:
             made = candidate.make(value)(model, bench.blocks, bench.interfaces)
@@ -273,24 +274,34 @@ def _verified(
             return None
         still = [names[i] for i in held if names[i] in made.assembly]
         fixed = [made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)]
-        asked = made.with_supports([*fixed, *still]) if still else made
-        result = margin.holds(asked, quick=quick)
-        why = why if quick else result.message
-        return (made, result) if margin.meets(result) else None
+        return made, made.with_supports([*fixed, *still]) if still else made
+
+    def stands(value: float) -> bool:
+        both = changed_whole(value)
+        return both is not None and margin.stands(both[1], quick=True, stop=bench.stop)
+
+    def checked(value: float) -> tuple[Model, Result] | None:
+        nonlocal why
+        both = changed_whole(value)
+        if both is None:
+            return None
+        result = margin.holds(both[1], bench.stop)
+        why = result.message
+        return (both[0], result) if margin.meets(result) else None
 
     value = candidate.value
-    answer = changed_and_checked(value)
+    answer = checked(value)
     low = value
     while answer is None and low + candidate.close < candidate.most:
         high = min(2.0 * low + candidate.close, candidate.most)
-        if changed_and_checked(high, quick=True) is not None:
+        if stands(high):
             while high - low > candidate.close:
                 middle = 0.5 * (low + high)
-                if changed_and_checked(middle, quick=True) is not None:
+                if stands(middle):
                     high = middle
                 else:
                     low = middle
-            value, answer = high, changed_and_checked(high)
+            value, answer = high, checked(high)
         low = high
     if answer is None:
         what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"

@@ -127,6 +127,62 @@ def joint_plane(model: Model, interface: int, first: int | None = None) -> Joint
     return JointPlane(int(interface), a, b, frame, contacts.centroid[interface], frozen(ring))
 
 
+@dataclass(frozen=True, eq=False)
+class JointCut:
+    """The parts that two blocks exchange at a joint.
+
+    Attributes
+    ----------
+    joint
+    to_a, to_b
+        Cells of the parts; those of one block do not overlap.
+    walls_a, walls_b
+        How far the parts of block a, and of block b, reach to the sides; ``None`` where the block
+        ends at the joint.
+    """
+
+    joint: JointPlane
+    to_a: tuple[Cell, ...]
+    to_b: tuple[Cell, ...]
+    walls_a: Cell | None
+    walls_b: Cell | None
+
+    @classmethod
+    def of(
+        cls, joint: JointPlane, one: Piece, other: Piece, to_a: Sequence[Cell], to_b: Sequence[Cell]
+    ) -> JointCut:
+        """The cut of the bodies of block a and of block b, as they are before it."""
+        ends = _ends(one, joint), _ends(other, joint)
+        walls_a = None if ends[0] else _walls(joint, other if ends[1] else None)
+        walls_b = None if ends[1] else _walls(joint, one if ends[0] else None)
+        return cls(joint, tuple(to_a), tuple(to_b), walls_a, walls_b)
+
+    def from_a(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
+        """What block b takes of the pieces of block a, and what is left of them."""
+        return _taken(pieces, self.to_b, self.walls_a, self.joint, -1.0)
+
+    def from_b(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
+        """What block a takes of the pieces of block b, and what is left of them."""
+        return _taken(pieces, self.to_a, self.walls_b, self.joint, 1.0)
+
+    def refuse_swallowed(
+        self, one: Piece, other: Piece, taken: list[Piece], given: list[Piece], where: str
+    ) -> None:
+        """Refuse a cut that removes a whole face of one of the two bodies."""
+        for body, parts, cells in ((other, given, self.to_a), (one, taken, self.to_b)):
+            _refuse_swallowed(body, parts, cells, self.joint, where)
+
+
+def one_body(pieces: Sequence[Piece], where: str, name: str) -> Piece:
+    """The union of pieces, refused where it is not one body."""
+    bodies = glue(pieces)
+    if len(bodies) != 1:
+        raise InputError(
+            f"would cut '{name}' into {len(bodies)} parts", where=where, remedy="make it smaller"
+        )
+    return bodies[0]
+
+
 def recut(
     model: Model, joint: JointPlane, to_a: Sequence[Cell], to_b: Sequence[Cell], what: str
 ) -> Model:
@@ -154,23 +210,14 @@ def recut(
     names = model.assembly.names
     where = f"{what} of the joint of '{names[a]}' and '{names[b]}'"
     one, other = (snapped(body_of(model.assembly.blocks[i]), joint) for i in (a, b))
-    ends = _ends(one, joint), _ends(other, joint)
-    walls_b = _walls(joint, one if ends[0] else None)
-    walls_a = _walls(joint, other if ends[1] else None)
-    given, kept_b = _taken(other, to_a, None if ends[1] else walls_b, joint, 1.0)
-    taken, kept_a = _taken(one, to_b, None if ends[0] else walls_a, joint, -1.0)
-    for block, parts, cells in ((other, given, to_a), (one, taken, to_b)):
-        _refuse_swallowed(block, parts, cells, joint, where)
-    new: dict[int, Block] = {}
-    for i, pieces in ((a, [*kept_a, *given]), (b, [*kept_b, *taken])):
-        bodies = glue(pieces)
-        if len(bodies) != 1:
-            raise InputError(
-                f"would cut '{names[i]}' into {len(bodies)} parts",
-                where=where,
-                remedy="make it smaller",
-            )
-        new[i] = block_with(model.assembly.blocks[i], bodies[0])
+    cut = JointCut.of(joint, one, other, to_a, to_b)
+    given, kept_b = cut.from_b([other])
+    taken, kept_a = cut.from_a([one])
+    cut.refuse_swallowed(one, other, taken, given, where)
+    new = {
+        i: block_with(model.assembly.blocks[i], one_body(pieces, where, names[i]))
+        for i, pieces in ((a, [*kept_a, *given]), (b, [*kept_b, *taken]))
+    }
     return changed(model, new)
 
 
@@ -269,19 +316,22 @@ def _touches(corner: Floats, start: Floats, end: Floats, near: float) -> bool:
 
 
 def _taken(
-    body: Piece, cells: Sequence[Cell], walls: Cell | None, joint: JointPlane, onward: float
-) -> tuple[list[Piece], list[Piece]]:
+    pieces: Sequence[Piece], cells: Sequence[Cell], walls: Cell | None, joint: JointPlane,
+    onward: float,
+) -> tuple[list[Piece], list[Piece]]:  # fmt: skip
     """The parts of a body in cells that touch the joint, and the rest.
 
     Parameters
     ----------
-    body, cells, walls, joint
+    pieces
+        Of the body.
+    cells, walls, joint
     onward
         1 where the body lies along n, -1 against it.
     """
     beyond = Cell.below(-onward * joint.normal[None], joint.centre[None])
     taken: list[Piece] = []
-    kept: list[Piece] = [body]
+    kept: list[Piece] = list(pieces)
     for cell in cells:
         whole = cell.within(beyond) if walls is None else cell.within(beyond).within(walls)
         inside, kept = cut_cell(kept, whole.normal, whole.offset)
@@ -321,11 +371,13 @@ def _refuse_swallowed(
 
 __all__ = [
     "Cell",
+    "JointCut",
     "JointPlane",
     "block_with",
     "body_of",
     "ends_of",
     "joint_plane",
+    "one_body",
     "recut",
     "snapped",
 ]
