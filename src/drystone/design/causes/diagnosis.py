@@ -28,8 +28,11 @@ from drystone.design.causes.regions import first_motion_of, interfaces_of, local
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import check, solve_cra_penalty, stands_for_all
+from drystone.stability import PenaltyOptions, check, solve_cra_penalty, stands_for_all
 from drystone.stability.problem import Clock
+
+AS_IT_LIES = PenaltyOptions(search=False)
+"""Joints are as stiff as they are: what shims could hold needs help all the same."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,9 @@ def diagnose(
     if answer.stable:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))))
     if answer.prop is None or not answer.falling:
-        answer = solve_cra_penalty(model, stop=clock.late, time_limit_s=clock.left_s)
+        answer = solve_cra_penalty(
+            model, options=AS_IT_LIES, stop=clock.late, time_limit_s=clock.left_s
+        )
     if answer.prop is None or not answer.falling:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))), stopped=clock.reason)
     prop = np.zeros((len(model), 6))
@@ -146,7 +151,7 @@ def _region(
     inside = np.zeros(len(model), dtype=bool)
     inside[list(blocks)] = True
     alone = (
-        solve_cra_penalty(local, stop=late)
+        solve_cra_penalty(local, options=AS_IT_LIES, stop=late)
         if options.needs
         else check(local, options=QUICK, stop=late)
     )

@@ -28,8 +28,8 @@ CLOSE = 0.01
 """Relative width at which a search for a least value ends."""
 
 SEARCHED = 12
-"""Number of blocks of a region for which props and ballast are tried, those with the largest need
-first."""
+"""Number of blocks of a region for which a prop is tried, those with the largest need first. In a
+region of more blocks no ballast is tried: a weight on one of them hardly ever holds it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,14 +131,17 @@ def friction_needed(model: Model) -> float | None:
 
 
 def ballast_needed(model: Model, blocks: tuple[int, ...]) -> Ballast | None:
-    """The least weight at the centroid of one of the blocks at which a model stands."""
+    """The least weight at the centroid of one of the blocks at which a model stands.
+
+    ``None`` if there is none, or for more than :data:`SEARCHED` blocks.
+    """
     down = acceleration_of(model)
     size = float(np.linalg.norm(down))
-    if size == 0.0:
+    if size == 0.0 or len(blocks) > SEARCHED:
         return None
     own = float(model.assembly.mass[list(blocks)].sum()) * size
     best: Ballast | None = None
-    for block in blocks[:SEARCHED]:
+    for block in blocks:
 
         def stands(weight: float, block: int = block) -> bool:
             return stands_for_all(ballasted(model, block, weight), samples=0)

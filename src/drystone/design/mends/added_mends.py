@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.contacts import Contacts
 from drystone.design.causes.diagnosis_words import names_of, newtons, place
-from drystone.design.causes.missing import HEAVIEST, ballasted
+from drystone.design.causes.missing import HEAVIEST, SEARCHED, ballasted
 from drystone.design.causes.prop_forces import (
     HEAD,
     SHARES,
@@ -20,7 +20,7 @@ from drystone.design.causes.prop_forces import (
     propped,
     seats,
 )
-from drystone.design.mends.bench import MANY, Bench, Candidate
+from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
 from drystone.design.surgery.changed_model import joined_contacts
 from drystone.design.surgery.joint_changes import Change, with_block
 from drystone.design.surgery.struts import struts
@@ -33,10 +33,6 @@ STRUTS = 6
 
 TIES = 6
 """Number of pairs of blocks between which a tie is tried, those that move apart fastest first."""
-
-PROPS = 40
-"""Largest number of blocks of a region that is held by several props, chosen: each prop is checked
-once."""
 
 POINT = 0.01
 """Size of the corners of a tie by its own, chosen."""
@@ -82,7 +78,8 @@ def prop_mends(bench: Bench) -> Iterator[Candidate]:
     held = least_prop(bench.local, bench.own[:MANY], motion)
     chosen = [held[0]] if held is not None else fewest_props(bench.local, bench.own, motion)
     if not chosen:
-        bench.fail("prop", "no prop on a free face holds it, nor one under each of its blocks")
+        more = ", nor one under each of its blocks" if len(bench.own) <= ALL else ""
+        bench.fail("prop", f"no prop on a free face holds it{more}")
         return
     make = partial(_with_props, chosen)
     if not bench.stands(make):
@@ -119,7 +116,7 @@ def fewest_props(model: Model, blocks: Sequence[int], motion: Floats) -> list[Pr
     motion : (n, 6)
         First motion of the blocks.
     """
-    if len(blocks) > PROPS:
+    if len(blocks) > ALL:
         return []
     found = [next(seats(model, int(i), motion[i], SHARES[:1]), None) for i in blocks]
     chosen = [seat for seat in found if seat is not None]
@@ -201,6 +198,8 @@ def ballast_mends(bench: Bench) -> Iterator[Candidate]:
     ballast = bench.region.needs.ballast
     if ballast is None:
         what = f"no weight up to {HEAVIEST:g} times its own on one block holds it"
+        if len(bench.own) > SEARCHED:
+            what = f"not tried on a region of more than {SEARCHED} blocks"
         bench.fail("ballast", what)
         return
     at = bench.region.blocks.index(ballast.block)

@@ -23,6 +23,10 @@ MANY = 4
 """Largest number of blocks of a region with which every joint and every block is tried alone.
 Chosen. In a larger region all joints, or all blocks, are changed together."""
 
+ALL = 40
+"""Largest number of blocks of a region whose joints or blocks are all cut anew together, and that
+is held by several props. Chosen: a cut takes a twentieth of a second, and each prop is checked."""
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate(OneLine):

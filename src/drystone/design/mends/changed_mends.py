@@ -10,8 +10,8 @@ import numpy as np
 from drystone.base.arrays import Ints
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosis_words import names_of, newtons
-from drystone.design.causes.missing import ROUGHEST
-from drystone.design.mends.bench import MANY, Bench, Candidate
+from drystone.design.causes.missing import CLOSE, ROUGHEST
+from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
 from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import Change, change_of, joint_width, words_of
 from drystone.joint_capacity import JointCapacity
@@ -56,7 +56,10 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
 
         low = float(own[group].min())
         steps = [x for x in (1.0, 2.0, ROUGHEST) if x > low]
-        value = bench.least(make, steps, 0.01)
+        known = bench.region.needs.friction if len(group) == count else None
+        if known is not None:  # the least one without a margin, to a hundredth
+            low, steps = (1.0 - CLOSE) * known, [known, *(x for x in steps if x > known)]
+        value = bench.least(make, steps, 0.01, low)
         if value is not None:
             found = True
             where = "in all its joints" if len(group) > 1 else f"in {bench.joint_name(group[0])}"
@@ -76,6 +79,9 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
 
 def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
     """Joints rotated, made wedges or let in: each one in a small region, else all together."""
+    if len(bench.own) > ALL:
+        bench.fail(kind, f"not tried on a region of more than {ALL} blocks")
+        return
     count = len(bench.interfaces)
     groups = [[k] for k in range(count)] if len(bench.own) <= MANY else [list(range(count))]
     for group in groups:
@@ -115,6 +121,9 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
 
 def thicker_mends(bench: Bench) -> Iterator[Candidate]:
     """Thicker blocks of the region."""
+    if len(bench.own) > ALL:
+        bench.fail("thicker", f"not tried on a region of more than {ALL} blocks")
+        return
     if any(i in bench.keep for i in bench.region.blocks):
         bench.fail("thicker", "its blocks may not be changed")
         return

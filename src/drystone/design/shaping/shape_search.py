@@ -30,7 +30,7 @@ CLOSE = 2.0**-7
 """Share of a step to which the last shape that stands is bisected."""
 
 
-DRAWN = tuple(2.0**-power for power in range(10, 1, -2))
+DRAWN = tuple(2.0**-power for power in range(13, 1, -3))
 """Shares of the way by which a target that falls is drawn back, chosen."""
 
 ENOUGH = 1e-4
@@ -79,7 +79,7 @@ class ShapeSearch:
         try:
             for rounds in range(1, options.rounds + 1):
                 self.tell(rounds)
-                self.found_anew(now)
+                self.found_anew(now, best)
                 before = self.objective(best)[0]
                 self.firmest = min(self.firmest, (self.help_at(best)[0], best), key=lambda p: p[0])
                 target = self.step(best, trust, allowed)
@@ -121,10 +121,20 @@ class ShapeSearch:
         return x, now
 
     # -- one round ------------------------------------------------------------------------------
-    def found_anew(self, model: Model) -> None:
-        """The forms of the model in all its cases, with the contacts that it has now."""
+    def found_anew(self, model: Model, x: Floats) -> None:
+        """The forms of the model with variables (p,), in all its cases, with its contacts now.
+
+        From here on vertices are followed along their tangents.
+        """
         self.known.clear()
         self.forms = [Form.of(one) for one in (model, *self.options.margin.cases(model))]
+        self.at, self.here = x, self.moves.moved(self.bodies.vertex, x)
+        self.matrix = self.moves.matrix_at(x)
+
+    def vertices(self, x: Floats) -> Floats:
+        """The vertices (v, 3) with variables (p,), along their tangents."""
+        out: Floats = self.here + (self.matrix @ (x - self.at)).reshape(-1, 3)
+        return out
 
     def step(self, x: Floats, trust: float, allowed: float) -> Floats:
         """Where the optimiser goes from variables (p,) within a region of trust.
@@ -195,7 +205,7 @@ class ShapeSearch:
                 return None
             if not stand_only:
                 return model if self.options.margin.stands(model) else None
-            self.found_anew(model)
+            self.found_anew(model, place)
             return model if self.help_at(place)[0] < before else None
 
         whole = kept(target)
@@ -240,28 +250,27 @@ class ShapeSearch:
         if aim is ShapeAim.STAND:
             value, gradient = self.help_at(x)
             return value, gradient
-        vertex = self.moves.moved(self.bodies.vertex, x)
+        vertex = self.vertices(x)
         if aim is ShapeAim.VOLUME:
             volume, _ = self.bodies.measures(vertex)
             by_vertex = self.bodies.measures_pulled_back(
                 vertex, np.ones(len(volume)), np.zeros((len(volume), 3))
             )
-            return float(volume.sum()), self.pulled_back(x, by_vertex)
+            return float(volume.sum()), self.pulled_back(by_vertex)
         block = int(self.model.assembly.indices([self.options.block])[0])
         own = self.bodies.owner == block
         by_vertex = np.where(own[:, None], -self.direction / own.sum(), 0.0)
-        return float((by_vertex * vertex).sum()), self.pulled_back(x, by_vertex)
+        return float((by_vertex * vertex).sum()), self.pulled_back(by_vertex)
 
-    def pulled_back(self, x: Floats, by_vertex: Floats) -> Floats:
+    def pulled_back(self, by_vertex: Floats) -> Floats:
         """The derivative (p,) by the variables, from that by the vertices (v, 3)."""
-        out: Floats = self.moves.matrix_at(x).T @ by_vertex.ravel()
+        out: Floats = self.matrix.T @ by_vertex.ravel()
         return out
 
     def edges(self, x: Floats) -> tuple[Floats, Floats]:
         """By how much the squares of moving edges (e,) are above that of the least; (e, p)."""
-        vertex = self.moves.moved(self.bodies.vertex, x)
+        vertex, matrix = self.vertices(x), self.matrix
         i, j = self.moving.T
-        matrix = self.moves.matrix_at(x)
         along = (vertex[i] - vertex[j]) / self.options.least_edge
         slope = np.zeros((len(i), len(x)))
         for axis in range(3):
@@ -300,11 +309,11 @@ class ShapeSearch:
             raise Stopped
         key = np.asarray(x).tobytes()
         if key not in self.known:
-            vertex = self.moves.moved(self.bodies.vertex, x)
+            vertex = self.vertices(x)
             both = [form.help_at(vertex) for form in self.forms]
             size = float(np.sqrt(sum(value for value, _ in both)))
             gradient = np.sum([one for _, one in both], axis=0) / (2.0 * max(size, 1e-30))
-            self.known[key] = size, self.pulled_back(x, gradient)
+            self.known[key] = size, self.pulled_back(gradient)
         return self.known[key]
 
     def tell(self, rounds: int) -> None:
@@ -320,7 +329,7 @@ class ShapeSearch:
         values = []
         for where, one in ((x, model), (np.zeros_like(x), self.model)):
             try:
-                self.found_anew(one)
+                self.found_anew(one, where)
                 value = self.objective(where)[0]
             except DrystoneError:
                 value = float("nan")
