@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, Model
+from drystone import Assembly, InputError, LoadCase, Model
 from drystone.cli import main
 from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
 from drystone.design.surgery import still_edge, turn_joint
-from drystone.models import box, h_model, shelf, tower
+from drystone.models import box, h_model, shelf, tower, wedge
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
 """[degrees] Of the lower joint of block 10 of the shelf."""
@@ -151,13 +151,22 @@ def test_what_stands_already_is_said_to_stand() -> None:
     assert mend(tower(2), friction=0.6).steps == ()
 
 
+def test_what_stands_after_settling_only_is_mended_to_stand_for_all_stiffnesses() -> None:
+    block = wedge("b", longer=0.2)
+    load = LoadCase.tilt(block, (1.0, 0.0, 0.0), 55.0)
+    model = Model.of(block, friction=0.84, load=load)
+    (found,) = find_mends(model, options=MendOptions(kinds=("prop",))).mends
+    assert found.result.stable
+    assert found.result.samples.standing == found.result.samples.tried
+
+
 def test_what_was_tried_is_told_where_nothing_holds() -> None:
     made = mend(h_model(), friction=0.9, options=MendOptions(kinds=("friction", "ballast")))
     assert not made.stands
     assert made.steps == ()
     assert (
-        "no mend of the list holds block: friction: it falls up to a coefficient of 4"
-        in (made.log[-1])
+        "no mend of the list holds block: friction: it falls up to a coefficient of 4 in all its "
+        "joints; 100 % of its load is then still not carried" in made.log[-1]
     )
 
 

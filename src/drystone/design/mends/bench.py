@@ -180,7 +180,7 @@ class Bench:
         """
         shares = [share for share in map(self._not_carried, nearest) if share is not None]
         if shares:
-            what += f"; {100.0 * min(shares):.2g} % of its load is then still not carried"
+            what += f"; {100.0 * min(shares):.0f} % of its load is then still not carried"
         self.tried.append(Tried(kind, what))
 
     def _not_carried(self, make: Change) -> float | None:

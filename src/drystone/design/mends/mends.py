@@ -14,12 +14,14 @@ from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
 from drystone.design.causes.diagnosed import Diagnosis
 from drystone.design.causes.diagnosis import diagnose
+from drystone.design.causes.prop_forces import QUICK
 from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mend_kinds import KINDS, MAKERS
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
+from drystone.stability import check
 
 JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
 """Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
@@ -217,9 +219,14 @@ def find_mends(
     first = chosen.margin.holds(model, stop)
     if chosen.margin.meets(first):
         return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
-    found = diagnose(first.model, result=first, progress=progress, stop=stop)
+    # what stands for some stiffnesses only is mended as it falls with the uniform one
+    falls = check(first.model, options=QUICK, stop=stop) if first.stable else first
+    found = diagnose(first.model, result=falls, progress=progress, stop=stop)
     if not found.regions:
-        return Mends(found, (), message=found.sentences[0])
+        told = found.sentences[0]
+        if first.stable:
+            told = f"{first.message}: no mend makes it stand for all; 'sensitive' accepts it"
+        return Mends(found, (), message=told)
     mends: list[Mend] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
     looked = found.regions if regions is None else found.regions[:regions]
@@ -278,7 +285,7 @@ def _verified(
 
     def stands(value: float) -> bool:
         both = changed_whole(value)
-        return both is not None and margin.stands(both[1], quick=True, stop=bench.stop)
+        return both is not None and margin.stands(both[1], stop=bench.stop)
 
     def checked(value: float) -> tuple[Model, Result] | None:
         nonlocal why
@@ -293,7 +300,7 @@ def _verified(
     answer = checked(value)
     low = value
     while answer is None and low + candidate.close < candidate.most:
-        high = min(2.0 * low + candidate.close, candidate.most)
+        high = top = min(2.0 * low + candidate.close, candidate.most)
         if stands(high):
             while high - low > candidate.close:
                 middle = 0.5 * (low + high)
@@ -302,7 +309,7 @@ def _verified(
                 else:
                     low = middle
             value, answer = high, checked(high)
-        low = high
+        low = top
     if answer is None:
         what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"
         bench.tried.append(Tried(candidate.kind, what))
