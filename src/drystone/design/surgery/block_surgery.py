@@ -10,7 +10,7 @@ from drystone.assembly import Block
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed, fresh_name
-from drystone.design.surgery.joint_cut import (
+from drystone.design.surgery.joint_plane import (
     block_with,
     body_of,
     joint_plane,

@@ -6,13 +6,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
-from drystone.design.surgery.joint_cut import (
-    Cell,
-    JointPlane,
-    ends_of,
-    joint_plane,
-    recut,
-)
+from drystone.design.surgery.joint_cut import Cell, recut
+from drystone.design.surgery.joint_plane import JointPlane, ends_of, joint_plane
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
 

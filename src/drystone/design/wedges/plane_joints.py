@@ -14,14 +14,8 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed
 from drystone.design.surgery.joint_changes import interface_near
-from drystone.design.surgery.joint_cut import (
-    JointCut,
-    block_with,
-    body_of,
-    joint_plane,
-    one_body,
-    snapped,
-)
+from drystone.design.surgery.joint_cut import JointCut, one_body
+from drystone.design.surgery.joint_plane import block_with, body_of, joint_plane, snapped
 from drystone.design.surgery.joint_surgery import wedge_cells, wedge_words
 from drystone.geometry.body.split import Piece
 from drystone.model import Model
