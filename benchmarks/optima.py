@@ -6,6 +6,7 @@ Prints a row for each case. The shape that was found is written to a file, read,
 from __future__ import annotations
 
 import argparse
+import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -203,7 +204,7 @@ def four() -> tuple[str, str, str, str]:
             for i, gap in enumerate(gaps)
         ]
         begun = tune(partial(bricks, courses), parameters, goals=["-reach"], how=how,
-                     options=TuneOptions(trials=64, batch=16))  # fmt: skip
+                     options=TuneOptions(trials=48, batch=16))  # fmt: skip
         for trial in begun.front:
             model = Model.of(bricks(courses, **trial.values), friction=0.6)
             names = [f"brick-{i}" for i in range(4)]
@@ -212,6 +213,7 @@ def four() -> tuple[str, str, str, str]:
             found = shape(model, block_moves(model, names, (1.0, 0.0, 0.0), 1.5), options=options)
             reach = float(found.model.assembly.bounds[1 + far, 1, 0])
             tried.append(f"{courses}: {reach:.4f}")
+            print(tried[-1], file=sys.stderr, flush=True)
             if found.stands and (
                 best is None or reach > best.model.assembly.bounds[1:, 1, 0].max()
             ):

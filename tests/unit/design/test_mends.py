@@ -11,7 +11,7 @@ from drystone import Assembly, InputError, LoadCase, Model
 from drystone.cli import main
 from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
 from drystone.design.surgery import still_edge, turn_joint
-from drystone.models import box, h_model, shelf, tower, wedge
+from drystone.models import arch, box, h_model, shelf, tower, wedge
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
 """[degrees] Of the lower joint of block 10 of the shelf."""
@@ -109,6 +109,18 @@ def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
     assert found.value == pytest.approx(0.2 * weight / (0.5 * 0.3), abs=0.015 * weight)
     assert "between" in found.description
     assert again(found.model, tmp_path).stable
+
+
+def test_a_thin_arch_is_glued_in_the_joints_that_pull(tmp_path: Path) -> None:
+    model = Model.of(arch(0.06, voussoirs=6), friction=0.5)
+    (found,) = find_mends(model, options=MendOptions(kinds=("glue",))).mends
+    assert found.joints == 5
+    assert found.description.startswith("glue in 5 joints, each of which carries a pull")
+    assert again(found.model, tmp_path).stable
+    options = MendOptions(kinds=("turn", "glue"), keep=("voussoir-02",))
+    (turned, glued) = find_mends(model, options=options).tried
+    for _, one in (turned, glued):
+        assert "may not be changed (kept: 'voussoir-02')" in one.what
 
 
 def test_a_tie_carries_what_keeps_two_blocks_from_turning_apart(tmp_path: Path) -> None:

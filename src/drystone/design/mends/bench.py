@@ -159,6 +159,11 @@ class Bench:
         ends = (contacts.block_a[interface], contacts.block_b[interface])
         return not any(int(self.blocks[end]) in self.keep for end in ends)
 
+    def kept(self, *blocks: Ints) -> str:
+        """The names of those of some blocks of the local model that may not be changed."""
+        some = {int(self.blocks[i]) for group in blocks for i in group} & self.keep
+        return names_of(self.model, sorted(some)) if some else ""
+
     def joint_name(self, interface: int) -> str:
         """A joint as text: lower, upper or inner, and the other block."""
         contacts, count = self.local.contacts, len(self.own)

@@ -34,6 +34,9 @@ THICKER = (0.1, 0.3, 1.0)
 STRENGTHS = (0.1, 1.0, 10.0)
 """The same for the strength of glue, relative to the weight of the region."""
 
+SHARED = (1.0, 3.0, 10.0)
+"""The same for glue in all joints that pull, relative to the largest pull."""
+
 
 def friction_mends(bench: Bench) -> Iterator[Candidate]:
     """The least friction of one joint, else of all."""
@@ -87,7 +90,9 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
     for group in groups:
         name = bench.joint_name(group[0]) if len(group) == 1 else "all its joints"
         if not all(bench.may_change(k) for k in group):
-            bench.fail(kind, f"{name.rstrip(',')} may not be changed")
+            contacts = bench.local.contacts
+            stay = bench.kept(contacts.block_a[group], contacts.block_b[group])
+            bench.fail(kind, f"{name.rstrip(',')} may not be changed (kept: {stay})")
             continue
         try:
             width = min(joint_width(bench.local, k) for k in group)
@@ -125,7 +130,8 @@ def thicker_mends(bench: Bench) -> Iterator[Candidate]:
         bench.fail("thicker", f"not tried on a region of more than {ALL} blocks")
         return
     if any(i in bench.keep for i in bench.region.blocks):
-        bench.fail("thicker", "its blocks may not be changed")
+        stay = bench.kept(np.array(bench.own))
+        bench.fail("thicker", f"its blocks may not be changed (kept: {stay})")
         return
 
     def make(share: float) -> Change:
@@ -146,9 +152,12 @@ def thicker_mends(bench: Bench) -> Iterator[Candidate]:
 
 
 def glue_mends(bench: Bench) -> Iterator[Candidate]:
-    """Glue in one joint: the least strength with which the region stands."""
+    """Glue in one joint: the least strength with which the region stands.
+
+    In a larger region, the same glue in all joints that would pull.
+    """
     if len(bench.own) > MANY:
-        bench.fail("glue", f"not tried on a region of more than {MANY} blocks")
+        yield from _glue_in_all(bench)
         return
     contacts = bench.local.contacts
     load = bench.local.load.wrench[bench.own, :3]
@@ -178,6 +187,33 @@ def glue_mends(bench: Bench) -> Iterator[Candidate]:
         )
 
 
+def _glue_in_all(bench: Bench) -> Iterator[Candidate]:
+    """Glue in all joints of a region that would pull, with one strength for all of them."""
+    at = {whole: k for k, whole in enumerate(bench.interfaces.tolist())}
+    pulls = [pull for pull in bench.region.needs.pulls if pull.interface in at]
+    joints = [at[pull.interface] for pull in pulls]
+    ends = (bench.local.contacts.block_a[joints], bench.local.contacts.block_b[joints])
+    if not pulls:
+        bench.fail("glue", "none of its joints would pull")
+        return
+    if bench.kept(*ends):
+        bench.fail("glue", f"its joints may not be changed (kept: {bench.kept(*ends)})")
+        return
+    most = max(pull.force for pull in pulls)
+    make, close = partial(_glued, np.array(joints)), 0.02 * most
+    steps = [share * most for share in SHARED]
+    value = bench.least(make, steps, close)
+    if value is None:
+        what = f"it falls with glue of {newtons(steps[-1])} in the {len(joints)} joints that pull"
+        bench.fail("glue", what, make(steps[-1]))
+        return
+    where = f"in {len(joints)} joints, each of which"
+    yield Candidate(
+        "glue", partial(_glue_words, where), value, make, joints=len(joints),
+        most=steps[-1], close=close,
+    )  # fmt: skip
+
+
 def _glued(own: Ints, strength: float) -> Change:
     """Glue in some interfaces, with a strength [N] each against pull and against shear."""
 
@@ -194,7 +230,8 @@ def _glued(own: Ints, strength: float) -> Change:
 
 
 def _glue_words(where: str, value: float) -> str:
-    return f"glue {where} that carries a pull, and a shear, of {newtons(value)}"
+    carries = "carries" if where.endswith("which") else "that carries"
+    return f"glue {where} {carries} a pull, and a shear, of {newtons(value)}"
 
 
 def merge_mends(bench: Bench) -> Iterator[Candidate]:
