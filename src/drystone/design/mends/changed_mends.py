@@ -179,7 +179,10 @@ def glue_mends(bench: Bench) -> Iterator[Candidate]:
                 "glue", partial(_glue_words, where), value, make, joints=len(own),
                 most=steps[-1], close=0.01 * weight,
             )  # fmt: skip
-    if not found:
+    if not tried:
+        stay = bench.kept(contacts.block_a, contacts.block_b)
+        bench.fail("glue", f"its joints may not be changed (kept: {stay})")
+    elif not found:
         bench.fail(
             "glue",
             f"it falls with glue of {STRENGTHS[-1]:g} times its weight in any one of its joints",
@@ -263,7 +266,10 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
                 "merge", f"{names_of(bench.local, [a, b])} made one block{strength}", pull, make,
                 joints=len(own),
             )  # fmt: skip
-    if not found:
+    if not tried:
+        stay = bench.kept(contacts.block_a, contacts.block_b)
+        bench.fail("merge", f"its blocks may not be changed (kept: {stay})")
+    elif not found:
         bench.fail("merge", "it falls with any two of its blocks made one", *tried)
 
 
