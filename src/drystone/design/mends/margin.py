@@ -12,7 +12,7 @@ from drystone.base.settings import Options
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import check, stands_for_all
+from drystone.stability import CheckOptions, check, stands_for_all
 
 AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 """The horizontal axes about which a structure is tilted."""
@@ -61,7 +61,9 @@ class DesignMargin(Options):
             cases += [tilted(model, axis, self.tilt) for axis in AXES]
         return cases
 
-    def holds(self, model: Model, stop: Callable[[], bool] | None = None) -> Result:
+    def holds(
+        self, model: Model, stop: Callable[[], bool] | None = None, *, settle: bool = True
+    ) -> Result:
         """The check of the model, or of the first case in which it does not stand.
 
         Parameters
@@ -69,12 +71,15 @@ class DesignMargin(Options):
         model
         stop
             Asked often; True ends a check with what is known.
+        settle
+            Follow settlement also where it cannot make the structure meet the margin.
         """
-        first = check(model, stop=stop)
+        options = CheckOptions(settle=settle or not self.robust)
+        first = check(model, options=options, stop=stop)
         if not self.meets(first):
             return first
         for case in self.cases(model):
-            result = check(case, stop=stop)
+            result = check(case, options=options, stop=stop)
             if not self.meets(result):
                 return result
         return first
