@@ -229,7 +229,7 @@ def buttress() -> tuple[str, str, str, str]:
     """The buttressed arch with least masonry, against a scan of all thicknesses."""
     start, most = (
         {"thickness": 0.3, "buttress_width": 1.0},
-        {"thickness": 0.2, "buttress_width": 0.6},
+        {"thickness": 0.2, "buttress_width": 0.85},
     )
 
     def build(**values: float) -> Assembly:
@@ -239,7 +239,7 @@ def buttress() -> tuple[str, str, str, str]:
     found = shape(Model.of(build(**start), friction=0.7), moves, options=VOLUME)
     values = moves.values(found.x)
     least = np.inf, 0.0, 0.0
-    for thickness in np.arange(0.12, 0.36, 0.01):
+    for thickness in np.arange(0.1, 0.22, 0.01):
         low, high = float(thickness), 1.6
         while high - low > 2e-3:
             middle = 0.5 * (low + high)

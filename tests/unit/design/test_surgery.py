@@ -242,3 +242,19 @@ def test_pieces_of_a_concave_body_are_put_together_again() -> None:
 
 def replace_body(block: Any, piece: Any) -> Any:
     return type(block)(piece[0], tuple(piece[1]), block.name, block.density)
+
+
+def test_blocks_that_would_overlap_are_refused_and_those_that_did_before_are_not() -> None:
+    beside = box((1.0, 1.0, 1.0), (1.2, 0.0, 0.0), "beside")
+    model = Model.of(Assembly((*tower(2).blocks, beside)).with_fixed([0, 2]), friction=0.6)
+    low = model.assembly.bounds[0, 0]
+    toward = faces_toward(model.assembly.blocks[2], (-1.0, 0.0, 0.0))[0]
+    reach = float(1.2 - low[0] - 1.0)
+    assert move_face(model, "beside", toward, 0.9 * reach).contacts.count == 1
+    with pytest.raises(InputError, match="'block-0' and 'beside': would overlap by"):
+        move_face(model, "beside", toward, reach + 0.1)
+    sunk = box((1.0, 1.0, 1.0), (0.0, 0.0, 0.97), "sunk")
+    both = Assembly((box((1.0, 1.0, 1.0), name="base"), sunk)).with_fixed([0])
+    deep = Model.of(both, friction=0.6)
+    upward = faces_toward(sunk, (0.0, 0.0, 1.0))[0]
+    assert move_face(deep, "sunk", upward, 0.1).assembly.volume[1] == pytest.approx(1.1)

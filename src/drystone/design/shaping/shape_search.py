@@ -12,6 +12,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.progress import Progress
 from drystone.design.mends.mends import stands_already
+from drystone.design.shaping.help_needed import GROUND
 from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
 from drystone.design.shaping.shape_values import ShapeValues, Stopped
 from drystone.design.shaping.variables import ShapeVariables
@@ -19,8 +20,8 @@ from drystone.model import Model
 
 HELPED = 1e-4
 """Share of the load on the ground up to which a shape is taken to stand in the first round; at
-least that of the last shape that stands. Chosen: of three stacked bricks it leads within 0.1 % of
-the largest overhang. It is reduced where the target falls. The check decides."""
+least four times that of the last shape that stands. Chosen: of three stacked bricks it leads within
+0.1 % of the largest overhang. Both are reduced where a target falls. The check decides."""
 
 CLOSE = 2.0**-7
 """Share of a step to which the last shape that stands is bisected."""
@@ -31,6 +32,11 @@ DRAWN = tuple(2.0**-power for power in range(13, 1, -3))
 
 ENOUGH = 1e-4
 """The search ends where a target that was drawn back gains less than this share, chosen."""
+
+
+SOFT = 1e-2
+"""Stiffness of the ground with which a structure that falls is shaped at first, chosen: the help
+that it needs then changes smoothly with the shape. It is reduced where that leads no further."""
 
 
 class ShapeSearch(ShapeValues):
@@ -63,7 +69,8 @@ class ShapeSearch(ShapeValues):
                 "it does not stand as it is, at the margin that is asked for",
                 remedy="shape it to stand first",
             )
-        trust, allowed, rounds = options.trust, HELPED, 0
+        trust, slack, rounds, centred = options.trust, 1.0, 0, False
+        self.ground = SOFT if stand_only else GROUND
         words = "the rounds were used up"
         try:
             for rounds in range(1, options.rounds + 1):
@@ -71,8 +78,19 @@ class ShapeSearch(ShapeValues):
                 self.found_anew(now, best)
                 before = self.objective(best)[0]
                 self.firmest = min(self.firmest, (self.help_at(best)[0], best), key=lambda p: p[0])
-                target = self.step(best, trust, allowed)
+                target = self.step(best, trust, slack)
                 share, place, found = self.accepted(best, target, before)
+                if share < 0.5 and not stand_only:
+                    wished = before - self.objective(target)[0]
+                    if centred and wished <= options.close * abs(before):
+                        words = "the next round would gain almost nothing"
+                        break
+                    if not centred:
+                        centred = True
+                        self.centre(best)
+                        share = 0.5
+                elif share > 0.5:
+                    centred = False
                 gained = 0.0
                 if found is not None:
                     best, now = place, found
@@ -80,11 +98,16 @@ class ShapeSearch(ShapeValues):
                         words = "it stands"
                         break
                     gained = before - self.objective(best)[0]
-                if share == 1.0 and gained <= options.close * abs(before):
+                if share != 0.5:
+                    trust = min(2.0 * trust, options.trust) if share > 0.5 else 0.5 * trust
+                slack *= 1.0 if share == 1.0 else 0.25
+                ends = share == 1.0 and gained <= options.close * abs(before)
+                if self.ground > GROUND and (ends or trust < options.close):
+                    self.ground, trust = 0.1 * self.ground, options.trust
+                    continue
+                if ends:
                     words = "the last round gained almost nothing"
                     break
-                trust = min(2.0 * trust, options.trust) if share > 0.5 else 0.5 * trust
-                allowed *= 1.0 if share == 1.0 else 0.25
                 drawn = share > 0.5 and not stand_only
                 if trust < options.close or (drawn and gained <= ENOUGH * abs(before)):
                     words = "no smaller step leads further"
@@ -109,7 +132,14 @@ class ShapeSearch(ShapeValues):
                 return place, model
         return x, now
 
-    def step(self, x: Floats, trust: float, allowed: float) -> Floats:
+    def centre(self, x: Floats) -> None:
+        """Take the shape near variables (p,) that needs least help as the firmest, if it stands."""
+        place = self.step(x, self.options.trust, None)
+        model = self.made(place)
+        if model is not None and self.options.margin.stands(model):
+            self.firmest = min(self.firmest, (self.help_at(place)[0], place), key=lambda p: p[0])
+
+    def step(self, x: Floats, trust: float, slack: float | None) -> Floats:
         """Where the optimiser goes from variables (p,) within a region of trust.
 
         Parameters
@@ -117,22 +147,24 @@ class ShapeSearch(ShapeValues):
         x : (p,)
         trust
             Largest change of a variable, by its largest move.
-        allowed
-            Share of the load on the ground up to which a shape is taken to stand.
+        slack
+            How much more help than at ``x`` is allowed: 1 in the first round, less where targets
+            fell. Left out, the help is what is to be least.
         """
+        aim = self.help_at if slack is None else self.objective
         most = self.moves.most
         low = np.maximum(x - trust * most, -most)
         high = np.minimum(x + trust * most, most)
         # in units of the largest moves, and about the size of the first value
-        scale = max(abs(self.objective(x)[0]), np.finfo(float).tiny)
+        scale = max(abs(aim(x)[0]), np.finfo(float).tiny)
 
         def value(y: Floats) -> tuple[float, Floats]:
-            found, gradient = self.objective(most * y)
+            found, gradient = aim(most * y)
             return found / scale, most * gradient / scale
 
-        allowed = max(allowed, self.help_at(x)[0])
         rows: list[Any] = []
-        if self.options.aim is not ShapeAim.STAND:
+        if slack is not None and self.options.aim is not ShapeAim.STAND:
+            allowed = max(slack * HELPED, (1.0 + 3.0 * slack) * self.help_at(x)[0])
             rows += [
                 {
                     "type": "ineq",

@@ -10,7 +10,7 @@ from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
-from drystone.design.shaping.help_needed import Form
+from drystone.design.shaping.help_needed import GROUND, Form
 from drystone.design.shaping.shape_options import ShapeAim, ShapeOptions
 from drystone.design.shaping.variables import ShapeVariables
 from drystone.design.shaping.vertex_measures import Bodies
@@ -46,6 +46,7 @@ class ShapeValues:
         self.bodies = Bodies.of(model.assembly)
         self.known: dict[bytes, tuple[float, Floats]] = {}
         self.forms: list[Form] = []
+        self.ground = GROUND
         self.at = np.zeros(moves.count)
         self.here = self.bodies.vertex
         self.matrix: sparse.csr_matrix = moves.matrix_at(self.at)
@@ -56,7 +57,8 @@ class ShapeValues:
         From here on vertices are followed along their tangents.
         """
         self.known.clear()
-        self.forms = [Form.of(one) for one in (model, *self.options.margin.cases(model))]
+        cases = (model, *self.options.margin.cases(model))
+        self.forms = [Form.of(one, self.ground) for one in cases]
         self.at, self.here = x, self.moves.moved(self.bodies.vertex, x)
         self.matrix = self.moves.matrix_at(x)
 

@@ -12,7 +12,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
-from drystone.detection import find_contacts
+from drystone.detection import find_contacts, find_overlaps
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -91,7 +91,8 @@ def changed(
     Raises
     ------
     InputError
-        A joint with a capacity is no longer there, or a block with a tie would change.
+        A joint with a capacity is no longer there, a block with a tie would change, or two blocks
+        would overlap.
     """
     blocks = dict(blocks or {})
     before = len(model)
@@ -116,7 +117,7 @@ def changed(
             origin[left] = heir
         after = np.concatenate([origin[kept], np.full(len(added), parts_of, dtype=np.intp)])
         origin[np.setdiff1d(np.asarray(removed, dtype=np.intp), list(heirs or {}))] = -1
-        contacts = _as_before(model, _found(assembly, touched), origin, after)
+        contacts = _as_before(model, _found(model, assembly, touched, after), origin, after)
     return Model(
         assembly,
         joined_contacts(unchanged, contacts),
@@ -125,8 +126,16 @@ def changed(
     )
 
 
-def _found(assembly: Assembly, touched: Bools) -> Contacts:
-    """The interfaces of blocks that changed, found among them and those near them."""
+def _found(model: Model, assembly: Assembly, touched: Bools, after: Ints) -> Contacts:
+    """The interfaces of blocks that changed, found among them and those near them.
+
+    ``after`` are the blocks (n,) of the model that they were; -1 where they are new.
+
+    Raises
+    ------
+    InputError
+        Two of them overlap, and did not before.
+    """
     if not touched.any():
         return Contacts.empty()
     margin = 0.01 * assembly.size.max()
@@ -135,7 +144,21 @@ def _found(assembly: Assembly, touched: Bools) -> Contacts:
     for i in np.flatnonzero(touched):
         near |= (low <= high[i]).all(axis=1) & (low[i] <= high).all(axis=1)
     chosen = np.flatnonzero(near)
-    found = find_contacts(assembly.subset(chosen.tolist())).contacts
+    detected = find_contacts(assembly.subset(chosen.tolist()))
+    for one in detected.report.overlaps:
+        pair = [int(chosen[i]) for i in (one.block_a, one.block_b)]
+        were = after[pair]
+        if not touched[pair].any() or (
+            were.min() >= 0 and find_overlaps(model.assembly.subset(sorted(set(were.tolist()))))
+        ):
+            continue
+        names = [assembly.names[i] for i in pair]
+        raise InputError(
+            f"would overlap by {1e3 * one.depth:.3g} mm",
+            where=f"the blocks '{names[0]}' and '{names[1]}'",
+            remedy="make the change smaller",
+        )
+    found = detected.contacts
     a, b = chosen[found.block_a], chosen[found.block_b]
     mine = touched[a] | touched[b]
     back = np.full(len(chosen), -1, dtype=np.intp)
