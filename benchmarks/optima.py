@@ -131,9 +131,8 @@ def vertical() -> tuple[str, str, str, str]:
     return "t/R 0.2", f"t/R {thick:.4f}", f"0.1095, by bisection {high:.4f}", again(found)
 
 
-def hanging() -> tuple[str, str, str, str]:
-    """The centre line of a thin arch under its own weight."""
-    count, thickness = 9, 0.005
+def hung(count: int, thickness: float) -> tuple[Shaped, Floats, Floats]:
+    """A half circle shaped to stand, and its heights above the catenary, before and after."""
     angle = np.pi * (1.0 - np.arange(1, count + 1) / (2 * count + 2))
     names = [f"z{i}" for i in range(count)]
     circle = np.sin(angle)
@@ -146,7 +145,13 @@ def hanging() -> tuple[str, str, str, str]:
     model = Model.of(build(**start), friction=0.9)
     found = shape(model, moves, options=ShapeOptions(rounds=60))
     true = catenary(np.cos(angle))
-    first, last = (float(np.abs(z - true).max()) for z in (circle, circle + found.x))
+    return found, circle - true, circle + found.x - true
+
+
+def hanging() -> tuple[str, str, str, str]:
+    """The centre line of a thin arch under its own weight."""
+    found, before, after = hung(9, 0.005)
+    first, last = (float(np.abs(one).max()) for one in (before, after))
     return (
         f"{100 * first:.1f} % of the rise", f"{100 * last:.2f} % ({found.message})",
         "below 1 %", again(found),
