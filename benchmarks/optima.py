@@ -164,7 +164,7 @@ def overhang(bricks: int) -> tuple[str, str, str, str]:
     model = Model.of(Assembly(tuple(blocks)).with_fixed([0]), friction=0.6)
     free = [f"brick-{i}" for i in range(1, bricks + 1)]
     moves = block_moves(model, free, (1.0, 0.0, 0.0), 1.5)
-    options = ShapeOptions(aim="reach", block=f"brick-{bricks}", rounds=40)
+    options = ShapeOptions(aim="reach", block=f"brick-{bricks}", rounds=40, close=1e-4)
     found = shape(model, moves, options=options)
     known = sum(0.5 / i for i in range(1, bricks + 1))
     return "0", f"{found.value - found.first:.4f}", f"{known:.4f}", again(found)
@@ -214,7 +214,7 @@ def four() -> tuple[str, str, str, str]:
             model = Model.of(bricks(courses, **trial.values), friction=0.6)
             names = [f"brick-{i}" for i in range(4)]
             far = int(np.argmax(model.assembly.bounds[1:, 1, 0]))
-            options = ShapeOptions(aim="reach", block=names[far], rounds=40)
+            options = ShapeOptions(aim="reach", block=names[far], rounds=40, close=1e-4)
             found = shape(model, block_moves(model, names, (1.0, 0.0, 0.0), 1.5), options=options)
             reach = float(found.model.assembly.bounds[1 + far, 1, 0])
             tried.append(f"{courses}: {reach:.4f}")

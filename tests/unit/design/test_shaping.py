@@ -85,7 +85,7 @@ def test_the_overhang_of_a_stack_is_the_harmonic_one() -> None:
     found = shape(
         model,
         block_moves(model, free, (1.0, 0.0, 0.0), 1.5),
-        options=ShapeOptions(aim="reach", block="brick-3"),
+        options=ShapeOptions(aim="reach", block="brick-3", close=1e-4),
     )
     assert found.stands
     assert found.value - found.first == pytest.approx(0.5 + 0.25 + 1.0 / 6.0, rel=0.0005)
@@ -117,13 +117,13 @@ def test_no_edge_gets_shorter_than_the_least() -> None:
 def test_a_margin_makes_it_thicker() -> None:
     margin = DesignMargin(tilt=3.0)
     found = shape(
-        arch(0.15, 8),
-        lambda model: thickening(model, (0.0, 0.0, 0.0), 0.1),
+        arch(0.13, 8),
+        lambda model: thickening(model, (0.0, 0.0, 0.0), 0.05),
         friction=0.8,
         options=ShapeOptions(aim="volume", margin=margin),
     )
     assert found.stands
-    thinner = Model.of(arch(0.98 * (0.15 + float(found.x[0])), 8), friction=0.8)
+    thinner = Model.of(arch(0.98 * (0.13 + float(found.x[0])), 8), friction=0.8)
     assert drystone.check(thinner).stable
     assert not margin.stands(thinner)
 

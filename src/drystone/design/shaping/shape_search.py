@@ -30,9 +30,6 @@ CLOSE = 2.0**-7
 DRAWN = tuple(2.0**-power for power in range(13, 1, -3))
 """Shares of the way by which a target that falls is drawn back, chosen."""
 
-ENOUGH = 1e-4
-"""The search ends where a target that was drawn back gains less than this share, chosen."""
-
 
 SOFT = 1e-2
 """Stiffness of the ground with which a structure that falls is shaped at first, chosen: the help
@@ -101,15 +98,15 @@ class ShapeSearch(ShapeValues):
                 if share != 0.5:
                     trust = min(2.0 * trust, options.trust) if share > 0.5 else 0.5 * trust
                 slack *= 1.0 if share == 1.0 else 0.25
-                ends = share == 1.0 and gained <= options.close * abs(before)
+                far = share == 1.0 or (share > 0.5 and not stand_only)
+                ends = far and gained <= options.close * abs(before)
                 if self.ground > GROUND and (ends or trust < options.close):
                     self.ground, trust = 0.1 * self.ground, options.trust
                     continue
                 if ends:
                     words = "the last round gained almost nothing"
                     break
-                drawn = share > 0.5 and not stand_only
-                if trust < options.close or (drawn and gained <= ENOUGH * abs(before)):
+                if trust < options.close:
                     words = "no smaller step leads further"
                     break
         except Stopped:
