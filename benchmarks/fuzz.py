@@ -396,7 +396,7 @@ class _deadline:  # noqa: N801  # reads as a verb
         raise TooSlowError
 
 
-def _limited_memory() -> tuple[int, int] | None:
+def _limited_memory(most: int = MEMORY) -> tuple[int, int] | None:
     try:
         import resource
     except ImportError:  # Windows
@@ -404,7 +404,7 @@ def _limited_memory() -> tuple[int, int] | None:
     before = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     used = pages * resource.getpagesize()
-    resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, before[1]))
+    resource.setrlimit(resource.RLIMIT_AS, (used + most, before[1]))
     return before
 
 

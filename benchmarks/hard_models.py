@@ -32,9 +32,9 @@ def pushed_wall(number: int) -> Limit:
 
 
 def slippery_vault() -> Limit:
-    """Least friction of a cross vault of 184 blocks."""
+    """Least friction of a cross vault of 188 blocks."""
     shell = shells.build_shell(
-        shells.cross_vault(), shells.Layout(courses=11, width=0.8, wedge=0.1)
+        shells.cross_vault(), shells.Layout(courses=15, width=0.6, wedge=0.1)
     )
     return limit_friction(shell.assembly, friction=0.84)
 

@@ -1,7 +1,8 @@
-"""One change of the verdict along every ray: ``python -m benchmarks.islands FILE --csv ROW``.
+"""One change of the verdict along a ray, at most: ``python -m benchmarks.islands FILE --csv ROW``.
 
 A model carries its weight and a horizontal load of kx and ky times its weight. The loads that it
-can carry form a set around zero; a ray from zero should leave it once. A row has one ky and all kx.
+can carry form a set around zero; a ray from zero should leave it once. A row has one ky and all kx,
+or with ``--along y`` one kx and all ky.
 ``--report FOLDER`` reads the rows of all CSV files and lists every ray along which the verdict
 changes more than once. Exit code 1 where one does.
 """
@@ -22,28 +23,30 @@ FIELDS = ("kx", "ky", "verdict", "cpu_s", "message")
 
 
 def scanned(arguments: argparse.Namespace) -> None:
-    """Check one row, from kx = 0 on; values that the file has already are left out."""
+    """Check one row, from 0 on; values that the file has already are left out."""
     model = io.read(arguments.model, friction=arguments.friction)
+    along = f"k{arguments.along}"
     known = set()
     if arguments.csv.exists():
         with arguments.csv.open(encoding="utf-8", newline="") as file:
-            known = {row["kx"] for row in csv.DictReader(file)}
+            known = {row[along] for row in csv.DictReader(file)}
     weight = LoadCase.of(model.assembly)
     with arguments.csv.open("a", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, FIELDS)
         if not known:
             table.writeheader()
         for number in range(round(arguments.most / arguments.step) + 1):
-            kx = f"{number * arguments.step:.6g}"
-            if kx in known:
+            value, row = f"{number * arguments.step:.6g}", f"{arguments.row:.6g}"
+            if value in known:
                 continue
-            case = LoadCase.seismic(model.assembly, float(kx), arguments.row)
+            kx, ky = (value, row) if along == "kx" else (row, value)
+            case = LoadCase.seismic(model.assembly, float(kx), float(ky))
             began = time.process_time()
             found = check(model.with_load(weight + case), time_limit_s=arguments.limit)
             table.writerow(
                 {
                     "kx": kx,
-                    "ky": f"{arguments.row:.6g}",
+                    "ky": ky,
                     "verdict": found.verdict.value,
                     "cpu_s": f"{time.process_time() - began:.2f}",
                     "message": found.message,
@@ -86,9 +89,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("model", type=Path, nargs="?")
     parser.add_argument("--friction", type=float, default=0.84)
-    parser.add_argument("--row", type=float, default=0.0, help="ky")
-    parser.add_argument("--step", type=float, default=0.005, help="of kx")
-    parser.add_argument("--most", type=float, default=0.3, help="largest kx")
+    parser.add_argument("--row", type=float, default=0.0, help="the other factor")
+    parser.add_argument("--along", choices=("x", "y"), default="x", help="the factor that grows")
+    parser.add_argument("--step", type=float, default=0.005, help="of the factor that grows")
+    parser.add_argument("--most", type=float, default=0.3, help="its largest value")
     parser.add_argument("--limit", type=float, default=120.0, help="seconds per check")
     parser.add_argument("--csv", type=Path, help="where the row is written")
     parser.add_argument("--report", type=Path, help="folder with the rows")

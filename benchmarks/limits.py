@@ -211,13 +211,13 @@ This page is written by `python -m benchmarks.limits`.
 friction, thickness or size of its joints. There are four definitions of a limit:
 
 - **balances**: some contact forces balance the loads, with associative friction. This is a convex
-problem and a necessary condition. It is the limit of rigid-block limit analysis. - **stands**: the
-verdict of `drystone check` on both sides. Where contact stiffness decides, the
+  problem and a necessary condition. It is the limit of rigid-block limit analysis.
+- **stands**: the verdict of `drystone check` on both sides. Where contact stiffness decides, the
   blocks are followed by [finite steps](settlement.md), and the limit is where they no longer come
   to rest. This is the result.
 - **every stiffness**: it stands for every contact stiffness that is tried. It is computed if it
-ends before the verdict changes. - **uniform**: it stands for uniform contact stiffness, as a
-discrete-element program computes it to
+  ends before the verdict changes.
+- **uniform**: it stands for uniform contact stiffness, as a discrete-element program computes it to
   first order.
 
 Where these differ, the result contains the values between which the joints decide, as text, in JSON
@@ -281,11 +281,11 @@ for row in study.by_loading():
 FINDINGS = """## Remarks
 
 - The dome tilts further with the eight-sided pyramid of the source than with the cone. That pyramid
-permits up to 8.2 % more friction than the coefficient. - Quadratic and linear objectives give the
-same resultants of the buttressed arch at friction 0.6:
+  permits up to 8.2 % more friction than the coefficient.
+- Quadratic and linear objectives give the same resultants of the buttressed arch at friction 0.6:
   both choose the least thrust. At 0.4 their centres of pressure are up to 7 mm apart.
 - Friction on net compression (compression less tension at each corner) can be met exactly only
-where no tension is needed. A net tension has no friction cone.
+  where no tension is needed. A net tension has no friction cone.
 """
 
 

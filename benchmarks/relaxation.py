@@ -28,7 +28,7 @@ from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.corners import Ends
+from drystone.settlement.faces.corners import Ends
 from drystone.settlement.springs import Pose, place_corners, respond, rotations
 
 OVERLAP, TANGENTIAL = 1e-5, 0.2

@@ -216,12 +216,13 @@ def build_part(sizes: list[int]) -> list[str]:
         "|---|---|---|---|---|---|---|---|---|---|---|---|",
         *rows,
         "",
-        "Lengths are by the mean width of a block: *drift* is the largest move of a corner while "
-        "joints were made planar, *off* the largest part of one that leads off the surface, "
-        "*moved* what corners were moved before, for the area of the surface; *area* is the "
-        "largest relative difference between the joints of a pair as found and the faces that it "
-        "shares; *volume* is that of the voussoirs by that of the smooth shell. Every block is "
-        "closed, every joint is found at a gap of 1e-6 of a block, and no block stands in another.",
+        "Lengths are divided by the mean width of a block. *Drift* is the largest move of a corner "
+        "while joints were made planar; *off* is its largest component normal to the surface. "
+        "*Moved* is the move before that, which gives the flat cells the area of the surface. "
+        "*Area* compares the joints that the contact search finds between two blocks with the "
+        "faces that they share: the largest relative difference. *Volume* is the volume of the "
+        "voussoirs divided by that of the smooth shell. Every block is closed, every joint is "
+        "found at a gap of 1e-6 of a block, and no two blocks overlap.",
     ]
 
 
@@ -235,13 +236,12 @@ def stand_part(sizes: list[int]) -> list[str]:
         "|---|---|---|---|---|---|---|",
         *rows,
         "",
-        "At friction 0.6. Of every two limits the first is where the shell stands with uniform "
-        "contact stiffness, the lowest of the answers, and the second where some forces balance "
-        "the loads, the limit of rigid-block analysis, beyond which nothing can stand. They are to "
-        "0.25 degree and 0.01 at the small size, to 1 degree and 0.02 at the middle one. At 4,000 "
-        "blocks one verdict takes the CPU seconds in the last column, and one near a limit "
-        "several times as long, with some twenty for the limits of a shell: they are not searched. "
-        "The flat plan has no limit of tilt, since it falls where it is not tilted at all.",
+        f"drystone {drystone.__version__}; friction 0.6. Two limits are given. Up to the first the "
+        "shell stands with uniform contact stiffness. Up to the second some forces balance the "
+        "loads; beyond it nothing can stand. The brackets are 0.25 degree and 0.01 wide for the "
+        "small shells, 1 degree and 0.02 for the middle ones. The limits of the large shells were "
+        "not searched: each needs some twenty verdicts, and the last column has the CPU seconds of "
+        "one. The flat plan has no limit of tilt, because it falls without tilt.",
     ]
 
 
@@ -255,7 +255,7 @@ def wedge_part(_: list[int]) -> list[str]:
 
     cases = [(mu, options) for mu in FRICTIONS for options in (UNIFORM, CheckOptions())]
     titles = [
-        f"friction {mu}, {'uniform' if options is UNIFORM else 'some'} stiffness"
+        f"friction {mu}, {'uniform stiffness' if options is UNIFORM else 'check'}"
         for mu, options in cases
     ]
     leans = [[lean(wedge, mu, options) for wedge in WEDGES] for mu, options in cases]

@@ -1,17 +1,20 @@
 """Published tilt limits beside ours: ``python -m benchmarks.thesis`` writes docs/validation.md.
 
-Every limit is found by a scan from 0 to 180 degrees and a bisection to 0.05 degree.
+Every limit is found by a scan from 0 to 180 degrees and a bisection to 0.05 degree. With
+``--rows FILE`` the rows are kept there as they come, and those that are there are not measured
+again: so it may be stopped and goes on where it was.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import platform
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 
@@ -20,7 +23,7 @@ from benchmarks.explanations import EXPLANATIONS
 from benchmarks.scan import Limit, tilt_limit
 from benchmarks.settlement import MECHANISMS, QUICK
 from benchmarks.studies import Study, studies
-from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Verdict, models
+from drystone import Assembly, CheckOptions, LoadCase, RBEOptions, Verdict, models
 from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.reproduce import SECTIONS, reproduce
@@ -31,36 +34,36 @@ PAGE = Path(__file__).parents[1] / "docs" / "validation.md"
 
 UNIFORM = CheckOptions(samples=0, settle=False)
 
-StandsCheck = Callable[[Assembly, Contacts, LoadCase], bool]
+StandsCheck = Callable[[Model], bool]
 
 
-def octagon(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
+def octagon(model: Model) -> bool:
     options = RBEOptions.feasibility(FrictionCone.octagon())
-    found = solve_rbe(Model(assembly, contacts, load), options=options)
+    found = solve_rbe(model, options=options)
     return found.verdict is Verdict.EQUILIBRIUM_EXISTS
 
 
-def exact(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
-    found = solve_rbe(Model(assembly, contacts, load), options=RBEOptions.feasibility())
+def exact(model: Model) -> bool:
+    found = solve_rbe(model, options=RBEOptions.feasibility())
     return found.verdict is Verdict.EQUILIBRIUM_EXISTS
 
 
-def uniform(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
-    found = check(Model(assembly, contacts, load), options=UNIFORM)
+def uniform(model: Model) -> bool:
+    found = check(model, options=UNIFORM)
     return found.verdict is Verdict.STABLE
 
 
-def searched(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
-    return could_hold(Model(assembly, contacts, load)).verdict is Verdict.STABLE
+def searched(model: Model) -> bool:
+    return could_hold(model).verdict is Verdict.STABLE
 
 
-def settled(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
+def settled(model: Model) -> bool:
     """Followed by steps, the ends of joints on the block that moves."""
-    return settle(Model(assembly, contacts, load), options=QUICK).outcome is Outcome.RESTS
+    return settle(model, options=QUICK).outcome is Outcome.RESTS
 
 
-def compatible(assembly: Assembly, contacts: Contacts, load: LoadCase) -> bool:
-    found = solve_cra(Model(assembly, contacts, load))
+def compatible(model: Model) -> bool:
+    found = solve_cra(model)
     return found.verdict is Verdict.STABLE and found.method == "cra"
 
 
@@ -333,24 +336,59 @@ def settled_misses(rows: Sequence[Row]) -> list[str]:
     return lines + [f"- {key}, {one:+.2f}: {why[key]}" for key, one in miss.items() if abs(one) > 1]
 
 
-def run(pool: Executor | None, chosen: Sequence[Study]) -> list[Row]:
-    """Measure, in parallel where a pool is given; rows are printed as they come."""
-    rows: list[Row] = []
-    for row in (pool.map if pool is not None else map)(measure, chosen):
-        rows.append(row)
+def run(pool: Executor | None, chosen: Sequence[Study], kept: Path | None) -> list[Row]:
+    """Measure, in parallel where a pool is given; rows are printed and kept as they come."""
+    known = kept_rows(kept)
+    missing = [study for study in chosen if study.key not in known]
+    for row in (pool.map if pool is not None else map)(measure, missing):
+        known[row.study.key] = row
+        keep_rows(kept, known)
         ours = " ".join(f"{name} {limit.angle:.2f}" for name, limit in row.limits.items())
         print(
             f"{row.study.key:32s} 3DEC {row.study.dem:g} CRA {row.study.cra:g} | {ours} | "
             f"{row.seconds:.1f} s {' '.join(row.exceptions())}",
             flush=True,
         )
-    return rows
+    return [known[study.key] for study in chosen]
+
+
+def kept_rows(kept: Path | None) -> dict[str, Row]:
+    """The rows that were measured before, by study."""
+    if kept is None or not kept.exists():
+        return {}
+    stored = json.loads(kept.read_text(encoding="utf-8"))
+    by_key = {study.key: study for study in studies()}
+    return {
+        key: Row(
+            by_key[key],
+            {name: Limit(**limit) for name, limit in one["limits"].items()},
+            one["seconds"],
+        )
+        for key, one in stored.items()
+    }
+
+
+def keep_rows(kept: Path | None, rows: Mapping[str, Row]) -> None:
+    """Write all rows; no file is left half written."""
+    if kept is None:
+        return
+    stored = {
+        key: {
+            "limits": {name: asdict(limit) for name, limit in row.limits.items()},
+            "seconds": row.seconds,
+        }
+        for key, row in rows.items()
+    }
+    draft = kept.with_suffix(".new")
+    draft.write_text(json.dumps(stored), encoding="utf-8")
+    draft.replace(kept)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", default="", help="models whose name contains this")
     parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--rows", type=Path, help="keep the rows in this file, and go on from it")
     parser.add_argument("--extras", action="store_true", help="only what follows the tilt limits")
     arguments = parser.parse_args()
     if arguments.extras:
@@ -358,16 +396,15 @@ def main() -> None:
         PAGE.write_text(before + extras(), encoding="utf-8")
         return
     chosen = [study for study in studies() if arguments.only in study.key]
-    began = time.perf_counter()
     if arguments.workers > 1:
         with ProcessPoolExecutor(arguments.workers) as pool:
-            rows = run(pool, chosen)
+            rows = run(pool, chosen, arguments.rows)
     else:
-        rows = run(None, chosen)
+        rows = run(None, chosen, arguments.rows)
     if arguments.only:
         return
     draft = PAGE.with_suffix(".md.new")
-    draft.write_text(page(rows, time.perf_counter() - began), encoding="utf-8")
+    draft.write_text(page(rows, sum(row.seconds for row in rows)), encoding="utf-8")
     draft.replace(PAGE)
     print(f"wrote {PAGE}")
 

@@ -195,14 +195,14 @@ def limits() -> list[Workload]:
     ]
 
 
-def random_pile(seed: int, blocks: int = 10) -> Model:
-    """Boxes of random size in one to three columns on a slab, tilted by up to 40 degrees."""
+def random_pile(seed: int, blocks: int = 10, most: int = 3) -> Model:
+    """Boxes of random size in up to ``most`` columns on a slab, tilted by up to 40 degrees."""
     rng = np.random.default_rng((seed, blocks))
-    columns = int(rng.integers(1, 4))
+    columns = int(rng.integers(1, most + 1))
     width = rng.uniform(0.3, 1.0, columns)
     place = np.cumsum(width + np.where(rng.random(columns) < 0.5, 0.0, 0.2)) - width
     top = np.zeros(columns)
-    made = [models.box((4.0, 1.5, 0.3), (-0.5, -0.25, -0.3), name="ground")]
+    made = [models.box((1.0 + most, 1.5, 0.3), (-0.5, -0.25, -0.3), name="ground")]
     for number in range(blocks):
         at = number % columns
         size = (float(width[at]), rng.uniform(0.4, 1.0), rng.uniform(0.2, 0.8))

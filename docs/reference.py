@@ -11,20 +11,31 @@ import click
 from drystone.cli.application import app
 
 ROOMS = {
-    "drystone": "What most people need",
-    "drystone.limits": "Limits",
-    "drystone.design": "Design",
-    "drystone.sequence": "Assembly planning",
-    "drystone.shells": "Shells",
-    "drystone.models": "Model families",
-    "drystone.detection": "Contacts",
-    "drystone.stability": "Analyses",
-    "drystone.io": "Files",
-    "drystone.view": "Pictures",
-    "drystone.reproduce": "The source's studies",
-    "drystone.compat.compas_cra": "The functions of compas_cra",
+    "What most people need": ("drystone",),
+    "Limits": ("drystone.limits",),
+    "Design": ("drystone.design", "drystone.design.surgery"),
+    "Assembly planning": ("drystone.sequence",),
+    "Shells": ("drystone.shells",),
+    "Model families": ("drystone.models",),
+    "Contacts": ("drystone.detection",),
+    "Analyses": ("drystone.stability",),
+    "Settlement and large displacement": ("drystone.settlement",),
+    "Films of a fall": ("drystone.fall",),
+    "Forces in joints": ("drystone.joints", "drystone.virtual"),
+    "Files": ("drystone.io",),
+    "Pictures": ("drystone.view",),
+    "Blocks, loads and repairs": (
+        "drystone.assembly",
+        "drystone.loads",
+        "drystone.joint_capacity",
+        "drystone.repair",
+        "drystone.model",
+    ),
+    "The source's studies": ("drystone.reproduce",),
+    "Objects and functions of COMPAS": ("drystone.compat", "drystone.compat.compas_cra"),
+    "The live page": ("drystone.live",),
 }
-"""Public modules and their headings; a name is listed once, in the first that has it."""
+"""Headings and their public modules; a name is listed once, in the first module that has it."""
 
 
 def public(module: str, seen: set[int]) -> list[str]:
@@ -58,13 +69,18 @@ def titled(title: str, underline: str = "=") -> str:
 
 
 def api(folder: Path) -> list[str]:
-    """One page for each public module."""
+    """One page for each heading."""
     seen: set[int] = set()
-    for module, title in ROOMS.items():
-        text = titled(title) + f"``import {module}``\n\n"
-        text += "\n".join(entry(module, name) for name in sorted(public(module, seen)))
-        (folder / f"{module}.rst").write_text(text, "utf-8")
-    return [*ROOMS]
+    pages = []
+    for title, modules in ROOMS.items():
+        text = titled(title)
+        for module in modules:
+            names = sorted(public(module, seen))
+            text += f"``import {module}``\n\n" if names else ""
+            text += "\n".join(entry(module, name) for name in names) + "\n"
+        pages.append(modules[0])
+        (folder / f"{modules[0]}.rst").write_text(text, "utf-8")
+    return pages
 
 
 def commands(folder: Path) -> None:
@@ -90,6 +106,8 @@ def every(group: click.Group, words: str) -> list[tuple[str, click.Command]]:
 def write_reference(folder: Path) -> None:
     """Write all of it."""
     folder.mkdir(exist_ok=True)
+    for old in folder.glob("*.rst"):
+        old.unlink()
     pages = api(folder)
     commands(folder)
     listed = "\n".join(f"   {page}" for page in pages)

@@ -25,8 +25,8 @@ from drystone.view import Scene, scene_of
 SIZE = (8.2, 4.4)
 """Inches."""
 DPI = 100
-ROOM = 0.15
-"""Share of the width that is left free around the blocks."""
+ROOM = 0.05
+"""Share of the width that is left free on each side of the blocks."""
 
 Picture: TypeAlias = tuple[Figure, np.ndarray]
 
@@ -59,12 +59,15 @@ def drawn(scene: Scene, toward: tuple[float, float, float], **options: object) -
     return figure, np.array([right, np.cross(eye, right)]) @ scene.centre
 
 
-def frames(pictures: list[Picture], like: Picture) -> list[Image.Image]:
-    """Images of one place: all that a figure shows, and some room around it."""
-    box = like[0].axes[0].dataLim
-    width = (1.0 + 2.0 * ROOM) * max(box.width, box.height * SIZE[0] / SIZE[1])
+def frames(pictures: list[Picture]) -> list[Image.Image]:
+    """Images of one place: all that one of the figures shows, and some room around it."""
+    boxes = [(figure.axes[0].dataLim, place) for figure, place in pictures]
+    low = np.min([place + box.min for box, place in boxes], axis=0)
+    high = np.max([place + box.max for box, place in boxes], axis=0)
+    width, height = high - low
+    width = (1.0 + 2.0 * ROOM) * max(width, height * SIZE[0] / SIZE[1])
     half = 0.5 * np.array([width, width * SIZE[1] / SIZE[0]])
-    middle = like[1] + [0.5 * (box.x0 + box.x1), 0.5 * (box.y0 + box.y1)]
+    middle = 0.5 * (low + high)
     made = []
     for figure, place in pictures:
         (left, low), (right, high) = middle - half - place, middle + half - place
@@ -94,7 +97,7 @@ def falling(count: int) -> list[Image.Image]:
     chosen = np.linspace(0, min(lies, len(film) - 1), count).astype(int)
     scenes = [scene_of(moved(model.assembly, film.positions[step])) for step in chosen]
     figures = [drawn(scene, (0.15, -1.0, 0.25), preset="solid") for scene in scenes]
-    return frames(figures, figures[0])
+    return frames(figures)
 
 
 def built(count: int) -> list[Image.Image]:
@@ -103,7 +106,7 @@ def built(count: int) -> list[Image.Image]:
     scene = scene_of(drystone.plan(model))
     stages = range(len(scene.stages))[-count:]
     figures = [drawn(scene, (0.3, -1.0, 0.25), stage=stage) for stage in stages]
-    return frames(figures, figures[-1])
+    return frames(figures)
 
 
 def main(folder: Path = Path(), count: int = 30) -> None:

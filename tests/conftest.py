@@ -9,9 +9,11 @@ import pytest
 for threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(threads, "1")
 
-SLOW = {"benchmarks", "cli", "compat", "limits", "sequence", "shells", "view", "test_display.py"}
-SLOW |= {"test_documentation.py", "test_public_api.py", "models", "test_numerical_trouble.py"}
-SLOW |= {"test_stopping.py", "test_freeform.py", "test_benchmark_speed.py"}
+SLOW = {"benchmarks", "cli", "compat", "design", "fall", "limits", "live", "mcp", "models"}
+SLOW |= {"sequence", "settlement", "shells", "view", "test_benchmark_speed.py", "test_display.py"}
+SLOW |= {"test_documentation.py", "test_freeform.py", "test_numerical_trouble.py"}
+SLOW |= {"test_public_api.py", "test_stopping.py", "test_settled_verdicts.py", "test_curved.py"}
+SLOW |= {"test_check_many.py", "test_hostile.py", "test_rhino.py"}
 """Of tests/unit: what takes longer than the quick look of ``pytest -m fast`` may."""
 
 

@@ -5,14 +5,18 @@
 In a checkout it is ``python -m benchmarks.field.run``. Each program runs in a process of its own,
 one after the other for each state. It is ended where a state takes more CPU time than ``--limit``,
 and started anew for the next. Ctrl-C ends the run with the states that are done; with the same
-``--rows`` it goes on from there, and asks only programs that have not answered yet.
+``--rows`` it goes on from there. An answer is kept only for the same program, drystone at the same
+commit, the same task and limit on the same machine: what was done in parts is what one run gives.
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
+import hashlib
 import json
+import os
+import platform
 import queue
 import signal
 import subprocess
@@ -208,25 +212,33 @@ def rows_of(
     told: Iterable[Row] = (),
     end: float = float("inf"),
 ) -> Iterator[tuple[Row, bool]]:
-    """Every state with the answers of all programs, and whether one of them was asked now.
+    """Every state with the answers of the programs, and whether one of them was asked now.
 
-    No state is begun after ``end`` (monotonic) [s]. Answers that are ``told`` already are kept.
+    No state is begun after ``end`` (monotonic) [s]. Answers that were ``told`` before are kept if
+    the program, the task, its limit and the machine are the same.
     """
-    known: dict[str, dict[str, Any]] = {}
+    known: dict[tuple[str, str], dict[str, Any]] = {}
     for row in told:
-        known.setdefault(_key(row["model"], row["state"]), {}).update(row["answers"])
+        known |= {(row["asked"], name): answer for name, answer in row["answers"].items()}
     for question in asked:
-        answers = known.get(_key(question.model, question.state), {})
-        new = [program for program in programs if program.name not in answers]
-        if new and time.monotonic() > end:
-            return
-        answers |= {program.name: program.ask(question.task) for program in new}
-        row = {"model": question.model, "state": question.state, "answers": answers}
-        yield row, bool(new)
+        answers, new = {}, False
+        digest = _asked(question.task, programs[0].limit)
+        for program in programs:
+            key = (digest, program.name)
+            if key not in known:
+                if not new and time.monotonic() > end:
+                    return
+                known[key], new = program.ask(question.task), True
+            answers[program.name] = known[key]
+        row = {"model": question.model, "state": question.state, "asked": digest}
+        yield row | {"answers": answers}, new
 
 
-def _key(model: str, state: dict[str, Any]) -> str:
-    return json.dumps([model, state], sort_keys=True)
+def _asked(task: dict[str, Any], limit: float) -> str:
+    """What an answer depends on besides the program: task, limit of CPU time, machine."""
+    machine = [platform.node(), platform.platform(), platform.processor(), os.cpu_count()]
+    told = json.dumps([task, limit, machine], sort_keys=True)
+    return hashlib.sha256(told.encode()).hexdigest()[:16]
 
 
 def started(asked: argparse.Namespace) -> list[Program]:
@@ -256,6 +268,8 @@ def main() -> None:
     asked = parser.parse_args()
     end = time.monotonic() + 60.0 * asked.minutes
     every, machine = sorted(questions(asked.only), key=in_turn), place()
+    if not (asked.ask or asked.cra or asked.lmgc90 or asked.solver):
+        raise SystemExit("no program to ask")
     told = []
     if asked.rows and asked.rows.exists():
         told = [json.loads(line) for line in asked.rows.read_text("utf-8").splitlines()]
@@ -263,8 +277,6 @@ def main() -> None:
     programs = started(asked)
     try:
         for row, new in rows_of(every, programs, told, end):
-            if not row["answers"]:
-                continue
             rows.append(row)
             marks = [f"{n}: {mark(a, row['state']['stands'])}" for n, a in row["answers"].items()]
             print(f"{len(rows)}/{len(every)}", row["model"], row["state"]["name"], *marks, sep=", ",

@@ -6,6 +6,7 @@ import time
 
 import drystone
 from drystone import Verdict
+from drystone.base.version import commit
 
 from .tasks import answer_all, model_of
 
@@ -21,4 +22,4 @@ def solve(task):
 
 
 if __name__ == "__main__":
-    answer_all(f"drystone {drystone.__version__}", solve, dry_only=False)
+    answer_all(f"drystone {drystone.__version__}, commit {commit()}", solve, dry_only=False)

@@ -75,24 +75,39 @@ class JointCapacity(OneLine):
         cls,
         contacts: Any,
         *,
-        tension: float | Sequence[float] | Floats = 0.0,
+        tension: float | Sequence[float] | Floats | None = None,
         cohesion: float | Sequence[float] | Floats | None = None,
         shear: float | Sequence[float] | Floats | None = None,
+        moment: float | Sequence[float] | Floats | None = None,
     ) -> JointCapacity:
         """From forces, one for all interfaces or one each.
+
+        A joint that pulls with T everywhere and is not pressed opens about an edge at the moment
+        T d, where d is the distance of the edge from the centroid. So a limit of moment is one of
+        tension: ``T <= moment / d`` with the largest distance d of a corner, for bending about any
+        axis.
 
         Parameters
         ----------
         contacts
         tension, cohesion, shear : [N]
             Left out, the cohesion is friction times tension: just enough for the whole pull.
+        moment : [N m]
+            Largest bending moment of a joint that is not pressed. Pressure adds to it.
         """
         m = contacts.count
-        pull = _capacities(tension, m, "tension")
+        given = tension if tension is not None else 0.0 if moment is None else NO_LIMIT
+        pull = _capacities(given, m, "tension")
+        if moment is not None:
+            apart = np.linalg.norm(contacts.point - contacts.centroid[contacts.interface], axis=1)
+            reach = np.zeros(m)
+            np.maximum.at(reach, contacts.interface, apart)
+            most = _capacities(moment, m, "moment")
+            pull = np.minimum(pull, np.divide(most, reach, where=reach > 0.0, out=np.zeros(m)))
         if cohesion is None:
             cohesion = contacts.friction * pull
-        most = NO_LIMIT if shear is None else shear
-        return cls(pull, _capacities(cohesion, m, "cohesion"), _capacities(most, m, "shear"))
+        slide = NO_LIMIT if shear is None else shear
+        return cls(pull, _capacities(cohesion, m, "cohesion"), _capacities(slide, m, "shear"))
 
     @classmethod
     def of_stress(

@@ -49,6 +49,7 @@ class Browser:
         self._from, write_end = os.pipe()
         self._number, self._buffer = 0, b""
         self._events: list[dict[str, Any]] = []
+        self.tabs: list[Tab] = []
 
         self.process = subprocess.Popen(
             [
@@ -134,6 +135,7 @@ class Browser:
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         tab = Tab(self, session, target)
+        self.tabs.append(tab)
         for domain in ("Page", "Runtime", "Log", "Network"):
             tab.send(f"{domain}.enable")
         tab.send(
@@ -260,7 +262,9 @@ class Tab:
 
     def close(self) -> None:
         """Close it."""
-        self.browser.send("Target.closeTarget", targetId=self.target)
+        if self in self.browser.tabs:
+            self.browser.tabs.remove(self)
+            self.browser.send("Target.closeTarget", targetId=self.target)
 
 
 @contextmanager

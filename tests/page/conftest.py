@@ -7,15 +7,33 @@ from pathlib import Path
 
 import pytest
 
+from drystone.live.serving import Live
 from drystone.view import save_page
 from tests.page.browser import Browser, Tab, executable, running
+from tests.unit.live.live_client import served_arch
 
 
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
+@pytest.fixture(scope="package")
+def chromium() -> Iterator[Browser]:
+    """One for all; it ends with the tests of this folder, whatever else the process tests then."""
     program = executable()
     assert program is not None
     with running(program) as made:
+        yield made
+
+
+@pytest.fixture
+def browser(chromium: Browser) -> Iterator[Browser]:
+    """The browser; a tab that a test left open would draw on, and is closed."""
+    yield chromium
+    for tab in tuple(chromium.tabs):
+        tab.close()
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
+    """A server of the arch."""
+    with served_arch(tmp_path_factory.mktemp("live")) as made:
         yield made
 
 

@@ -10,33 +10,17 @@ import pytest
 import drystone
 from drystone import io
 from drystone.live.serving import Live
-from drystone.models import arch, box, tower
-from tests.page.browser import Browser, Tab, executable, running
+from drystone.models import box, tower
+from tests.page.browser import Browser, Tab, executable
 from tests.page.live_steps import choose, leave, verdict
 
-PROGRAM = executable()
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
 PROPPED = "voussoir-09"
 """A voussoir with which the arch stands at 9 degrees if it is a support."""
 
 pytestmark = [
-    pytest.mark.skipif(PROGRAM is None, reason="no Chromium on this machine"),
+    pytest.mark.skipif(executable() is None, reason="no Chromium on this machine"),
 ]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    assert PROGRAM is not None
-    with running(PROGRAM) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
-    path = tmp_path_factory.mktemp("live") / "arch.json"
-    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
-    with Live(path, port=0) as made:
-        yield made
 
 
 @pytest.fixture

@@ -15,29 +15,12 @@ import pytest
 import drystone
 from drystone import io
 from drystone.live.serving import Live
-from drystone.models import arch
-from tests.page.browser import Browser, Tab, executable, running
-from tests.page.live_steps import leave, says, verdict
+from drystone.models import leaning_column
+from tests.page.browser import Browser, Tab, executable
+from tests.page.live_steps import choose, leave, says, verdict
 from tests.unit.live.live_client import overhang
 
-PROGRAM = executable()
-
-pytestmark = [pytest.mark.skipif(PROGRAM is None, reason="no Chromium on this machine")]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    assert PROGRAM is not None
-    with running(PROGRAM) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
-    path = tmp_path_factory.mktemp("live") / "arch.json"
-    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
-    with Live(path, port=0) as made:
-        yield made
+pytestmark = [pytest.mark.skipif(executable() is None, reason="no Chromium on this machine")]
 
 
 @pytest.fixture
@@ -181,4 +164,26 @@ def test_a_mend_is_seen_made_and_undone_and_the_end_is_told(
         assert "2 blocks" in tab.text("#asked")
         assert tab.complaints() == []
     says(tab, "live-trouble", "the server has ended")
+    tab.close()
+
+
+def test_joints_are_changed_and_a_block_is_cut(browser: Browser, tmp_path: Path) -> None:
+    path = tmp_path / "column.json"
+    io.write(drystone.Model.of(leaning_column(blocks=2), friction=0.12), path)
+    with Live(path, port=0) as live:
+        tab = browser.open(live.link, size=(760, 480))
+        verdict(tab, "UNSTABLE")
+        tab.run("document.getElementById('mends-box').open = true")
+        tab.click("#recut-find")
+        says(tab, "mends", "made: every block is free: 2 joints changed")
+        verdict(tab, "STABLE")
+        tab.click("#recut-find")
+        says(tab, "mends", "every block is free: 0 joints changed")
+        choose(tab, "c02-block")
+        tab.run("[...document.querySelectorAll('#block-actions button')]"
+                ".find((one) => one.textContent === 'Cut it in two').click()")  # fmt: skip
+        says(tab, "mends", "made: c02-block cut in two")
+        verdict(tab, "STABLE")
+        assert "4 blocks" in tab.text("#asked")
+        assert tab.complaints() == []
     tab.close()

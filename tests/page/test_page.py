@@ -209,6 +209,19 @@ def test_exports_hold_the_picture_and_the_joints(opened, standing):
     told = [text.text for text in root.findall(".//{http://www.w3.org/2000/svg}text")]
     assert "Stands" in told
     assert any(text.startswith("normal force at a corner: 0 N to ") for text in told)
+    tab.run("document.getElementById('section-axis').value = '2'")
+    tab.run("document.getElementById('section-axis').dispatchEvent(new Event('change'))")
+    tab.slide("#section", -0.7)
+    tab.click("#svg")
+    cut = ET.fromstring(tab.run("window.made.text()"))
+    polygons = [len(one.findall(".//{http://www.w3.org/2000/svg}polygon")) for one in (root, cut)]
+    assert polygons[1] < polygons[0]
+    highest = [
+        min(float(p.split(",")[1]) for one in made.iter("{http://www.w3.org/2000/svg}polygon")
+            for p in one.get("points").split())
+        for made in (root, cut)
+    ]  # fmt: skip
+    assert highest[1] > highest[0] + 50.0  # the crown of the arch is cut off
     tab.click("#png")
     tab.until("window.made.type === 'image/png'")
     assert tab.run("window.made.size") > 20_000
@@ -220,10 +233,18 @@ def test_a_link_brings_the_view_back(opened, standing):
     tab = opened(standing)
     tab.click("#side")
     tab.click("[data-preset=utilisation]")
+    tab.run("document.getElementById('section-axis').value = '1'")
+    tab.run("document.getElementById('section-axis').dispatchEvent(new Event('change'))")
+    tab.slide("#section", 0.25)
+    for key in (".", "h", ".", ".", "h"):
+        tab.key(key)
     tab.click("#link")
     view = tab.run("document.getElementById('address').value").split("#")[1]
     again = opened(standing, fragment=f"#{view}")
     assert again.run("document.querySelector('[data-preset=utilisation]').ariaPressed") == "true"
+    assert again.run("document.getElementById('section-axis').value") == "1"
+    assert again.run("document.getElementById('section').value") == "0.25"
+    assert again.text("#all") == "Show 2 hidden"
     again.click("#link")
     assert again.run("document.getElementById('address').value").split("#")[1] == view
 

@@ -83,6 +83,21 @@ def test_sliders_and_picked_blocks_reach_python_and_python_reaches_the_page(
     tab.until(f"(model.values.picked = '', {PICK}, model.saved > 0)")
     tab.until("model.get('picked') === 'voussoir-03'")
 
+    # a click in the frame picks another one
+    left, top, width = tab.run(
+        "(({ x, y, width }) => [x, y, width])"
+        "(document.querySelector('iframe').getBoundingClientRect())"
+    )
+    for down in range(100, 240, 10):  # below the head of the page
+        tab.run("model.saved = 0")
+        tab.press(left + 0.5 * width, top + down)
+        tab.until("model.saved > 0")  # the frame has answered
+        told(tab, live)
+        if live.picked not in ("", "voussoir-03"):
+            break
+    assert live.picked in MODEL.assembly.names
+    assert live.picked != "voussoir-03"
+
     # what goes wrong in Python is told
     live.values = {"friction": -1.0}
     shown(tab, live, "trouble")

@@ -6,12 +6,16 @@ import pytest
 from drystone.assembly import Assembly
 from drystone.contacts import Contacts
 from drystone.detection import find_contacts
-from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.models import box
-from drystone.sequence import Plan, PlanOptions, Rules, check_once, plan
+from drystone.sequence import Plan, PlanOptions, Rules, plan
 
-CASES = 50
+SEEDS = (
+    11, 14, 25, 34, 35, 37, 46, 47, 48, 57, 74, 79, 85, 108, 123, 144, 146, 155, 165, 167,
+    173, 180, 188, 191, 202, 218, 236, 251, 253, 254, 270, 291, 296, 298, 320, 321, 327,
+    335, 336, 342, 345, 355, 366, 381, 388, 389, 391, 405, 408, 410,
+)  # fmt: skip
+"""Of piles that stand: one in seven does."""
 
 
 def pile(rng: np.random.Generator, count: int) -> Assembly:
@@ -28,19 +32,15 @@ def pile(rng: np.random.Generator, count: int) -> Assembly:
 
 
 def standing_piles() -> list[tuple[Assembly, Contacts, Rules]]:
-    """Piles of 4 to 8 free boxes that stand, half of them to be built with one hand."""
-    rng = np.random.default_rng(7)
+    """Piles of 4 to 8 free boxes, half of them to be built with one hand."""
     found: list[tuple[Assembly, Contacts, Rules]] = []
-    while len(found) < CASES:
+    for seed in SEEDS:
+        rng = np.random.default_rng(seed)
         assembly = pile(rng, int(rng.integers(4, 9)))
         contacts = find_contacts(assembly, friction=0.6).contacts
-        if (
-            check_once(Model(assembly, contacts, LoadCase.gravity(assembly))).verdict.value
-            == "stable"
-        ):
-            # every other one is made harder: its first box may only come last but one
-            hard = [("b3", "b0")] if len(found) % 4 == 1 else []
-            found.append((assembly, contacts, Rules(hands=1 + len(found) % 2, before=hard)))
+        # every other one is made harder: its first box may only come last but one
+        hard = [("b3", "b0")] if len(found) % 4 == 1 else []
+        found.append((assembly, contacts, Rules(hands=1 + len(found) % 2, before=hard)))
     return found
 
 
@@ -69,7 +69,7 @@ def test_the_planner_holds_as_few_blocks_as_the_best_order(pairs):
 
 def test_some_of_the_piles_need_props_and_most_do_not(pairs):
     needing = sum(bool(best.props) for _, best in pairs)
-    assert 5 <= needing <= CASES - 20
+    assert 5 <= needing <= len(SEEDS) - 20
 
 
 def test_every_stage_of_every_plan_stands(pairs):

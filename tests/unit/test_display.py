@@ -72,6 +72,8 @@ def values(folder: Path) -> Iterator[object]:
     few = design.MendOptions(kinds=("friction", "ballast"))
     rare = Model.of(tower(2), friction=0.0).with_load((1.0, 0.0, -9.81))
     yield from (design.find_mends(rare, options=few), few)
+    yield from (design.recut_joints(tower(2)), design.RecutOptions(most=3))
+    yield design.RecutJoint(("a", "b"), "turn", 10.0, "it is propped")
     yield from (design.mend(tower(2)), design.sharpen(tower(2)), design.SharpenOptions(step=5.0))
     still = design.block_moves(rare, ["block-1"], (1.0, 0.0, 0.0), 0.1)
     yield from (design.shape(tower(2), still), still, design.ShapeOptions(rounds=3))

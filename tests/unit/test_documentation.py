@@ -1,5 +1,7 @@
 """What the README and the pages under docs say is so: their commands, examples, links, lists."""
 
+import contextlib
+import pkgutil
 import re
 import runpy
 import shlex
@@ -8,8 +10,13 @@ import sys
 import tomllib
 from pathlib import Path
 
+import click
 import pytest
 
+import drystone as drystone_package
+from drystone import __version__, models
+from drystone.cli import main
+from drystone.cli.application import app
 from drystone.results import Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -86,16 +93,22 @@ ANSWERS = {
 """Beginning of each command of the README: its exit code, and words of its answer."""
 
 
-def test_the_readmes_commands_answer_as_it_says(followed: tuple[Path, str]) -> None:
+def test_the_readmes_commands_answer_as_it_says(
+    followed: tuple[Path, str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """In their order: some read what an earlier one wrote."""
     folder, _ = followed
+    monkeypatch.chdir(folder)
     commands = re.findall(r"^ {4}drystone (.*)$", README, re.MULTILINE)
     assert len(commands) == len(ANSWERS)
     for command, (beginning, (code, words)) in zip(commands, ANSWERS.items(), strict=True):
         assert command.startswith(beginning)
-        run = drystone(command, folder)
-        assert (run.returncode, run.stderr) == (code, ""), command
-        assert words in run.stdout, command
+        answered = main(shlex.split(command))
+        printed = capsys.readouterr()
+        assert (answered, printed.err) == (code, ""), command
+        assert words in printed.out, command
     written = {path.name for path in folder.iterdir()}
     assert {"fall.png", "barrel.json", "plan.html", "vault.glb"} <= written
 
@@ -143,6 +156,27 @@ def test_links_lead_to_something(page: Path) -> None:
     assert [link for link in local if not (page.parent / link).exists()] == []
 
 
+def commands_of(page: Path) -> list[str]:
+    """The command lines of a page, and in its text the commands that name a file."""
+    text = page.read_text("utf-8").replace("\\\n", " ")
+    lines = re.findall(r"^ {4}(?:\S+/bin/)?drystone (.*?)(?: +# .*)?$", text, re.MULTILINE)
+    named = r"`drystone ([a-z][^`\n]*\b(?:FILE|MODEL|SURFACE|FAMILY|\w+\.\w+)\b[^`\n]*)`"
+    return [*lines, *re.findall(named, text)]
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if commands_of(page)], ids=lambda page: page.name
+)
+def test_the_commands_of_a_page_have_arguments_and_options_that_exist(page: Path) -> None:
+    """They are parsed, not run."""
+    for line in commands_of(page):
+        arguments, command = shlex.split(line), app
+        while isinstance(command, click.Group) and arguments:
+            command = command.commands[arguments.pop(0)]
+        with contextlib.suppress(click.exceptions.Exit), command.make_context(line, arguments):
+            pass
+
+
 def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     extras = project["optional-dependencies"]
@@ -154,6 +188,13 @@ def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
     }
     page = (ROOT / "docs" / "dependencies.md").read_text("utf-8")
     assert set(re.findall(r"^\| ([a-z][\w.-]*) \| [A-Z]", page, re.MULTILINE)) == needed
+
+
+def test_the_version_has_one_source() -> None:
+    others = ["pyproject.toml", "benchmarks/field/pyproject.toml", "CITATION.cff", "README.md"]
+    others += ["docs/citing.md", "docs/conf.py"]
+    named = [name for name in others if __version__ in (ROOT / name).read_text("utf-8")]
+    assert named == []
 
 
 def test_every_dependency_of_the_core_is_imported() -> None:
@@ -172,6 +213,26 @@ def test_an_extra_that_an_error_names_exists() -> None:
     }
     assert named
     assert named <= set(project["optional-dependencies"])
+
+
+WITH_AN_EXTRA = {"drystone.cli", "drystone.mcp"}
+"""Started from the command line; the second needs a package that the site is built without."""
+
+
+def test_the_reference_has_every_public_name() -> None:
+    reference = runpy.run_path(str(ROOT / "docs" / "reference.py"))
+    seen: set[int] = set()
+    listed = [m for modules in reference["ROOMS"].values() for m in modules]
+    assert all(reference["public"](module, seen) for module in listed)
+    modules = [f"drystone.{one.name}" for one in pkgutil.iter_modules(drystone_package.__path__)]
+    assert {m: reference["public"](m, seen) for m in modules if m not in WITH_AN_EXTRA} == {
+        m: [] for m in modules if m not in WITH_AN_EXTRA
+    }
+
+
+def test_the_page_of_models_has_every_family() -> None:
+    page = (ROOT / "docs" / "models.md").read_text("utf-8")
+    assert [name for name in models.__all__ if f"`{name}`" not in page] == []
 
 
 def test_the_pictures_of_the_readme_are_what_the_example_draws(tmp_path: Path) -> None:

@@ -40,6 +40,13 @@ def test_capacities_follow_a_part_of_the_model():
     assert not part.contacts.dry.any()
 
 
+def test_who_follows_dry_joints_only_refuses_others():
+    glued = MODEL.with_capacity(JointCapacity.of(MODEL.contacts, tension=1.0))
+    for work in (drystone.settle, drystone.push):
+        with pytest.raises(InputError, match="takes dry joints only"):
+            work(glued)
+
+
 @pytest.mark.parametrize("suffix", [".json"])
 def test_a_file_keeps_them(tmp_path, suffix):
     capacity = JointCapacity.of(MODEL.contacts, tension=[0.1, 0.2, 0.0], shear=7.0)
@@ -120,9 +127,20 @@ def test_the_command_line_takes_stresses_and_a_table(overhang, capsys):
     assert json.loads(capsys.readouterr().out)["verdict"] == "stable"
 
 
+def test_a_limit_of_moment_is_one_of_tension(overhang):
+    """The corners are 0.5 m sqrt(2) from the centroid; a tension T resists T 0.5 m here."""
+    assert main(["check", "overhang.json", "--joint-capacity", "moment=6.3kNm"]) == 0
+    assert main(["check", "overhang.json", "--joint-capacity", "moment=6.2kNm"]) == 1
+    assert main(["check", "overhang.json", "--joint-capacity", "moment=1MNm,tension=8kN"]) == 1
+    glue = JointCapacity.of(MODEL.contacts, moment=[1.0, 2.0, 0.0])
+    np.testing.assert_allclose(glue.tension * np.sqrt(0.5), [1.0, 2.0, 0.0])
+    np.testing.assert_allclose(glue.cohesion, MODEL.contacts.friction * glue.tension)
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
+        ("moment=3kN", ["unit 'kN' is not known", "use one of Nm"]),
         ("tension", ["--joint-capacity", "'tension' is no capacity"]),
         ("pull=3Pa", ["'pull=3Pa' is no capacity"]),
         ("tension=3", ["tension '3'", "unit"]),

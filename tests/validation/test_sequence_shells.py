@@ -56,9 +56,13 @@ def test_deeper_wedges_need_less_help():
     assert shallow["free"] < 37
 
 
-def test_no_removal_is_called_a_fall_by_screening_alone(monkeypatch):
-    """Before help each stage has its check, a check of its neighbourhood, or a lone block."""
-    unchecked = []
+@pytest.fixture(scope="module")
+def helped_plan() -> tuple[Plan, list[object]]:
+    """A vault that needs props, and the states that were given help without a check.
+
+    Before help each stage has its check, a check of its neighbourhood, or a lone block.
+    """
+    unchecked: list[object] = []
     cures = Search.cures
 
     def watched(search, node, answer):
@@ -69,16 +73,19 @@ def test_no_removal_is_called_a_fall_by_screening_alone(monkeypatch):
                 unchecked.append(node)
         return cures(search, node, answer)
 
-    monkeypatch.setattr(Search, "cures", watched)
-    found = planned(niche(0.05), VAULT_FRICTION)
-    assert found.counts["held"] > 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Search, "cures", watched)
+        return plan(niche(0.02), friction=VAULT_FRICTION), unchecked
+
+
+def test_no_removal_is_called_a_fall_by_screening_alone(helped_plan):
+    found, unchecked = helped_plan
+    assert any(found.help)
     assert not unchecked
 
 
-def test_no_block_is_propped_that_stands_without_at_all_of_its_stages():
-    assembly = niche(0.02)
-    contacts = find_contacts(assembly, friction=VAULT_FRICTION).contacts
-    found = plan(Model(assembly, contacts))
+def test_no_block_is_propped_that_stands_without_at_all_of_its_stages(helped_plan):
+    found, _ = helped_plan
     assert found.props
     evaluator = Evaluator(found.model)
     for prop in found.props:

@@ -143,7 +143,7 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
     try:
         handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     except (OSError, ValueError) as error:
-        raise _unwritable(target, error) from error
+        raise unwritable(target, error) from error
     temporary = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -151,7 +151,7 @@ def write_whole(path: PathLike, fill: Callable[[BinaryIO], None]) -> None:
         temporary.chmod(_mode(target))
         temporary.replace(target)
     except OSError as error:
-        raise _unwritable(target, error) from error
+        raise unwritable(target, error) from error
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -176,7 +176,7 @@ def write_through(path: PathLike, save: Callable[[str], bool]) -> None:
             temporary.chmod(_mode(target))
             temporary.replace(target)
     except (OSError, ValueError) as error:
-        raise _unwritable(target, error) from error
+        raise unwritable(target, error) from error
 
 
 def write_together(jobs: Sequence[Job]) -> list[str]:
@@ -214,13 +214,13 @@ def write_together(jobs: Sequence[Job]) -> list[str]:
             except FormatError as error:
                 raise error.located(str(target)) from error
             except (OSError, ValueError) as error:
-                raise _unwritable(target, error) from error
+                raise unwritable(target, error) from error
             done.append((target, temporary))
         for target, temporary in done:
             try:
                 temporary.replace(target)
             except OSError as error:
-                raise _unwritable(target, error) from error
+                raise unwritable(target, error) from error
     return [str(path) for path, _ in jobs]
 
 
@@ -242,7 +242,8 @@ def _mode(target: Path) -> int:
     return 0o666 & ~mask
 
 
-def _unwritable(target: Path, error: Exception) -> FormatError:
+def unwritable(target: Path, error: Exception) -> FormatError:
+    """What to raise where writing failed; a full disk is told as one."""
     reason = getattr(error, "strerror", None) or str(error)
     full = getattr(error, "errno", None) == errno.ENOSPC
     remedy = "free some space, or choose another disk"

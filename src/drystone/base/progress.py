@@ -1,14 +1,18 @@
-"""Progress and early end of long calculations."""
+"""Progress and early end of long calculations, and workers that are lost."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, CancelledError
 from typing import TypeAlias
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called as ``progress(stage, done, total)`` with 0 <= done <= total; it must not raise.
 It cannot stop the work: use ``stop``."""
+
+LOST_WORKER = (BrokenExecutor, CancelledError, OSError)
+"""What an answer raises when its worker has died, or the scheduler or the network to it."""
 
 
 class Clock:

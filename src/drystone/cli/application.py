@@ -28,6 +28,7 @@ from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.cli.design.cut_command import cut
 from drystone.cli.design.mend_command import mend
 from drystone.cli.design.plan_command import plan
+from drystone.cli.design.recut_command import recut
 from drystone.cli.design.scaffold_command import scaffold
 from drystone.cli.design.shape_command import shape
 from drystone.cli.design.sharpen_command import sharpen
@@ -113,6 +114,7 @@ COMMANDS: tuple[click.Command, ...] = (
     models,
     plan,
     push,
+    recut,
     reproduce,
     scaffold,
     settle,

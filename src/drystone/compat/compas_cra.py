@@ -227,3 +227,12 @@ def _solved(
     if verbose:
         _log.info("residuals: %s", result.residuals)
     return read, result
+
+
+__all__ = [
+    "assembly_interfaces_numpy",
+    "cra_penalty_solve",
+    "cra_solve",
+    "density_setup",
+    "rbe_solve",
+]

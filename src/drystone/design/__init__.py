@@ -7,6 +7,12 @@ from drystone.design.building.buildable import (
     TriedLayout,
 )
 from drystone.design.building.buildable_search import make_buildable
+from drystone.design.building.joint_recuts import (
+    Recut,
+    RecutJoint,
+    RecutOptions,
+    recut_joints,
+)
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose
 from drystone.design.causes.joint_motion import JointMotion, JointState
@@ -44,6 +50,9 @@ __all__ = [
     "Parameter",
     "PropForce",
     "Pull",
+    "Recut",
+    "RecutJoint",
+    "RecutOptions",
     "Region",
     "ShapeAim",
     "ShapeOptions",
@@ -61,6 +70,7 @@ __all__ = [
     "free_vertices",
     "make_buildable",
     "mend",
+    "recut_joints",
     "shape",
     "sharpen",
     "thickening",

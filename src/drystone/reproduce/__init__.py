@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from drystone.base.errors import InputError
-from drystone.base.files import PathLike, write_bytes
+from drystone.base.files import PathLike
 from drystone.reproduce import analysis_cases as analysis
 from drystone.reproduce import assembly_cases as assembly
 from drystone.reproduce.published_case import Case, Line
@@ -65,26 +65,20 @@ def save_case(case: Case, folder: PathLike) -> list[str]:
     list of str
         The files that were written.
     """
-    from drystone.results import Result
+    from drystone.sequence import Plan
     from drystone.view import save_figure, save_page
-    from drystone.view.scenes.plan_scenes import plan_scene
-    from drystone.view.web.page import page_text
 
     target = Path(folder)
     if not target.is_dir():
         raise InputError("there is no such folder", where=str(target), remedy="make it first")
     written = []
     for name, subject in case.pictures.items():
-        stem = target / f"{case.section}-{name}"
-        page = stem.with_name(f"{stem.name}.html")
-        if isinstance(subject, Result):
-            figure = stem.with_name(f"{stem.name}.png")
-            save_page(subject, page)
-            save_figure(subject, figure)
-            written += [str(page), str(figure)]
-        elif subject.steps:
-            write_bytes(page, page_text(plan_scene(subject)).encode("utf-8"))
-            written.append(str(page))
+        if isinstance(subject, Plan) and not subject.steps:
+            continue
+        page, figure = (target / f"{case.section}-{name}{suffix}" for suffix in (".html", ".png"))
+        save_page(subject, page)
+        save_figure(subject, figure)
+        written += [str(page), str(figure)]
     return written
 
 

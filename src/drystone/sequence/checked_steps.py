@@ -10,8 +10,8 @@ from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Answer, Stage, mask_of
 
 CHECKED = 500
-"""Largest number of corners of a model with which screened stages of a plan are also checked, and
-with which the complete structure may stand after settling."""
+"""Most corners of a connected part with which screened stages of a plan are also checked, and with
+which the complete structure may stand after settling."""
 LISTED = 6
 """Number of falling blocks named in a message."""
 
@@ -23,6 +23,7 @@ def checked_step(
     motion: Floats,
     standing: int,
     props: tuple[int, ...],
+    near: tuple[int, int] | None = None,
 ) -> Step:
     """A step, with the answers of its stages.
 
@@ -38,17 +39,20 @@ def checked_step(
         Blocks that are propped before it, as bits.
     props
         Blocks that are propped after it.
+    near
+        Blocks in place and held blocks of a similar stage that was checked.
     """
-    checked = evaluator.model.contacts.corner_count <= CHECKED
+    checked = evaluator.model.largest[1] <= CHECKED
+    after = Stage(before | mask_of(blocks), mask_of(props), None, near)
+    answer = evaluator.answer(after, forces=True, checked=checked)
     during = []
     placed, propped = before, standing | mask_of(props)
     for number, block in enumerate(blocks[:-1]):
         placed |= 1 << block
-        stage = Stage(placed, mask_of(blocks[: number + 1]) | propped & placed)
+        held = mask_of(blocks[: number + 1]) | propped & placed
+        stage = Stage(placed, held, None, (after.placed, after.held))
         during.append(evaluator.answer(stage, forces=True, checked=checked))
-    placed = before | mask_of(blocks)
-    answer = evaluator.answer(Stage(placed, mask_of(props)), forces=True, checked=checked)
-    return Step(blocks, motion, props, placed, answer, tuple(during))
+    return Step(blocks, motion, props, after.placed, answer, tuple(during))
 
 
 def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
@@ -62,12 +66,12 @@ def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
         Blocks that are propped before it, as bits.
     """
     props = mask_of(step.props)
-    alone = []
+    alone, near = [], (step.placed, props)
     if len(step.blocks) > 1:
         first = step.placed & ~mask_of(step.blocks[1:])
-        alone.append(Stage(first, (props | standing) & first))
+        alone.append(Stage(first, (props | standing) & first, None, near))
     if props & ~standing:
-        alone.append(Stage(step.placed, props & standing))
+        alone.append(Stage(step.placed, props & standing, None, near))
     found = (evaluator.answer(stage) for stage in alone)
     names = evaluator.model.assembly.names
     return "; ".join(

@@ -36,9 +36,10 @@ from drystone.sequence.stage.workers import ExecutorFactory
 from drystone.stability.screening import Screening, stage_screening
 
 EFFORT, LARGE = 800.0, 100.0
-"""The planner holds or props blocks after EFFORT / n checks without progress, with n free blocks;
-above LARGE blocks after EFFORT * LARGE / n**2. This gives 100 checks for 8 blocks (most stages can
-be checked), 20 for a vault of 40 blocks, 13 for a dome of 60, and none for 400."""
+"""The planner holds or props blocks after EFFORT / n checks without progress, with n free blocks
+in the largest connected part; above LARGE blocks after EFFORT * LARGE / n**2. This gives 100 checks
+for 8 blocks (most stages can be checked), 20 for a vault of 40 blocks, 13 for a dome of 60, and
+none for 400."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,8 @@ class PlanOptions(Options):
         Search all orders, for models with at most 14 free blocks.
     patience
         Checks without progress before blocks are held or propped. When left out: 800 divided by the
-        number of free blocks, fewer above 100 blocks. Infinite: the plan is proved to need the
-        fewest props.
+        number of free blocks in the largest connected part, fewer above 100 blocks. Infinite: the
+        plan is proved to need the fewest props.
     width
         Number of blocks tried for removal at each stage. The default covers the ends of a course
         and a few more.
@@ -147,14 +148,14 @@ def plan(
     chosen = PlanOptions.of(options)
     model = Structure(as_model(given, **how), check or check_both)
     if screening is None and check is None:
-        screening = stage_screening(len(model.assembly.free))
+        screening = stage_screening(model.largest[0])
     model = replace(model, screening=tuple(screening or ()))
     removal = RemovalTest(model)
     bound = bind(chosen.rules, model, removal)
     clock = Clock(time_limit_s, stop)
     with Evaluator(model, executor=executor, checkpoint=checkpoint, late=clock.late) as evaluator:
         complete = evaluator.answer(Stage(model.everything))
-        settles = check is None and model.contacts.corner_count <= CHECKED
+        settles = check is None and model.largest[1] <= CHECKED
         if settles and not complete.stands:
             complete = evaluator.settled(Stage(model.everything), check_thoroughly)
         if not complete.stands and not chosen.anyway:
@@ -198,7 +199,7 @@ class _Planner:
         self.progress = progress
 
     def run(self, complete: Answer) -> Plan:
-        free = self.model.everything.bit_count()
+        free, _ = self.model.largest
         patience = self.options.patience
         if patience is None:
             patience = EFFORT / max(1.0, free) * min(1.0, LARGE / max(1.0, free))
@@ -237,11 +238,13 @@ class _Planner:
 
     def describe(self, complete: Answer, order: Trimmed) -> Plan:
         path, active = order.path, order.props
-        steps = []
-        told = len(self.model.assembly.free) <= SPARED
-        for number in range(1, len(path)):
+        steps: list[Step] = []
+        told = self.model.largest[0] <= SPARED
+        near = None
+        for number in reversed(range(1, len(path))):  # each begins at the rest states of the last
             props = active[number - 1], active[number]
-            step = self.step(path[number - 1], *props)
+            step = self.step(path[number - 1], *props, near)
+            near = step.placed, props[1]
             fails = order.failures[number]
             if step.answer.stands and fails is not None:
                 answer = replace(
@@ -255,7 +258,8 @@ class _Planner:
                 step = replace(step, why=without_help(self.evaluator, step, props[0]))
             steps.append(step)
             if self.progress is not None:
-                self.progress("verifying stages", number, len(path) - 1)
+                self.progress("verifying stages", len(steps), len(path) - 1)
+        steps.reverse()
         impossible = dict(self.bound.reasons)
         return Plan(
             self.model,
@@ -280,7 +284,7 @@ class _Planner:
         # other props may support a complete structure that does not stand
         return proved and complete.stands
 
-    def step(self, before: Node, standing: int, props: int) -> Step:
+    def step(self, before: Node, standing: int, props: int, near: tuple[int, int] | None) -> Step:
         """The step from one stage to the next; its order is the reverse of the search."""
         blocks = before.group[::-1]
         placed, motion = before.placed, []
@@ -290,7 +294,7 @@ class _Planner:
             placed |= 1 << block
         directions = np.array(motion).reshape(-1, 3)
         some = tuple(members(props))
-        return checked_step(self.evaluator, before.placed, blocks, directions, standing, some)
+        return checked_step(self.evaluator, before.placed, blocks, directions, standing, some, near)
 
 
 def _refusal(complete: Answer, names: Sequence[str]) -> str:

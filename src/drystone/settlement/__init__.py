@@ -1,6 +1,6 @@
 """Blocks followed by finite steps until they rest or fall, and effects of moving supports."""
 
-from drystone.settlement.corners import Carrier
+from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.first_order import (
     SupportResponse,
     SupportResponseOptions,

@@ -17,7 +17,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, cross
 from drystone.geometry.body.polyhedron import fan_triangles
 from drystone.model import Model
-from drystone.settlement.corners import Carrier, Ends, joint_ends
+from drystone.settlement.faces.corners import Carrier, Ends, joint_ends
 
 LEAST_AREA = 0.05
 """Least tributary area of a corner, as a share of the mean of its interface: slivers would make the
@@ -69,7 +69,14 @@ class Bodies:
     force_unit: float
 
 
-def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: float) -> Bodies:
+def build_bodies(
+    model: Model,
+    carrier: Carrier,
+    *,
+    overlap: float,
+    tangential: float,
+    gap: Floats | None = None,
+) -> Bodies:
     """The scaled bodies of a model whose interfaces all have a free block.
 
     Parameters
@@ -80,6 +87,9 @@ def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: 
         Of the corners of a block under the mean load, by the mean size of a free block.
     tangential
         Stiffness by the normal one.
+    gap : (k, 2) [m]
+        Distance of each corner from the faces of a and b at the beginning, along n; left out, they
+        touch.
     """
     assembly, contacts = model.assembly, model.contacts
     free = assembly.free
@@ -98,11 +108,14 @@ def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: 
     a, b = contacts.block_a[contacts.interface], contacts.block_b[contacts.interface]
     point = (contacts.point - origin) / length
     mass = assembly.mass[free]
-    ends = joint_ends(assembly, contacts, carrier)
+    away = np.zeros((len(point), 2)) if gap is None else gap
+    ends = joint_ends(assembly, contacts, carrier, away)
+    n = contacts.frame[contacts.interface, 0]
     stiffness = _weights(contacts.tributary, contacts.interface)
-    if len(stiffness):
-        # all corners together carry the whole load at the overlap
-        stiffness = stiffness * (len(free) / (overlap * stiffness.sum()))
+    touching = ~away.any(axis=1)
+    if touching.any():
+        # all corners that touch carry the whole load together at the overlap
+        stiffness = stiffness * (len(free) / (overlap * stiffness[touching].sum()))
     return Bodies(
         free=free,
         slot=slot,
@@ -113,8 +126,8 @@ def build_bodies(model: Model, carrier: Carrier, *, overlap: float, tangential: 
         size=size / length,
         block_a=a,
         block_b=b,
-        arm_a=point - centroid[a],
-        arm_b=point - centroid[b],
+        arm_a=point - away[:, :1] / length * n - centroid[a],
+        arm_b=point + away[:, 1:] / length * n - centroid[b],
         frame=contacts.frame[contacts.interface],
         ends=ends._replace(reach=ends.reach / length, place=ends.place / length),
         friction=contacts.friction[contacts.interface],

@@ -41,6 +41,9 @@ SHORTEST = 1e-6
 """By the first increment, below which the blocks are let go while what drives them is held."""
 HOLDS = 50
 """Times in a row that blocks are let go without an increment of the usual length in between."""
+HELD = 1e3
+"""Force at a corner by the mean load of a block from which on nothing gives way: what is pushed
+against a wall would otherwise be followed into its springs."""
 KEPT = 120
 """Moments that are kept; of more, every other one is left out."""
 
@@ -184,6 +187,8 @@ class Driver(Follower):
                 tell(self.reached / reach)
                 if done():
                     return "spent"
+                if found.response.force[:, 0].max(initial=0.0) > HELD:
+                    return "held"
                 held = 0 if step >= first else held
                 calm = max(calm - 1, 0)
                 if found.iterations < EASY and not calm:

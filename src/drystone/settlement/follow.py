@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.springs import (
@@ -94,6 +94,8 @@ class Track:
     way : (f,) displacement of each free block relative to its size
     share
         Of the load that the contacts do not carry at the end.
+    met : (k,)
+        Whether a corner has ever pressed.
     squeezed
         Whether forces far above the loads grew on the way: the springs give way, not the blocks.
     steps, iterations
@@ -105,6 +107,7 @@ class Track:
     response: Response
     way: Floats
     share: float
+    met: Bools
     squeezed: bool
     steps: int
     iterations: int
@@ -165,6 +168,7 @@ class Follower:
         self.placed = place_corners(bodies, self.pose)
         nothing = np.zeros((len(bodies.block_a), 3))
         self.response = respond(bodies, self.placed.gap, self.friction, nothing)
+        self.met = self.response.pressed
         self.share = 1.0
 
     def run(self, supports: Floats | None = None, earlier: Sequence[Floats] = ()) -> Track:
@@ -320,6 +324,7 @@ class Follower:
         self.pose = self.pose.moved(bodies.free, step)
         self.friction = found.response.force[:, 1:]
         self.response = found.response
+        self.met = self.met | found.response.pressed
         self.placed = place_corners(bodies, self.pose)
         self.way = self._way()
         self.farthest = float(self.way.max(initial=0.0))
@@ -372,6 +377,7 @@ class Follower:
             self.response,
             self.way,
             self.share,
+            self.met,
             self._squeezed(),
             self.steps,
             self.iterations,

@@ -18,11 +18,18 @@ from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.corners import Carrier
 from drystone.settlement.driven import Driver, Moment
+from drystone.settlement.faces.corners import Carrier
+from drystone.settlement.faces.meeting import (
+    FARTHEST,
+    faces_apart,
+    followed_model,
+    model_with_met,
+)
 from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.settlement_types import SettlementOptions
 from drystone.settlement.settling import block_motions, scaled_motion, support_motion
+from drystone.settlement.springs import Placed, Response
 
 Tell: TypeAlias = Callable[[float], None]
 """Called with the share of the way that is done."""
@@ -32,9 +39,12 @@ STAGE = {
     Drive.SUPPORTS: "moving the supports",
     Drive.FRICTION: "reducing the friction",
 }
+WATCHED = 0.3
+"""[s] between two states that are watched. Chosen: a picture of 400 blocks takes a tenth of it."""
 ENDS = {
     "spent": End.SPENT,
     "falls": End.FALLS,
+    "held": End.HELD,
     "reached": End.REACHED,
     "stopped": End.STOPPED,
     "lost": End.LOST,
@@ -82,8 +92,8 @@ def push(
     Raises
     ------
     InputError
-        The load has no force on a free block, ``to`` is not above zero, or what was given cannot be
-        made into a model.
+        The load has no force on a free block, ``to`` is not above zero, joints carry more than
+        friction, or what was given cannot be made into a model.
 
     Examples
     --------
@@ -134,6 +144,7 @@ def move_supports(
     *,
     to: float | None = None,
     options: SettlementOptions | None = None,
+    watch: Callable[[LargeState], None] | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
     time_limit_s: float = float("inf"),
@@ -152,6 +163,8 @@ def move_supports(
     to : [m]
         The motion is made larger or smaller until its largest translation is this; left out, it is
         taken as it is.
+    watch
+        Called with the blocks as they are while they are followed, a few times a second.
 
     Raises
     ------
@@ -172,11 +185,21 @@ def move_supports(
         moving, longest = moving * (to / longest), to
     still = model.with_load(LoadCase(model.load.wrench, model.load.name, model.load.notes))
 
+    clock = Clock(time_limit_s, stop)
+    watched = 0.0
+
     def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
-        ended = driver.shift(scaled_motion(bodies, moving), tell)
+        def told(share: float) -> None:
+            nonlocal watched
+            tell(share)
+            if watch is not None and driver.last and clock.elapsed_s > watched + WATCHED:
+                watched = clock.elapsed_s
+                watch(_state(still, bodies, driver.last, longest, bodies.force_unit))
+
+        ended = driver.shift(scaled_motion(bodies, moving), told)
         return ended, longest, bodies.force_unit
 
-    return _driven(still, Drive.SUPPORTS, run, options, progress, Clock(time_limit_s, stop))
+    return _driven(still, Drive.SUPPORTS, run, options, progress, clock)
 
 
 @checked_call
@@ -211,11 +234,15 @@ def _driven(
 ) -> LargeDisplacement:
     """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N."""
     chosen = SettlementOptions.of(options)
+    model.require_dry("large displacement")
     if not len(model.assembly.free):
         raise InputError("every block is fixed", remedy="leave a block free")
-    part = model.with_contacts(model.contacts.select(model.active))
+    apart = faces_apart(model, FARTHEST)
+    part, gap = followed_model(model, apart)
     carrier = Carrier.MOVING if chosen.carrier is None else chosen.carrier
-    bodies = build_bodies(part, carrier, overlap=chosen.overlap, tangential=chosen.tangential)
+    bodies = build_bodies(
+        part, carrier, overlap=chosen.overlap, tangential=chosen.tangential, gap=gap
+    )
     driver = Driver(
         bodies, fall=chosen.fall, pace=chosen.pace, step_limit=chosen.step_limit, stop=clock.late
     )
@@ -233,7 +260,10 @@ def _driven(
     if progress is not None:
         progress(STAGE[drive], 100, 100)
     curve = np.array(driver.curve) * (length, load)
-    states = tuple(_state(model, bodies, one, length, load) for one in driver.kept())
+    model, mine, kept = model_with_met(model, apart, driver.met)
+    states = tuple(
+        _state(model, bodies, _of_corners(one, kept), mine, length, load) for one in driver.kept()
+    )
     end = ENDS[ended]
     stopped = ""
     if end is End.STOPPED:
@@ -245,10 +275,18 @@ def _driven(
     return replace(found, message=_said(found, driver))
 
 
-def _state(model: Model, bodies: Bodies, moment: Moment, length: float, load: float) -> LargeState:
-    """A moment in m and N, for all interfaces of the model."""
+def _of_corners(moment: Moment, kept: Bools) -> Moment:
+    """The moment with some of its corners."""
+    placed = Placed(*(one[kept] for one in moment.placed))
+    response = Response(*(one[kept] for one in moment.response))
+    return moment._replace(placed=placed, response=response)
+
+
+def _state(
+    model: Model, bodies: Bodies, moment: Moment, mine: Bools, length: float, load: float
+) -> LargeState:
+    """A moment in m and N, for all interfaces of the model; ``mine`` are its corners."""
     contacts = model.contacts
-    mine = model.active[contacts.interface]
     origin = model.assembly.centroid[bodies.free].mean(axis=0)
     point = contacts.point.copy()
     point[mine] = moment.placed.point * bodies.length_unit + origin
@@ -310,6 +348,8 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
         return f"{peak}; no load is needed any more at {found.capacity:.4g} m"
     if found.end is End.FALLS:
         return f"{peak}; it falls at {far:.4g} m, '{_mover(driver, found)}' first"
+    if found.end is End.HELD:
+        return f"nothing gives way at {far:.4g} m, where it is {last:.4g}{unit}"
     why = {End.REACHED: "followed", End.LOST: "no further position was found, followed"}
     told = why.get(found.end, f"{found.stopped}, followed")
     return f"{peak}; {told} to {far:.4g} m, where it is {last:.4g}{unit}"

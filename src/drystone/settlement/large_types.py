@@ -51,6 +51,8 @@ class End(enum.Enum):
     """The load has fallen to zero: the blocks are in an equilibrium from which they fall."""
     FALLS = "falls"
     """Blocks move on while what drives them is held."""
+    HELD = "nothing gives way"
+    """Some joint carries a thousand times the load of a block."""
     REACHED = "as far as asked for"
     LOST = "no further position was found"
     STOPPED = "ended early"

@@ -14,7 +14,7 @@ from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.model import Model, OfModel
 from drystone.results import Residuals
-from drystone.settlement.corners import Carrier
+from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.loading_order import Loading
 from drystone.settlement.proof import moved_model
 
@@ -99,7 +99,7 @@ class SettlementPath(OneLine):
     carrier
     outcome
     model
-        The model at the beginning.
+        The model at the beginning, with the interfaces of faces that were met on the way.
     positions : (s, n, 6) [m, rad]
         Positions of the blocks after each step that was kept, from the first to the last:
         translation of the centroid and rotation vector from the beginning, world axes.
@@ -116,6 +116,8 @@ class SettlementPath(OneLine):
         Of the load that the contacts do not carry at the end.
     steps, iterations
         Increments, and Newton steps.
+    met
+        Interfaces of faces that were apart at the beginning and have pressed since, the last ones.
     """
 
     carrier: Carrier
@@ -131,6 +133,7 @@ class SettlementPath(OneLine):
     share: float
     steps: int
     iterations: int
+    met: tuple[int, ...] = ()
 
     def _summary(self) -> str:
         return (

@@ -17,7 +17,8 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.corners import Carrier, flush_ends
+from drystone.settlement.faces.corners import Carrier, flush_ends
+from drystone.settlement.faces.meeting import Apart, faces_apart, followed_model, model_with_met
 from drystone.settlement.follow import Follower, Track
 from drystone.settlement.loading_order import earlier_loads
 from drystone.settlement.proof import PROVEN, rest_residuals
@@ -29,6 +30,8 @@ from drystone.settlement.settlement_types import (
 )
 from drystone.settlement.springs import Pose, rotation_vectors
 
+TOLD = 3
+"""Pairs of blocks that met on the way and are named in the message."""
 STIFFER, STIFFEST = 1e-2, 1e-9
 """Overlap of the next try by the last where springs give way, and the smallest: below it gaps are
 lost in rounding."""
@@ -49,8 +52,9 @@ def settle(
 
     Contacts are stiff springs with path-dependent Coulomb friction. Translations and rotations are
     finite: corners and faces move with their blocks. Wrenches of the load keep their direction and
-    act about the moved centroids. Only the interfaces of the model act; there is no contact between
-    blocks that did not touch at the beginning.
+    act about the moved centroids. Besides the interfaces of the model, faces act that blocks meet
+    on their way: those that are parallel to 2 degrees and face each other at up to ``fall`` of a
+    block's size.
 
     Parameters
     ----------
@@ -93,8 +97,9 @@ def settle(
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
         return _nothing_free(model, chosen, clock)
+    apart = faces_apart(model, chosen.fall)
     paths = tuple(
-        _path(model, carrier, moving, chosen, clock, progress)
+        _path(model, apart, carrier, moving, chosen, clock, progress)
         for carrier in _carriers(model, chosen)
     )
     outcome, message = _outcome_of(paths, clock)
@@ -153,6 +158,7 @@ def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floa
 
 def _path(
     model: Model,
+    apart: Apart,
     carrier: Carrier,
     motion: Floats | None,
     chosen: SettlementOptions,
@@ -160,7 +166,7 @@ def _path(
     progress: Progress | None,
 ) -> SettlementPath:
     """One run, in physical numbers."""
-    part = model.with_contacts(model.contacts.select(model.active))
+    part, gap = followed_model(model, apart)
     stage = f"following the blocks, ends carried by the {carrier.value} block"
     most = 0
 
@@ -172,7 +178,7 @@ def _path(
 
     overlap = chosen.overlap
     while True:
-        bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential)
+        bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
         follower = Follower(
             bodies,
             fall=chosen.fall,
@@ -190,7 +196,7 @@ def _path(
         overlap *= STIFFER
     if progress is not None:
         progress(stage, 100, 100)
-    path = _physical(model, bodies, track, carrier)
+    path = _physical(model, apart, bodies, track, carrier)
     way = float(track.way.max(initial=0.0))
     if track.ended != "rests":
         # out of steps: where a block is beyond what stands and still moves, it does not stand
@@ -212,19 +218,22 @@ def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
     return out
 
 
-def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> SettlementPath:
-    """A track in m, rad and N, for all corners of the model."""
+def _physical(
+    model: Model, apart: Apart, bodies: Bodies, track: Track, carrier: Carrier
+) -> SettlementPath:
+    """A track in m, rad and N, for all corners of the model and of the faces that were met."""
+    joints = len(model.contacts)
+    model, corners, kept = model_with_met(model, apart, track.met)
     contacts = model.contacts
-    corners = model.active[contacts.interface]
     positions = block_motions(bodies, track.frames)
     force = np.zeros((contacts.corner_count, 3))
-    force[corners] = track.response.force * bodies.force_unit
+    force[corners] = track.response.force[kept] * bodies.force_unit
     point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
     gap = np.zeros(contacts.corner_count)
     origin = model.assembly.centroid[bodies.free].mean(axis=0) if len(bodies.free) else 0.0
-    point[corners] = track.placed.point * bodies.length_unit + origin
-    axes[corners] = track.placed.axes
-    gap[corners] = track.placed.gap * bodies.length_unit
+    point[corners] = track.placed.point[kept] * bodies.length_unit + origin
+    axes[corners] = track.placed.axes[kept]
+    gap[corners] = track.placed.gap[kept] * bodies.length_unit
     way = np.zeros(len(model.assembly))
     way[bodies.free] = track.way
     ends = {"falls": Outcome.FALLS}
@@ -242,6 +251,7 @@ def _physical(model: Model, bodies: Bodies, track: Track, carrier: Carrier) -> S
         track.share,
         track.steps,
         track.iterations,
+        tuple(range(joints, len(model.contacts))),
     )
 
 
@@ -276,7 +286,19 @@ def _said(path: SettlementPath) -> str:
         return f"it falls: '{name}' has moved by {travel:.2f} of its size and still moves"
     moved = float(np.linalg.norm(path.displacement[:, :3], axis=1).max(initial=0.0))
     far = "" if path.outcome is Outcome.RESTS else ", farther than what stands does"
-    return f"it comes to rest after settling by {moved:.2g} m, {travel:.2g} of a block's size{far}"
+    return (
+        f"it comes to rest after settling by {moved:.2g} m, {travel:.2g} of a block's size{far}"
+        f"{_said_met(path)}"
+    )
+
+
+def _said_met(path: SettlementPath) -> str:
+    """Which blocks have met."""
+    names, contacts = path.model.assembly.names, path.model.contacts
+    pairs = {(int(contacts.block_a[i]), int(contacts.block_b[i])): None for i in path.met}
+    told = [f"'{names[a]}' meets '{names[b]}'" for a, b in list(pairs)[:TOLD]]
+    more = [f"and {len(pairs) - TOLD} pairs more"] if len(pairs) > TOLD else []
+    return "".join(f", {one}" for one in told + more)
 
 
 __all__ = ["block_motions", "scaled_motion", "settle", "support_motion"]

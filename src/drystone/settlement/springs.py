@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.settlement.bodies import Bodies
-from drystone.settlement.corners import slid
+from drystone.settlement.faces.corners import slid
 from drystone.solvers.dense_factor import inverse
 from drystone.solvers.multifrontal import BlockOrdering
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg.blas import dgemm
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from drystone.base.arrays import Floats, Ints
@@ -77,25 +78,32 @@ class BlockOrdering:
         w = self.width
         schur: dict[int, Floats] = {}
         factors = []
+        turned = blocks.transpose(0, 2, 1)
         for number, front in enumerate(self.fronts):
             p, size = len(front.pivots), len(front.pivots) + len(front.boundary)
+            # column by column in memory, as LAPACK takes it
             dense = np.zeros((size, w, size, w))
-            dense[front.row, :, front.column, :] = blocks[front.entry]
+            dense[front.column, :, front.row, :] = turned[front.entry]
             for child, place in front.children:
-                update = schur.pop(child)
+                update = schur.pop(child).T
                 b = len(place)
                 dense[place[:, None], :, place[None, :], :] += update.reshape(b, w, b, w).transpose(
                     0, 2, 1, 3
                 )
-            flat = dense.reshape(size * w, size * w)
+            flat = dense.reshape(size * w, size * w).T
             inner = p * w
-            lu, pivots, info = dgetrf(flat[:inner, :inner])
+            first = np.asfortranarray(flat[:inner, :inner])
+            lu, pivots, info = dgetrf(first, overwrite_a=True)
             if info != 0:
                 raise SolverError(f"front {number} of the elimination is singular")
             if size > p:
-                coupling, _ = dgetrs(lu, pivots, flat[:inner, inner:])
-                below = flat[inner:, :inner].copy()
-                schur[number] = flat[inner:, inner:] - below @ coupling
+                right = np.asfortranarray(flat[:inner, inner:])
+                coupling, _ = dgetrs(lu, pivots, right, overwrite_b=True)
+                below, rest = (
+                    np.asfortranarray(flat[inner:, cut])
+                    for cut in (slice(0, inner), slice(inner, None))
+                )
+                schur[number] = dgemm(-1.0, below, coupling, 1.0, rest, overwrite_c=True)
             else:
                 coupling = below = np.zeros((0, 0))
             factors.append((lu, pivots, coupling, below))

@@ -3,7 +3,7 @@
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
 from drystone.formulations.equilibrium import Objective, Weights
 from drystone.solvers.program import ConicProgram
-from drystone.stability.check import check, could_hold
+from drystone.stability.check import check, check_near, could_hold
 from drystone.stability.check_many import check_many
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.programs.cra import CRAOptions, solve_cra
@@ -30,6 +30,7 @@ __all__ = [
     "build_rbe_penalty",
     "check",
     "check_many",
+    "check_near",
     "could_hold",
     "solve_cra",
     "solve_cra_penalty",

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
@@ -123,6 +126,7 @@ class Attempts:
         again: bool = False,
         start: Start | None = None,
         falls: Callable[[], bool] | None = None,
+        much: float = MUCH,
     ) -> Candidate:
         """Follow one stiffness distribution to rest.
 
@@ -134,6 +138,8 @@ class Attempts:
         start
         falls
             Whether it falls with every stiffness; called where the ground carries a large share.
+        much
+            That share.
         """
         numerics = screening.numerics
         if start is None:  # at the beginning of a path steps are often reduced
@@ -146,7 +152,7 @@ class Attempts:
         if not over and state.converged and most >= CLEARLY:
             # high towers load this ground as much, and reach a rest state on weaker ground
             over = first_motion(self.problem, state) is not None
-        if not over and most >= MUCH and falls is not None:
+        if not over and most >= much and falls is not None:
             over = falls()
         final = state if over else self._rest(springs, AT_REST, state)
         candidate = self.examine(final.motion, final.force)
@@ -163,6 +169,21 @@ class Attempts:
                 self.stalled.append(final.motion)
         return candidate
 
+    def start(self, springs: Compliance, displacement: Floats) -> Start:
+        """A start at displacements (n, 6) [m, rad], such as those of a similar model.
+
+        Raises
+        ------
+        InputError
+            They have another shape, or are not finite.
+        """
+        count = len(self.problem.model.assembly)
+        if np.shape(displacement) != (count, 6) or not np.isfinite(displacement).all():
+            raise InputError(f"the start must hold {count} times six finite numbers", where="start")
+        statics = self.problem.statics
+        motion = statics.scaled_motion(np.asarray(displacement), statics.mean_length)
+        return start_from(self.problem.system, springs, motion)
+
     def nearby(self, springs: Compliance, start: Start) -> Candidate | None:
         """The rest state near a start, if there is one and it stands."""
         state = find_rest_nearby(self.problem.system, springs, AT_REST, start, self.clock.late)
@@ -171,18 +192,20 @@ class Attempts:
         self.iterations += state.iterations
         return self._stood(state)
 
-    def attempt_from(self, other: Candidate, springs: Compliance) -> Candidate:
-        """As :meth:`attempt`, first from the rest state of other stiffnesses, if it is one."""
-        if not other.stands:
-            return self.attempt(springs)
-        statics = self.problem.statics
-        motion = statics.scaled_motion(other.displacement, statics.mean_length)
-        start = start_from(self.problem.system, springs, motion)
-        found = self.nearby(springs, start)
-        if found is None:
+    def attempt_from(self, springs: Compliance, rests: Sequence[Floats]) -> Candidate:
+        """As :meth:`attempt`, first from displacements (n, 6) [m, rad] of similar rest states."""
+        start = None
+        for displacement in rests:
+            start = self.start(springs, displacement)
+            found = self.nearby(springs, start)
+            if found is not None:
+                return found
+        if start is not None:
             state = self._rest(springs, FROM_OTHER, start)
             found = self._stood(state) if state.converged else None
-        return found if found is not None else self.attempt(springs)
+            if found is not None:
+                return found
+        return self.attempt(springs)
 
     def _stood(self, state: RestState) -> Candidate | None:
         """A state counted as a rest state that was found, if it is one."""

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.progress import Progress
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
 from drystone.formulations.rest import compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
+from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import Attempts, Candidate
+from drystone.stability.attempts import CLEARLY, MUCH, Attempts, Candidate
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Clock, Problem
 from drystone.stability.programs.rbe import ANY_FORCES
@@ -26,6 +28,7 @@ from drystone.stability.proofs import (
     FALLING_SHARE,
     NO_APPROACH,
     beside_supports,
+    closing_blocks,
     first_motion,
     found_mechanism,
     free_acceleration,
@@ -36,18 +39,39 @@ from drystone.stability.screening import SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 SENSITIVE = "sensitive to how the joints press"
+NOT_REACHED = "forces could balance the loads, but the loads alone do not bring them about"
 
 
 class Cascade:
-    """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion."""
+    """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion.
+
+    Parameters
+    ----------
+    problem, options, progress, clock
+    known : (n, 6) [m, rad] each
+        Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
+        one. The same stiffness is tried from there first.
+
+    Attributes
+    ----------
+    rests
+        As ``known``, of this model.
+    """
 
     def __init__(
-        self, problem: Problem, options: CheckOptions, progress: Progress | None, clock: Clock
+        self,
+        problem: Problem,
+        options: CheckOptions,
+        progress: Progress | None,
+        clock: Clock,
+        known: Mapping[int, Floats] | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
         self.progress = progress
         self.clock = clock
+        self.known = known or {}
+        self.rests: dict[int, Floats] = {}
         self.iterations = 0
         self.equal_overlap = self.balances = False
         self.stiffness_ratio = 1.0
@@ -60,6 +84,13 @@ class Cascade:
         problem = self.problem
         if problem.statics.free_count == 0:
             return self._nothing_free()
+        if self.options.uniform:
+            strict = replace(self.options, samples=0, settle=False, uniform=False)
+            once = Cascade(problem, strict, self.progress, self.clock, self.known)
+            found = once.run()
+            self.attempts, self.rests = once.attempts, once.rests
+            if not found.stable or self.clock.late():
+                return replace(found, options=self.options)
         dropped = self._free_fall()
         return self._after_free_fall() if dropped is None else dropped
 
@@ -67,10 +98,7 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem = self.problem
-        self._report("rest state", 0)
-        attempts = self.attempts
-        springs = compliance.uniform(problem.statics)
-        uniform = attempts.attempt(springs, falls=lambda: self.collapse is not None)
+        attempts, uniform = self.attempts, self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
                 return self._unstable("no contact forces can balance the loads", self.collapse)
@@ -78,6 +106,8 @@ class Cascade:
                 # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
                 uniform = attempts.attempt(smooth, again=True)
+        if uniform.stands:
+            self.rests[0] = uniform.displacement
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
         if not (settle and attempts.falling):  # otherwise the stiffness decides, whatever others do
@@ -93,26 +123,52 @@ class Cascade:
             return self._sensitive(found)
         return self._first_motion()
 
+    @cached_property
+    def uniform(self) -> Candidate:
+        """The answer of uniform contact stiffness."""
+        self._report("rest state", 0)
+        springs, attempts = compliance.uniform(self.problem.statics), self.attempts
+        if attempts.standing:
+            return attempts.standing[0]
+        found = None
+        if 0 in self.known and self.problem.statics.dry:
+            found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
+        # without friction equilibrium decides
+        much = MUCH if self.problem.statics.friction.any() else CLEARLY
+        return found or attempts.attempt(
+            springs, falls=lambda: self.collapse is not None, much=much
+        )
+
     def _other_stiffnesses(self, uniform: Candidate) -> None:
-        """Rest states for the samples of the stiffness, once."""
+        """Rest states for the samples of the stiffness, once.
+
+        Without friction the motion of a joint is normal to its limits. Then all stiffnesses give
+        the same answer (static theorem of limit analysis).
+        """
         attempts, statics = self.attempts, self.problem.statics
-        if attempts.tried > 1:
+        if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
         samples = compliance.samples(statics, self.options.samples, self.options.seed)
         for number, sample in enumerate(samples):
             if self.clock.late():
                 break
             self._report("stiffness samples", 2 + number)
-            if statics.dry:
-                attempts.attempt_from(uniform, sample)
-            else:  # a start is scaled as if forces were in proportion to the motion
-                attempts.attempt(sample)
+            rests = [self.known[1 + number]] if 1 + number in self.known else []
+            if uniform.stands:
+                rests.append(uniform.displacement)
+            # a start is scaled as if forces were in proportion to the motion
+            found = attempts.attempt_from(sample, rests if statics.dry else ())
+            if found.stands:
+                self.rests[1 + number] = found.displacement
+            elif self.options.uniform:  # settlement decides
+                break
 
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
 
-        Following the blocks decides where they press a little, as on a plug that hardly tapers, and
-        where a free block touches those that would fall: it may settle against them.
+        A free block that touches those that would fall may settle against them: a rest state in
+        which something presses on each of them shows that it does. Without one, and where they
+        press a little, as on a plug that hardly tapers, following the blocks decides.
 
         Contact forces answer pressing. Blocks that the loads accelerate without approaching any
         corner feel none, at whatever friction: a block between two vertical walls falls, and so do
@@ -132,6 +188,8 @@ class Cascade:
             surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
                 where=falling
             )
+            if not apart and self._caught(falling):
+                return None
             why = "hardly anything presses on some of its blocks at first"
             followed = None if surely else self._follow()
             if followed is not None and followed.outcome is Outcome.RESTS:
@@ -153,6 +211,16 @@ class Cascade:
             mechanism=problem.normalised(motion),
             prop=0.0 - np.where(falling[:, None], problem.model.load.wrench, 0.0),
             falling=tuple(int(i) for i in np.flatnonzero(falling)),
+        )
+
+    @one_blas_thread()
+    def _caught(self, falling: Bools) -> bool:
+        """Whether uniform stiffness has a rest state in which something presses on blocks (n,)."""
+        model, state = self.problem.model, self.uniform
+        if not state.stands:
+            return False
+        return bool(
+            closing_blocks(model.assembly, model.contacts, state.displacement)[falling].all()
         )
 
     @one_blas_thread()
@@ -186,16 +254,14 @@ class Cascade:
             motion = self.problem.normalised(found.displacement)
         words = f"{found.message}; {held}: {SENSITIVE}"
         if not stood and self.balances:
-            words = (
-                "forces could balance the loads, but only prestress would bring them about: "
-                f"{found.message}"
-            )
+            words = f"{NOT_REACHED}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
         return replace(self._unstable(words, motion), settlement=found)
 
     def _rests(self, found: Settlement, why: str) -> Result:
         """STABLE after settling, with a rest state in place if some stiffness has one.
 
-        Otherwise the forces are those on the moved blocks, in the axes of the first joints.
+        Otherwise the forces are those on the moved blocks, in the axes of the first joints. Faces
+        that were met are the last joints of the model of the result.
         """
         words = f"{found.message}; {why}: {SENSITIVE}"
         for one in self.attempts.standing[:1]:
@@ -207,11 +273,13 @@ class Cascade:
                 residuals=one.residuals,
                 settlement=found,
             )
-        contacts, path = self.problem.model.contacts, found.path
+        path = found.path
+        contacts = path.model.contacts
         world = np.einsum("ki,kij->kj", path.force, path.axes)
         return self._answer(
             Verdict.STABLE,
             words,
+            model=path.model,
             force=np.einsum("kij,kj->ki", contacts.frame[contacts.interface], world),
             displacement=path.displacement,
             residuals=path.residuals,
@@ -345,10 +413,7 @@ class Cascade:
             if motion is not None:
                 words = "it starts to move"
                 if self.balances:
-                    words = (
-                        "forces could balance the loads, but only prestress would bring them "
-                        f"about: {words}"
-                    )
+                    words = f"{NOT_REACHED}; {words}"
                 return self._unstable(words + left_out, motion)
         tried = self.attempts.tried
         those = f"{tried} stiffness distribution{'' if tried == 1 else 's'}"
@@ -379,13 +444,15 @@ class Cascade:
             falling=falling,
         )
 
-    def _answer(self, verdict: Verdict, message: str, **found: object) -> Result:
+    def _answer(
+        self, verdict: Verdict, message: str, model: Model | None = None, **found: object
+    ) -> Result:
         self._report("done", 3 + self.options.samples)
         elapsed, checking = self.clock.elapsed_s, self.attempts.checking_s
         return Result(
             method="check",
             verdict=verdict,
-            model=self.problem.model,
+            model=self.problem.model if model is None else model,
             message=message,
             samples=Samples(self.attempts.tried, len(self.attempts.standing)),
             stopped=self.clock.reason,

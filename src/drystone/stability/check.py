@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Unpack
 
+from drystone.base.arrays import Floats
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, supported_model
+from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
@@ -20,6 +22,7 @@ def check(
     given: Given,
     *,
     options: CheckOptions | None = None,
+    start: Floats | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
     time_limit_s: float = float("inf"),
@@ -32,6 +35,9 @@ def check(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     options
+    start : (n, 6) [m, rad]
+        ``displacement`` of the result of a similar model with the same blocks. It saves time where
+        the model stands for every stiffness that is tried, and does not change the verdict.
     progress
     stop
         Called often; True ends the analysis with the results so far.
@@ -48,7 +54,7 @@ def check(
     Raises
     ------
     InputError
-        What was given cannot be made into a model.
+        What was given cannot be made into a model, or the start has another shape.
 
     Examples
     --------
@@ -59,7 +65,31 @@ def check(
     """
     chosen = CheckOptions.of(options)
     clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
+    problem = Problem.build(supported_model(given, **how))
+    known = None if start is None else {0: start}
+    return Cascade(problem, chosen, progress, clock, known).run()
+
+
+def check_near(
+    model: Model, known: Mapping[int, Floats], *, options: CheckOptions
+) -> tuple[Result, dict[int, Floats]]:
+    """The verdict of :func:`check`, begun at the rest states of a similar model.
+
+    Parameters
+    ----------
+    model
+    known : (n, 6) [m, rad] each
+        Displacements of the rest states of a similar model with the same blocks, by the number of
+        the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
+    options
+
+    Returns
+    -------
+    Result, dict
+        The verdict, and the displacements of the rest states that were found.
+    """
+    cascade = Cascade(Problem.build(model), options, None, Clock(float("inf")), known)
+    return cascade.run(), cascade.rests
 
 
 @checked_call
@@ -92,4 +122,4 @@ def could_hold(
     return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
 
 
-__all__ = ["CheckOptions", "check", "could_hold"]
+__all__ = ["CheckOptions", "check", "check_near", "could_hold"]

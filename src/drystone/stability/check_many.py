@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import csv
-import io
 import os
 import pickle
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, nullcontext
+from io import FileIO, StringIO
 from itertools import chain, islice
-from typing import Any, TextIO, TypeAlias, Unpack
+from pathlib import Path
+from typing import Any, TypeAlias, Unpack
 
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
-from drystone.base.files import PathLike, plain_target, read_bytes
-from drystone.base.progress import Clock, Progress
+from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
+from drystone.base.progress import LOST_WORKER, Clock, Progress
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.io.opening import Given, How
@@ -91,8 +92,8 @@ def check_many(
     Raises
     ------
     InputError
-        ``models`` is a single model; the file has answers about other models; or an executor
-        died that cannot be started again.
+        ``models`` is a single model; the file has answers about other models, or cannot be written,
+        as on a full disk; or an executor died that cannot be started again.
 
     Examples
     --------
@@ -107,7 +108,7 @@ def check_many(
         raise InputError(said, remedy="give several, such as [model]")
     clock = Clock(time_limit_s, stop)
     rows = [] if out is None else _earlier(out)
-    opened: AbstractContextManager[TextIO | None]
+    opened: AbstractContextManager[FileIO | None]
     opened = nullcontext() if out is None else _opened(out)
     total = len(models) if isinstance(models, Sized) else 0
     with opened as file, _Workers(executor) as workers:
@@ -179,7 +180,7 @@ class _Workers:
             return
         taken: deque[Task] = deque()
         futures: deque[Future[Row]] = deque()
-        alone = 0
+        alone, suspect = 0, -1
         while not late():
             ahead = 1 if alone else AHEAD
             try:
@@ -189,14 +190,16 @@ class _Workers:
                 if not taken:
                     return
                 row = futures[0].result()
-            except (BrokenExecutor, ConnectionError) as error:
+            except LOST_WORKER as error:
                 self._revive(error)
-                if alone:  # nothing else can have ended the worker
+                if not alone:  # those that were at work are asked one by one: which one was it?
+                    alone = len(taken)
+                elif taken[0][0] != suspect:  # another program may have ended the worker: once more
+                    suspect = taken[0][0]
+                else:
                     alone -= 1
                     number, name, _ = taken.popleft()
                     yield [number, name, "failed", 0, 0, "", "its worker was ended twice", 0.0]
-                else:  # those that were at work are asked one by one: which one was it?
-                    alone = len(taken)
                 tasks = chain(tuple(taken), tasks)
                 taken.clear()
                 futures.clear()
@@ -236,7 +239,7 @@ def _earlier(out: PathLike) -> list[Row]:
         return []
     data = read_bytes(path)
     whole = data.rfind(b"\n") + 1
-    lines = list(csv.reader(io.StringIO(data[:whole].decode("utf-8", "replace"), newline="")))
+    lines = list(csv.reader(StringIO(data[:whole].decode("utf-8", "replace"), newline="")))
     try:
         if lines[:1] != [list(COLUMNS)]:
             raise ValueError("other columns")
@@ -253,23 +256,25 @@ def _earlier(out: PathLike) -> list[Row]:
     return rows
 
 
-def _opened(out: PathLike) -> TextIO:
+def _opened(out: PathLike) -> FileIO:
     """The file, to add rows to it."""
     path = plain_target(out)
     try:
-        return path.open("a", encoding="utf-8", newline="")
+        return path.open("ab", buffering=0)
     except OSError as error:
-        raise InputError(
-            f"cannot be written: {error.strerror}",
-            where=str(path),
-            remedy="choose a folder that exists and that you may write to",
-        ) from error
+        raise unwritable(path, error) from error
 
 
-def _add(file: TextIO, row: Row) -> None:
+def _add(file: FileIO, row: Row) -> None:
     """One row, on the disk before the next model is answered."""
-    csv.writer(file, lineterminator="\n").writerow(row)
-    file.flush()
+    text = StringIO()
+    csv.writer(text, lineterminator="\n").writerow(row)
+    data = text.getvalue().encode("utf-8", "replace")
+    try:
+        while data:  # the last bytes of a disk are written before it is told to be full
+            data = data[file.write(data) :]
+    except OSError as error:
+        raise unwritable(Path(str(file.name)), error) from error
 
 
 def _line(text: str | bytes) -> str:

@@ -26,6 +26,9 @@ class CheckOptions(Options):
     settlement
         How they are followed; by default until a block has moved by a twentieth of its size. What
         stands moves no farther than a fiftieth.
+    uniform
+        Stable only where uniform contact stiffness holds it too. What falls with it is not
+        followed. Other stiffnesses are then tried until one does not hold it.
     search
         Check whether it could stand with shims (:func:`could_hold`): where the stiffness decides
         and blocks are not followed, search a rest state by convex steps.
@@ -45,6 +48,7 @@ class CheckOptions(Options):
     samples: int = 4
     settle: bool = True
     settlement: SettlementOptions = SettlementOptions(fall=0.05)  # noqa: RUF009 - frozen
+    uniform: bool = False
     search: bool = False
     search_tries: int = 48
     stiffness_ratio: float = 200.0

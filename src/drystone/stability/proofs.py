@@ -134,11 +134,7 @@ def unpressed(
     joint = contacts.interface
     holds = ~contacts.dry[joint]  # a joint that pulls or coheres need not be pressed
     a, b = contacts.block_a, contacts.block_b
-    away_a, away_b = (
-        (point_motion(assembly, contacts, acceleration, block[joint]) * contacts.frame[joint, 0])
-        .sum(axis=1)
-        for block in (a, b)
-    )  # fmt: skip
+    away_a, away_b = _along_normals(assembly, contacts, acceleration)
 
     def approach(opening: Floats, reach: Floats) -> Bools:
         near = (opening < -least * reach[joint]) | holds
@@ -153,6 +149,29 @@ def unpressed(
             break
         falling[a[pressed]] = falling[b[pressed]] = False
     return falling
+
+
+def closing_blocks(assembly: Assembly, contacts: Contacts, motion: Floats) -> Bools:
+    """The blocks (n,) of which a corner closes by a share of their way in a motion (n, 6)."""
+    away_a, away_b = _along_normals(assembly, contacts, motion)
+    speed = block_speed(assembly, motion)
+    found = np.zeros(len(assembly), dtype=bool)
+    for block in (contacts.block_a, contacts.block_b):
+        of_corner = block[contacts.interface]
+        found[of_corner[away_b - away_a < -APPROACH * speed[of_corner]]] = True
+    return found
+
+
+def _along_normals(assembly: Assembly, contacts: Contacts, motion: Floats) -> tuple[Floats, Floats]:
+    """(k,) motion of each corner along the normal of its joint, with block a and with block b."""
+    of_a, of_b = (
+        (
+            point_motion(assembly, contacts, motion, block[contacts.interface])
+            * contacts.frame[contacts.interface, 0]
+        ).sum(axis=1)
+        for block in (contacts.block_a, contacts.block_b)
+    )
+    return of_a, of_b
 
 
 def beside_supports(assembly: Assembly, contacts: Contacts, falling: Bools) -> bool:

@@ -7,10 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.rest_state import Start, start_from
+from drystone.formulations.rest.rest_state import Start
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
@@ -75,7 +74,7 @@ def try_rest(
             np.zeros((len(model.assembly), 6)),
         )
     elif not _falls_freely(problem, screening, clock):
-        near = None if start is None else _start(problem, start, screening.slip_lengths[0])
+        near = None if start is None else _start(attempts, start, screening.slip_lengths[0])
         found = None if near is None else attempts.nearby(*near)
         if found is None:
             found = _first_standing(attempts, screening, near and near[1])
@@ -143,21 +142,16 @@ def stands_for_all(
             return False
         # as in a check: a smooth law converges more easily
         found = attempts.attempt(compliance.uniform(statics, slip=SLIP_LENGTH), again=True)
+    rests = (found.displacement,) if statics.dry else ()  # as in a check
     return found.stands and all(
-        (attempts.attempt_from(found, one) if statics.dry else attempts.attempt(one)).stands
-        for one in compliance.samples(statics, count, seed)
+        attempts.attempt_from(one, rests).stands for one in compliance.samples(statics, count, seed)
     )
 
 
-def _start(problem: Problem, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
+def _start(attempts: Attempts, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:
     """Springs of the first friction law, and their start from a motion (n, 6) [m, rad]."""
-    count = len(problem.model.assembly)
-    if np.shape(motion) != (count, 6) or not np.isfinite(motion).all():
-        raise InputError(f"the start must hold {count} times six finite numbers", where="start")
-    statics = problem.statics
-    springs = compliance.uniform(statics, slip=slip)
-    scaled = statics.scaled_motion(np.asarray(motion), statics.mean_length)
-    return springs, start_from(problem.system, springs, scaled)
+    springs = compliance.uniform(attempts.problem.statics, slip=slip)
+    return springs, attempts.start(springs, motion)
 
 
 def _first_standing(

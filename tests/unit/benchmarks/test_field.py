@@ -123,6 +123,7 @@ def test_small_models_are_asked_first() -> None:
 def test_rows_that_are_known_are_not_asked_again() -> None:
     class Counted:
         name = "counted"
+        limit = 1.0
         asked = 0
 
         def ask(self, task: Any) -> dict[str, Any]:
@@ -137,6 +138,11 @@ def test_rows_that_are_known_are_not_asked_again() -> None:
     assert program.asked == 3
     assert again == [(first[0], False), (first[1], True)]
     assert list(rows_of(every, [program], end=0.0)) == []
+    program.limit = 2.0
+    assert [new for _, new in rows_of(every, [program], first)] == [True, True]
+    program.limit, program.name = 1.0, "a newer one"
+    ((row, _), *_) = rows_of(every, [program], first)
+    assert list(row["answers"]) == ["a newer one"]
 
 
 def test_tables_are_written_between_the_marks_of_a_page(tmp_path: Path) -> None:
@@ -167,6 +173,18 @@ def test_a_solver_of_dry_joints_has_no_answer_for_joints_that_pull() -> None:
         assert program.ask(pulls.task)["stands"] is None
     finally:
         program.close()
+
+
+def test_the_solver_of_the_page_is_asked(tmp_path: Path) -> None:
+    page = (MODELS.parents[2] / "docs" / "benchmark.md").read_text("utf-8")
+    script = tmp_path / "my_solver.py"
+    script.write_text(page.partition("```python\n")[2].partition("```")[0], "utf-8")
+    program: Any = Program([sys.executable, str(script)], 60.0)
+    try:
+        rows = [row for row, _ in rows_of(questions("slide"), [program])]
+    finally:
+        program.close()
+    assert "| my solver 1.0 | 2 | 1 | 0 | 1 | 0 | 0 | 0 |" in tables(rows)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit of CPU time")

@@ -12,14 +12,18 @@ def test_a_section_prints_published_beside_found(capsys):
 
 
 def test_json_has_the_lines_and_the_files(capsys, tmp_path):
-    assert main(["reproduce", "6.2", "--json", "--out", str(tmp_path)]) == 0
+    folder = tmp_path / "new" / "pages"
+    assert main(["reproduce", "6.2", "--json", "--out", str(folder)]) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["sections"][0]["section"] == "6.2"
     assert all(line["agrees"] for line in data["sections"][0]["lines"])
-    assert sorted(data["files"]) == sorted(str(path) for path in tmp_path.iterdir())
+    assert sorted(data["files"]) == sorted(str(path) for path in folder.iterdir())
 
 
-def test_an_unknown_section_and_a_missing_folder_are_bad_input(capsys, tmp_path):
-    assert main(["reproduce", "9.9"]) == 2
+def test_an_unknown_section_and_a_file_in_place_of_a_folder_are_bad_input(capsys, tmp_path):
+    assert main(["reproduce", "9.9", "--out", str(tmp_path / "new")]) == 2
     assert "7.2.4" in capsys.readouterr().err
-    assert main(["reproduce", "6.2", "--out", str(tmp_path / "missing")]) == 2
+    assert not (tmp_path / "new").exists()
+    (tmp_path / "file").write_text("")
+    assert main(["reproduce", "6.2", "--out", str(tmp_path / "file")]) == 2
+    assert "another folder" in capsys.readouterr().err

@@ -10,6 +10,8 @@ import drystone
 from drystone import Assembly, InputError, LoadCase, Model
 from drystone.cli import main
 from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
+from drystone.design.causes import prop_forces
+from drystone.design.mends import margin
 from drystone.design.surgery import still_edge, turn_joint
 from drystone.models import arch, box, h_model, shelf, tower, wedge
 
@@ -54,6 +56,30 @@ def test_every_mend_of_the_shelf_stands_when_it_is_read_from_its_file(
         result = drystone.check(read.with_supports([*fixed, *one.held]))
         assert result.stable, one.description
         assert result.samples.standing == result.samples.tried, one.description
+
+
+@pytest.mark.parametrize(("patience", "kinds"), [(600, []), (1300, ["prop"])])
+def test_a_search_that_is_stopped_ends_within_the_check_that_is_under_way(
+    monkeypatch: pytest.MonkeyPatch, patience: int, kinds: list[str]
+) -> None:
+    asked, after = 0, 0
+
+    def stop() -> bool:
+        nonlocal asked
+        asked += 1
+        return asked > patience
+
+    def counted(*given: object, **how: object) -> drystone.Result:
+        nonlocal after
+        after += asked > patience
+        return drystone.check(*given, **how)
+
+    for module in (margin, prop_forces):
+        monkeypatch.setattr(module, "check", counted)
+    found = find_mends(h_model(), friction=0.9, stop=stop)
+    assert patience < asked < patience + 50
+    assert after == 0
+    assert [one.kind for one in found.mends] == kinds
 
 
 def test_the_least_turn_is_that_of_a_scan_and_that_of_the_friction_angle(fallen: Mends) -> None:

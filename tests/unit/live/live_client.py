@@ -7,15 +7,28 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
+import drystone
+from drystone import io
 from drystone.assembly import Assembly
 from drystone.live.serving import Live
-from drystone.models import box
+from drystone.models import arch, box
 
 PATIENCE = 300.0
 """[s] for an answer on a busy machine."""
+
+
+@contextmanager
+def served_arch(folder: Path) -> Iterator[Live]:
+    """A server of an arch of twelve voussoirs, friction 0.9, whose file is written there."""
+    path = folder / "arch.json"
+    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
+    with Live(path, port=0) as made:
+        yield made
 
 
 def ask(

@@ -15,11 +15,18 @@ from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
+from drystone.live.computing.snapshot import Found
 from drystone.live.computing.wish import Wish, asked
 from drystone.live.serving import Live
-from drystone.models import arch, box, tower
-from drystone.settlement import End, LargeDisplacement, move_supports, support_response
-from tests.unit.live.live_client import Window, ask
+from drystone.models import box, tower
+from drystone.settlement import (
+    End,
+    LargeDisplacement,
+    large_displacement,
+    move_supports,
+    support_response,
+)
+from tests.unit.live.live_client import Window, ask, served_arch
 
 FOOT = "springer-right"
 AWAY = (0.02, 0.0, 0.0)
@@ -32,9 +39,7 @@ def wish_of(**values: object) -> Wish:
 
 @pytest.fixture(scope="module")
 def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
-    path = tmp_path_factory.mktemp("moves") / "arch.json"
-    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), path)
-    with Live(path, port=0) as made:
+    with served_arch(tmp_path_factory.mktemp("moves")) as made:
         yield made
 
 
@@ -171,6 +176,22 @@ def test_of_many_blocks_the_supports_are_shown_at_once() -> None:
     assert found.stage.verdict is None
     np.testing.assert_allclose(found.stage.motion[0], [0, 0, -0.1, 0, 0, 0])
     assert not found.stage.motion[1:].any()
+
+
+def test_blocks_are_shown_while_they_follow(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(large_displacement, "WATCHED", 0.0)
+    model = drystone.Model.of(tower(4), friction=0.5)
+    name = model.assembly.names[0]
+    made = asked(model, wish_of(moves=[{"block": name, "by": [0.0, 0.0, -0.1]}]))
+    seen: list[Found] = []
+    last = verdict_of(made, stop=lambda: False, watch=seen.append)
+    ways = [-float(one.stage.motion[-1, 2]) for one in seen]
+    assert len(ways) > 5
+    assert ways == sorted(ways)
+    np.testing.assert_allclose([one.stage.motion[0, 2] for one in seen], -np.array(ways), atol=1e-5)
+    assert ways[-1] == pytest.approx(-last.stage.motion[-1, 2], rel=1e-3)
+    assert all(one.stage.verdict is None and one.moved for one in seen)
+    assert seen[0].stage.headline.endswith("so far: the blocks are being followed")
 
 
 def test_a_motion_of_zero_is_none() -> None:

@@ -26,7 +26,7 @@ from drystone.live.computing.python_lines import python_lines
 from drystone.live.computing.wish import Wish, asked
 from drystone.live.serving import Live
 from drystone.live.watching import Watch
-from drystone.models import arch
+from drystone.models import arch, leaning_column
 from tests.unit.live.live_client import Window, ask, overhang
 
 KEYSTONE = "voussoir-06"
@@ -175,6 +175,28 @@ def test_a_mend_is_shown_made_saved_and_stands(
         np.testing.assert_allclose(printed[0].load.wrench, load.wrench, atol=1e-6)
         window.task("apply", {"mend": 99})
         assert "no such mend" in window.until("error", window.number)["what"]
+        window.close()
+
+
+def test_joints_are_changed_and_a_block_is_cut(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    io.write(drystone.Model.of(leaning_column(blocks=2), friction=0.12), "column.json")
+    with Live("column.json", port=0) as live:
+        window = Window(live, "joints")
+        made = window.until("model", window.task("recut"))
+        assert made["what"] == "every block is free: 2 joints changed, 4 changes tried"
+        told = window.until("unchanged", window.task("recut", model=made["model"], **made["state"]))
+        assert told["message"] == "every block is free: 0 joints changed, 0 changes tried"
+        cut = window.until("model", window.task("cut", {"block": "c02-block"}))
+        assert cut["what"] == "c02-block cut in two"
+        kept = pickle.loads(live.desk.models[cut["model"]].blob)
+        assert kept.assembly.names == ("base", "c01-block", "c02-block", "c02-block-part-1")
+        lower, upper = (kept.assembly.index(name) for name in kept.assembly.names[2:])
+        assert kept.assembly.volume[lower] == pytest.approx(kept.assembly.volume[upper])
+        window.task("cut", {"block": "none"})
+        assert "none" in window.until("error", window.number)["what"]
         window.close()
 
 

@@ -221,6 +221,18 @@ def test_the_bridge_is_checked_in_full_before_help_is_given(friction):
     assert found.proved
 
 
+def test_structures_that_do_not_touch_need_what_each_needs_alone():
+    bodies, fixed = list(bridge().blocks), bridge().fixed.tolist()
+    for number in range(2):
+        stack = tower(9)
+        for block in stack.blocks:
+            moved = block.transformed(None, (20.0 + 3.0 * number, 0.0, 0.0))
+            bodies.append(moved.renamed(f"{number}-{block.name}"))
+        fixed += stack.fixed.tolist()
+    found = planned(Assembly(tuple(bodies), fixed=fixed), 0.66)
+    assert found.counts["free"] == 9 + 8 + 8
+
+
 def test_an_order_of_the_user_in_which_every_stage_stands_needs_no_help():
     order = [f"block-{i}" for i in (3, 2, 5, 7, 4, 6, 8, 9, 10)]
     found = planned(bridge(), 0.66, rules=Rules(order=order))

@@ -3,6 +3,9 @@
 import functools
 import json
 import os
+import subprocess
+import sys
+import time
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from pathlib import Path
 
@@ -103,16 +106,44 @@ def test_two_workers_of_which_one_is_killed_give_the_same_plan(checked, tmp_path
     assert marker.exists()
 
 
+STARTS_A_WORKER = """
+import os, time
+from drystone.sequence.stage.workers import LocalWorkers
+if __name__ == "__main__":
+    with LocalWorkers(1)() as workers:
+        print(workers.submit(os.getpid).result(), flush=True)
+        time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="processes that are killed")
+def test_workers_end_when_the_process_that_started_them_is_killed(tmp_path):
+    script = tmp_path / "starts.py"
+    script.write_text(STARTS_A_WORKER, encoding="utf-8")
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE) as starter:
+        assert starter.stdout is not None
+        worker = int(starter.stdout.readline())
+        starter.kill()
+    for _ in range(200):
+        try:
+            os.kill(worker, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.02)
+    pytest.fail("the worker goes on")
+
+
 class Mortal(ThreadPoolExecutor):
     """An executor that breaks after some work, for good."""
 
     left = 3
+    error: Exception = BrokenExecutor("a worker was killed")
 
     def submit(self, function, /, *arguments, **named):  # type: ignore[no-untyped-def]
         self.left -= 1
         if self.left < 0:
             future: Future = Future()
-            future.set_exception(BrokenExecutor("a worker was killed"))
+            future.set_exception(self.error)
             return future
         return super().submit(function, *arguments, **named)
 
@@ -131,6 +162,20 @@ def test_new_workers_are_started_for_dead_ones(alone):
 
     assert essence(arch_plan(executor=start)) == alone
     assert len(started) > 1
+
+
+def test_a_scheduler_that_dies_for_good_is_done_without(alone):
+    class Gone(Mortal):
+        error = OSError("connection reset by peer")
+
+    first = [Gone(2)]
+
+    def connect() -> Mortal:
+        if not first:
+            raise InputError("no scheduler answers")
+        return first.pop()
+
+    assert essence(arch_plan(executor=connect)) == alone
 
 
 CALLS = {"left": 0}

@@ -1,8 +1,9 @@
 """Many models, their verdicts in a file that can be continued."""
 
 import os
+import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -79,3 +80,38 @@ def test_a_model_that_ends_its_worker_is_told_and_the_others_are_answered() -> N
     assert found["verdict"].tolist() == ["stable", "failed", "stable"]
     with ProcessPoolExecutor(1) as processes, pytest.raises(InputError, match="a worker died"):
         drystone.check_many(models(), executor=processes)  # type: ignore[arg-type]
+
+
+def test_a_scheduler_that_dies_is_told_and_the_file_keeps_what_was_known(tmp_path: Path) -> None:
+    class Gone(ThreadPoolExecutor):
+        left = 2
+
+        def submit(self, function, /, *arguments, **named):  # type: ignore[no-untyped-def]
+            self.left -= 1
+            if self.left >= 0:
+                return super().submit(function, *arguments, **named)
+            future: Future[object] = Future()
+            future.set_exception(OSError("connection reset by peer"))
+            return future
+
+    out, first = tmp_path / "found.csv", [Gone(1)]
+
+    def connect() -> Executor:
+        if not first:
+            raise InputError("no scheduler answers")
+        return first.pop()
+
+    with pytest.raises(InputError, match="no scheduler answers"):
+        drystone.check_many(MODELS, out=out, friction=0.6, executor=connect)
+    assert len(out.read_text(encoding="utf-8").splitlines()) == 3
+    again = drystone.check_many(MODELS, out=out, friction=0.6)
+    assert again["verdict"].tolist() == VERDICTS
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device without space")
+def test_a_full_disk_is_told_as_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    module = sys.modules["drystone.stability.check_many"]  # its function has the same name
+    monkeypatch.setattr(module, "plain_target", lambda _: Path("/dev/full"))
+    monkeypatch.setattr(module, "_earlier", lambda _: [])
+    with pytest.raises(InputError, match="No space left on device; free some space"):
+        drystone.check_many([tower(2)], out=tmp_path / "found.csv", friction=0.6)

@@ -118,6 +118,20 @@ def test_a_start_at_the_rest_state_of_a_neighbour_changes_no_force():
         assert np.allclose(warm.force, cold.force, rtol=0.0, atol=1e-8 * np.abs(cold.force).max())
 
 
+def test_a_check_from_a_similar_rest_state_has_the_same_verdict_sooner():
+    whole = check(Model(ARCH, JOINTS))
+    nearly = Model(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 1.0))
+    cold, warm = check(nearly), check(nearly, start=whole.displacement)
+    assert (warm.message, warm.samples) == (cold.message, cold.samples)
+    assert warm.iterations < cold.iterations
+    assert np.allclose(warm.force, cold.force, rtol=0.0, atol=1e-8 * np.abs(cold.force).max())
+    leaning = Model(ARCH, JOINTS, LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 40.0))
+    fallen = check(leaning, start=whole.displacement)
+    assert (fallen.verdict, fallen.message) == (Verdict.UNSTABLE, check(leaning).message)
+    with pytest.raises(InputError, match="start"):
+        check(nearly, start=np.zeros((3, 6)))
+
+
 @pytest.mark.parametrize("start", [np.zeros((3, 6)), np.full((len(ARCH), 6), np.nan)])
 def test_a_start_of_another_assembly_is_refused(start):
     with pytest.raises(InputError, match="start"):

@@ -40,6 +40,7 @@ class Curves(Pictures):
 
     def __post_init__(self) -> None:
         apart([self.html, self.png, self.curve])
+        self.require_picture()
 
 
 def answer(
@@ -57,7 +58,7 @@ def _files(found: LargeDisplacement, wanted: Curves, source: str) -> Files:
     if wanted.html is not None or wanted.png is not None:
         from drystone import view  # work is imported when there is some
 
-        page = partial(view.save_page, found, source=source)
+        page = partial(view.save_page, found, source=source, section=wanted.section)
         plot = partial(view.save_curve, found, title=Path(source).stem)
         jobs = wanted.jobs(page, plot)
     if wanted.curve is not None:

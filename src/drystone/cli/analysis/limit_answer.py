@@ -64,7 +64,7 @@ def sweep_answer(sweep: TiltSweep, model: str, notes: Sequence[str], pictures: P
         from drystone.view import save_page, save_polar  # pictures are imported when asked for
 
         plot = partial(save_polar, sweep, title=Path(model).stem)
-        page = partial(save_page, sweep, source=model)
+        page = partial(save_page, sweep, source=model, section=pictures.section)
         return pictures.jobs(page, plot), []
 
     return Answer(data, partial(_show_sweep, data), code, notes, files)

@@ -88,7 +88,7 @@ def _far(model: Model, to: float, source: str, wanted: Written, waiting: Waiting
     waiting.stage("solve", "moving")
     with waiting.stoppable() as stop:
         found = move_supports(model, to=to, progress=waiting, stop=stop)
-    curves = Curves(html=wanted.html, png=wanted.png)
+    curves = Curves(html=wanted.html, png=wanted.png, section=wanted.section)
     code = 0 if found.end is End.REACHED else 1
     return large_answer.answer(found, source, model.notes, curves, code)
 
@@ -101,8 +101,8 @@ def _files(found: SupportResponse, wanted: Written, source: str) -> Files:
     from drystone import view  # as above
     from drystone.view.scenes.settlement_scenes import moved_scene, settlement_scene
 
-    page = partial(view.save_page, settlement_scene(found, source))
-    figure = partial(view.save_figure, moved_scene(found, source))
+    page = partial(view.save_page, wanted.cut(settlement_scene(found, source)))
+    figure = partial(view.save_figure, wanted.cut(moved_scene(found, source)))
     return [*wanted.jobs(page, figure), *tables], said
 
 

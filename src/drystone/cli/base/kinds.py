@@ -157,7 +157,15 @@ def see(ctx: click.Context | None) -> str:
     return f"see '{ctx.command_path} --help'" if ctx is not None else ""
 
 
+def _section(text: str) -> str:
+    from drystone.view.scenes.section import read_section  # pictures are imported when asked for
+
+    read_section(text)
+    return text
+
+
 TEXT = Kind("TEXT", str)
+SECTION = Kind("AXIS[=METRES]", _section)
 FILE = Kind("FILE", str)
 POSITIVE = number(above=0.0)
 COEFFICIENT = Kind("NUMBER|ANGLE", units.coefficient)

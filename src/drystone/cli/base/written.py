@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from drystone.results import Result
     from drystone.sequence import Plan
     from drystone.settlement import SupportResponse
+    from drystone.view import Scene
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,29 @@ class Pictures:
 
     html: options.Html = None
     png: options.Png = None
+    section: options.Section = None
 
     def __post_init__(self) -> None:
         apart([self.html, self.png])
+        self.require_picture()
+
+    def require_picture(self) -> None:
+        """Refuse a section without a picture.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.section is not None and self.html is None and self.png is None:
+            raise InputError(
+                "has no picture to cut", where="--section", remedy="add --html or --png"
+            )
+
+    def cut(self, scene: Scene) -> Scene:
+        """A scene with the section that is asked for."""
+        from drystone.view.scenes.section import cut_at  # pictures are imported when asked for
+
+        return scene if self.section is None else cut_at(scene, self.section)
 
     def jobs(self, page: Callable[[Path], object], figure: Callable[[Path], object]) -> list[Job]:
         """The files to write, from the functions that write them."""
@@ -45,8 +66,9 @@ class Pictures:
             return [], []
         from drystone import view  # the program starts fast: pictures are imported when asked for
 
-        page = partial(view.save_page, subject, source=source)
-        return self.jobs(page, partial(view.save_figure, subject, source=source)), []
+        page = partial(view.save_page, subject, source=source, section=self.section)
+        figure = partial(view.save_figure, subject, source=source, section=self.section)
+        return self.jobs(page, figure), []
 
 
 @dataclass(frozen=True)
@@ -75,6 +97,7 @@ class Written(Pictures):
 
     def __post_init__(self) -> None:
         apart([self.html, self.png, self.cad, *self.joints])
+        self.require_picture()
         refuse_missing(self.cad)
 
     def all_of(self, result: Result, source: str) -> Files:

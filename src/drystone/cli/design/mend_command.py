@@ -233,7 +233,7 @@ def files_after(
     if wanted.html is not None or wanted.png is not None:
         from drystone import view  # as above
 
-        scene = view.mended_scene(before, result, source, change)
+        scene = wanted.cut(view.mended_scene(before, result, source, change))
         jobs += wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene))
     return jobs, []
 
@@ -254,7 +254,7 @@ def _files(found: Diagnosis, wanted: Pictures, source: str) -> Files:
         return [], []
     from drystone import view  # as above
 
-    scene = view.scene_of(found, source=source)
+    scene = wanted.cut(view.scene_of(found, source=source))
     return wanted.jobs(partial(view.save_page, scene), partial(view.save_figure, scene)), []
 
 

@@ -82,7 +82,9 @@ def convert(
         "loses": chosen.loses,
     }
     told = f"{len(read.assembly)} blocks, {chosen.title}"
-    return Answer(data, partial(_show, told, chosen.loses), notes=notes, written=[target])
+    arrays = [str(Path(target).with_suffix(".npz"))] if chosen.name == "drystone-npz" else []
+    show = partial(_show, told, chosen.loses)
+    return Answer(data, show, notes=notes, written=[target, *arrays])
 
 
 def _show(told: str, loses: str, screen: Screen) -> None:

@@ -149,8 +149,11 @@ def _pictures(
     """The page and the figure."""
     from drystone import view
 
-    page = partial(view.save_inspection, assembly, found, sweep=swept, bare=bare, source=source)
-    scene = view.inspection_scene(assembly, found, bare, source)
+    scene = pictures.cut(view.inspection_scene(assembly, found, bare, source))
+    page = partial(
+        view.save_inspection, assembly, found, sweep=swept, bare=bare, source=source,
+        section=pictures.section,
+    )  # fmt: skip
     return pictures.jobs(page, partial(view.save_figure, scene)), []
 
 

@@ -26,7 +26,10 @@ def reproduce(
         Argument("SECTION", "Section of Kao 2023, such as 7.2.4; all of them when left out."),
     ] = None,
     out: Annotated[
-        str | None, Option("Folder for the pages and figures; none without it.", OUTPUT)
+        str | None,
+        Option(
+            "Folder for the pages and figures, made where there is none; none without it.", OUTPUT
+        ),
     ] = None,
     waiting: Waiting,
 ) -> Answer:
@@ -34,9 +37,18 @@ def reproduce(
 
     Exit code 0: all figures agree. 1: some differ. 2: bad input.
     """
-    if out is not None and not Path(out).is_dir():
-        raise InputError("there is no such folder", where="--out", remedy="make it first")
     from drystone import reproduce as cases  # the program starts fast
+
+    if section is not None and section not in cases.SECTIONS:
+        cases.reproduce(section)  # says which there are
+    if out is not None:
+        try:
+            Path(out).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"'{out}' cannot be a folder: {error.strerror}", where="--out",
+                remedy="name another folder",
+            ) from error  # fmt: skip
 
     found: list[Case] = []
     written: list[str] = []

@@ -21,8 +21,9 @@ EXAMPLE = "tension=0.1MPa,cohesion=0.2MPa"
 JointCapacities: TypeAlias = Annotated[
     str | None,
     Option(
-        "What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N, "
-        f"such as {EXAMPLE}; or a table block_a,block_b,tension,cohesion,shear in N.",
+        "What joints carry beyond friction: tension, cohesion, shear of all joints in Pa or N and "
+        f"bending moment in Nm, such as {EXAMPLE}; or a table "
+        "block_a,block_b,tension,cohesion,shear in N.",
         CONTACTS,
         metavar="WHAT|FILE.csv",
         expert=True,
@@ -46,14 +47,15 @@ def with_joint_capacity(model: Model, text: str) -> Model:
 def _of_words(model: Model, text: str) -> JointCapacity:
     from drystone.joint_capacity import JointCapacity
 
+    known = units.PRESSURES | units.FORCES, units.MOMENTS
     found: dict[str, float] = {}
     stress: dict[str, bool] = {}
     for part in text.split(","):
         name, equals, value = (one.strip() for one in part.partition("="))
-        if not equals or name not in NAMES or name in found:
+        if not equals or name not in (*NAMES, "moment") or name in found:
             raise InputError(f"'{part}' is no capacity", where=WHERE, remedy=f"write {EXAMPLE}")
         try:
-            found[name] = units.measured(value, units.PRESSURES | units.FORCES, what=name)
+            found[name] = units.measured(value, known[name == "moment"], what=name)
         except InputError as error:
             raise InputError(error.what, where=WHERE, remedy=error.remedy) from error
         stress[name] = value.endswith("Pa")

@@ -84,15 +84,22 @@ def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
         with waiting.stoppable() as stop:
             yield {"executor": None, "progress": waiting, "stop": stop}
         return
-    import signal
     from concurrent.futures import ProcessPoolExecutor
 
-    # a terminal sends Ctrl-C to every process: only this one handles it
-    ignore = (signal.SIGINT, signal.SIG_IGN)
-    with ProcessPoolExecutor(workers, initializer=signal.signal, initargs=ignore) as executor:
+    with ProcessPoolExecutor(workers, initializer=_begin_worker) as executor:
         try:
             yield {"executor": executor, "progress": waiting}
         except KeyboardInterrupt:
             executor.shutdown(wait=False, cancel_futures=True)
             end_workers()
             raise
+
+
+def _begin_worker() -> None:
+    """Leave Ctrl-C to the process that started this worker, and end with it."""
+    import signal
+
+    from drystone.sequence.stage.workers import end_with_parent
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()

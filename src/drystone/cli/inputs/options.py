@@ -110,6 +110,16 @@ Html: TypeAlias = Annotated[
 Png: TypeAlias = Annotated[
     Path | None, Option("Write a figure, .png or .svg.", OUTPUT, kind=kinds.target(".png", ".svg"))
 ]
+Section: TypeAlias = Annotated[
+    str | None,
+    Option(
+        "Cut the pictures across an axis: x through the middle, x=1.2 at a coordinate in metres. "
+        "What lies before the cut is not drawn.",
+        OUTPUT,
+        kind=kinds.SECTION,
+        expert=True,
+    ),
+]
 Cad: TypeAlias = Annotated[
     Path | None,
     Option("Write the answer for CAD programs, .3dm or .glb.", OUTPUT,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Unpack
@@ -23,12 +24,12 @@ from drystone.design.causes.missing import (
     one_force,
     pulls_of,
 )
-from drystone.design.causes.prop_forces import QUICK, least_prop
+from drystone.design.causes.prop_forces import QUICK, Stopped, least_prop, quickly_stands
 from drystone.design.causes.regions import first_motion_of, interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import PenaltyOptions, check, solve_cra_penalty, stands_for_all
+from drystone.stability import PenaltyOptions, check, solve_cra_penalty
 from drystone.stability.problem import Clock
 
 AS_IT_LIES = PenaltyOptions(search=False)
@@ -133,7 +134,7 @@ def diagnose(
         regions.append(_region(model, blocks, answer, prop, chosen, clock.late))
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
     wanted = chosen.needs and not others and not clock.late()
-    friction = _friction_of_all(model, regions) if wanted else None
+    friction = _friction_of_all(model, regions, clock.late) if wanted else None
     motion = frozen(first_motion_of(model, prop))
     return Diagnosis(answer, tuple(regions), motion, friction, others, clock.reason)
 
@@ -174,13 +175,14 @@ def _region(
     support = friction = ballast = None
     if options.needs and not alone.stable and not late():
         neediest = sorted(own, key=lambda i: -float(np.linalg.norm(wrench[i, :3])))[:SEARCHED]
-        held = least_prop(local, neediest, motion[position])
-        if held is not None:
-            support = replace(held[1], block=blocks[held[1].block])
-        friction = None if late() else friction_needed(local)
-        ballast = None if late() else ballast_needed(local, own)
-        if ballast is not None:
-            ballast = replace(ballast, block=blocks[ballast.block])
+        with contextlib.suppress(Stopped):
+            held = least_prop(local, neediest, motion[position], late)
+            if held is not None:
+                support = replace(held[1], block=blocks[held[1].block])
+            friction = friction_needed(local, late)
+            ballast = ballast_needed(local, own, late)
+            if ballast is not None:
+                ballast = replace(ballast, block=blocks[ballast.block])
     between = np.flatnonzero(interfaces)
     pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
     glued = "glue cannot" not in alone.message and bool(pulls)
@@ -198,7 +200,7 @@ def _region(
     )
 
 
-def _friction_of_all(model: Model, regions: list[Region]) -> float | None:
+def _friction_of_all(model: Model, regions: list[Region], late: Callable[[], bool]) -> float | None:
     """The least coefficient of all joints with which the whole model stands.
 
     The largest need of a region alone is a lower bound; a check of the whole model confirms it.
@@ -208,7 +210,9 @@ def _friction_of_all(model: Model, regions: list[Region]) -> float | None:
         return None
     most = max(value for value in each if value is not None)
     rough = np.maximum(model.contacts.friction, most)
-    return most if stands_for_all(model.with_friction(rough), samples=0) else None
+    with contextlib.suppress(Stopped):
+        return most if quickly_stands(model.with_friction(rough), late) else None
+    return None
 
 
 __all__ = ["Diagnosis", "DiagnosisOptions", "Region", "diagnose"]

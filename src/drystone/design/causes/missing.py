@@ -9,13 +9,12 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
-from drystone.design.causes.prop_forces import PropForce
+from drystone.design.causes.prop_forces import PropForce, quickly_stands
 from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.solid import crossings
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import stands_for_all
 
 ROUGHEST = 4.0
 """Largest tried friction coefficient. Chosen: it corresponds to 76 degrees, where a joint acts like
@@ -116,7 +115,7 @@ def least(stands: Callable[[float], bool], low: float, high: float) -> float | N
     return high
 
 
-def friction_needed(model: Model) -> float | None:
+def friction_needed(model: Model, stop: Callable[[], bool] | None = None) -> float | None:
     """Least coefficient of the active joints at which a model that falls stands.
 
     Joints with a larger coefficient keep it.
@@ -125,12 +124,14 @@ def friction_needed(model: Model) -> float | None:
 
     def stands(value: float) -> bool:
         rough = np.where(model.active, np.maximum(own, value), own)
-        return stands_for_all(model.with_friction(rough), samples=0)
+        return quickly_stands(model.with_friction(rough), stop)
 
     return least(stands, float(own[model.active].min(initial=0.0)), ROUGHEST)
 
 
-def ballast_needed(model: Model, blocks: tuple[int, ...]) -> Ballast | None:
+def ballast_needed(
+    model: Model, blocks: tuple[int, ...], stop: Callable[[], bool] | None = None
+) -> Ballast | None:
     """The least weight at the centroid of one of the blocks at which a model stands.
 
     ``None`` if there is none, or for more than :data:`SEARCHED` blocks.
@@ -144,7 +145,7 @@ def ballast_needed(model: Model, blocks: tuple[int, ...]) -> Ballast | None:
     for block in blocks:
 
         def stands(weight: float, block: int = block) -> bool:
-            return stands_for_all(ballasted(model, block, weight), samples=0)
+            return quickly_stands(ballasted(model, block, weight), stop)
 
         steps = [share * own for share in (0.1, 0.3, 1.0, 3.0, HEAVIEST)]
         low = 0.0

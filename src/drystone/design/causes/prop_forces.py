@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,8 @@ from drystone.design.surgery.changed_model import changed, fresh_name, usual_fri
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
-from drystone.stability import CheckOptions, try_rest
+from drystone.results import Result
+from drystone.stability import CheckOptions, check, stands_for_all
 
 HEAD = 0.1
 """Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""
@@ -38,6 +39,38 @@ each face."""
 
 QUICK = CheckOptions(samples=0, settle=False)
 """One stiffness: if a model stands with it, it stands; the full check follows."""
+
+
+class Stopped(Exception):
+    """The search is to end."""
+
+
+def quick_check(model: Model, stop: Callable[[], bool] | None = None) -> Result:
+    """The check with one stiffness, for searches.
+
+    Raises
+    ------
+    Stopped
+        ``stop`` said so; what the check found by then says nothing.
+    """
+    result = check(model, options=QUICK, stop=stop)
+    if result.stopped:
+        raise Stopped
+    return result
+
+
+def quickly_stands(model: Model, stop: Callable[[], bool] | None = None) -> bool:
+    """Whether :func:`quick_check` finds a model to stand; without the proof where it falls.
+
+    Raises
+    ------
+    Stopped
+        As there.
+    """
+    stands = stands_for_all(model, samples=0, stop=stop)
+    if not stands and stop is not None and stop():
+        raise Stopped
+    return stands
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +194,10 @@ def propped(model: Model, seat: PropSeat) -> tuple[Model, int]:
 
 
 def least_prop(
-    model: Model, blocks: Sequence[int], motion: Floats
+    model: Model,
+    blocks: Sequence[int],
+    motion: Floats,
+    stop: Callable[[], bool] | None = None,
 ) -> tuple[PropSeat, PropForce] | None:
     """The prop at one of the blocks that holds the model with the smallest force.
 
@@ -173,16 +209,20 @@ def least_prop(
     blocks
     motion : (n, 6)
         First motion of the blocks.
+    stop
+
+    Raises
+    ------
+    Stopped
     """
     best: tuple[PropSeat, PropForce] | None = None
     shares = SHARES if len(blocks) <= SMALL_REGION else SHARES[:1]
     for block in blocks:
         for seat in seats(model, int(block), motion[block], shares):
             held, number = propped(model, seat)
-            answer = try_rest(held)
-            if not answer.stable:
+            if not quickly_stands(held, stop):
                 continue
-            resultant = answer.resultants
+            resultant = quick_check(held, stop).resultants
             force = PropForce(
                 int(block), frozen(resultant.position[number]), frozen(resultant.force[number])
             )
@@ -191,4 +231,13 @@ def least_prop(
     return best
 
 
-__all__ = ["PropForce", "PropSeat", "least_prop", "propped", "seats"]
+__all__ = [
+    "PropForce",
+    "PropSeat",
+    "Stopped",
+    "least_prop",
+    "propped",
+    "quick_check",
+    "quickly_stands",
+    "seats",
+]

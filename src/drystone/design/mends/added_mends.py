@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -18,6 +18,8 @@ from drystone.design.causes.prop_forces import (
     PropSeat,
     least_prop,
     propped,
+    quick_check,
+    quickly_stands,
     seats,
 )
 from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
@@ -26,7 +28,6 @@ from drystone.design.surgery.joint_changes import Change, with_block
 from drystone.design.surgery.struts import struts
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
-from drystone.stability import stands_for_all, try_rest
 
 STRUTS = 6
 """Number of struts of one block that are tried, the shortest first."""
@@ -55,7 +56,7 @@ def support_mends(bench: Bench) -> Iterator[Candidate]:
             else:  # it stands on a block that the region does not touch
                 wide = bench.model.subset([*bench.blocks.tolist(), strut.on])
                 wide = wide.with_supports(list(range(len(bench.own), len(wide))))
-                stands = bench.margin.stands(with_block(strut.body, wide), quick=True)
+                stands = bench.keeps_margin(with_block(strut.body, wide), quick=True)
             if stands:
                 on = names_of(bench.model, [strut.on])
                 size = strut.body.volume
@@ -75,8 +76,10 @@ def support_mends(bench: Bench) -> Iterator[Candidate]:
 def prop_mends(bench: Bench) -> Iterator[Candidate]:
     """One prop on a free face, with the least force; else the fewest props that hold the region."""
     motion = bench.motion[bench.blocks]
-    held = least_prop(bench.local, bench.own[:MANY], motion)
-    chosen = [held[0]] if held is not None else fewest_props(bench.local, bench.own, motion)
+    held = least_prop(bench.local, bench.own[:MANY], motion, bench.stop)
+    chosen = (
+        [held[0]] if held is not None else fewest_props(bench.local, bench.own, motion, bench.stop)
+    )
     if not chosen:
         more = ", nor one under each of its blocks" if len(bench.own) <= ALL else ""
         bench.fail("prop", f"no prop on a free face holds it{more}")
@@ -86,7 +89,7 @@ def prop_mends(bench: Bench) -> Iterator[Candidate]:
         bench.fail("prop", "the best props do not keep the margin")
         return
     made = make(bench.local, np.arange(len(bench.blocks)), np.arange(0))
-    found = try_rest(made).resultants
+    found = quick_check(made, bench.stop).resultants
     told, force = [], 0.0
     for number, seat in enumerate(chosen, made.contacts.count - len(chosen)):
         size = float(np.linalg.norm(found.force[number]))
@@ -103,7 +106,12 @@ def _with_props(chosen: Sequence[PropSeat], model: Model, blocks: Ints, _: Ints)
     return model
 
 
-def fewest_props(model: Model, blocks: Sequence[int], motion: Floats) -> list[PropSeat]:
+def fewest_props(
+    model: Model,
+    blocks: Sequence[int],
+    motion: Floats,
+    stop: Callable[[], bool] | None = None,
+) -> list[PropSeat]:
     """Props that hold a model, none of which can be left out; empty where none hold it.
 
     One prop under each block, then each one that is not needed is taken away.
@@ -115,6 +123,11 @@ def fewest_props(model: Model, blocks: Sequence[int], motion: Floats) -> list[Pr
         That may be propped.
     motion : (n, 6)
         First motion of the blocks.
+    stop
+
+    Raises
+    ------
+    Stopped
     """
     if len(blocks) > ALL:
         return []
@@ -123,7 +136,7 @@ def fewest_props(model: Model, blocks: Sequence[int], motion: Floats) -> list[Pr
 
     def stands(some: Sequence[PropSeat]) -> bool:
         made = _with_props(some, model, np.arange(len(model)), np.arange(0))
-        return stands_for_all(made, samples=0)
+        return quickly_stands(made, stop)
 
     if not chosen or not stands(chosen):
         return []
@@ -157,7 +170,7 @@ def tie_mends(bench: Bench) -> Iterator[Candidate]:
         tried.append(make)
         if bench.stands(make):
             made = tied(bench.local, i, j)
-            force = try_rest(made).resultants.force[made.contacts.count - 1]
+            force = quick_check(made, bench.stop).resultants.force[made.contacts.count - 1]
             size = float(np.linalg.norm(force))
             yield Candidate.single(
                 "tie",

@@ -12,12 +12,12 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import names_of
-from drystone.design.causes.prop_forces import QUICK
+from drystone.design.causes.prop_forces import Stopped, quick_check
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.surgery.joint_changes import Change
 from drystone.model import Model
-from drystone.stability import check
+from drystone.results import Result
 
 MANY = 4
 """Largest number of blocks of a region with which every joint and every block is tried alone.
@@ -96,7 +96,7 @@ class Bench:
     keep
         Positions of blocks that may not be changed.
     stop
-        Asked often; once it is True, no change is found to hold the region.
+        Called often; True ends the search.
     """
 
     def __init__(
@@ -122,9 +122,36 @@ class Bench:
     def stands(self, make: Change) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
         try:
-            return self.margin.stands(self.changed(make), quick=True, stop=self.stop)
+            changed = self.changed(make)
         except InputError:
             return False
+        return self.keeps_margin(changed, quick=True)
+
+    def keeps_margin(self, model: Model, *, quick: bool = False) -> bool:
+        """Whether a model stands at the margin.
+
+        Raises
+        ------
+        Stopped
+            The search is to end; what was found by then says nothing.
+        """
+        stands = self.margin.stands(model, quick=quick, stop=self.stop)
+        if not stands and self.stop is not None and self.stop():
+            raise Stopped
+        return stands
+
+    def holds(self, model: Model) -> Result:
+        """The check of a model at the margin.
+
+        Raises
+        ------
+        Stopped
+            As above.
+        """
+        result = self.margin.holds(model, self.stop)
+        if result.stopped:
+            raise Stopped
+        return result
 
     def changed(self, make: Change) -> Model:
         """The local model after a change."""
@@ -194,7 +221,7 @@ class Bench:
             changed = self.changed(make)
         except InputError:
             return None
-        prop = check(changed, options=QUICK, stop=self.stop).prop
+        prop = quick_check(changed, self.stop).prop
         load = np.linalg.norm(changed.load.wrench[changed.assembly.free, :3], axis=1).sum()
         if prop is None or load == 0.0:
             return None

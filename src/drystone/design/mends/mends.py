@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Unpack
@@ -14,7 +15,7 @@ from drystone.base.progress import Progress
 from drystone.base.settings import Options, checked_call
 from drystone.design.causes.diagnosed import Diagnosis
 from drystone.design.causes.diagnosis import diagnose
-from drystone.design.causes.prop_forces import QUICK
+from drystone.design.causes.prop_forces import QUICK, Stopped
 from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mend_kinds import KINDS, MAKERS
@@ -204,7 +205,7 @@ def find_mends(
         Number of regions to mend, the heaviest first; all when left out.
     progress
     stop
-        Called between two changes; True ends the search with the results so far.
+        Called often; True ends the search with the results so far.
     found_one
         Called with each change as soon as it was checked on the whole structure.
 
@@ -240,12 +241,13 @@ def find_mends(
                 break
             if progress is not None:
                 progress(f"mends of region {number + 1}", chosen.kinds.index(kind), len(KINDS))
-            for candidate in MAKERS[kind](bench):
-                made = _verified(model, bench, candidate, held, chosen.margin)
-                if made is not None:
-                    own.append(made)
-                    if found_one is not None:
-                        found_one(made)
+            with contextlib.suppress(Stopped):
+                for candidate in MAKERS[kind](bench):
+                    made = _verified(model, bench, candidate, held)
+                    if made is not None:
+                        own.append(made)
+                        if found_one is not None:
+                            found_one(made)
         mends += sorted(own, key=lambda one: one.cost)
         names = tuple(model.assembly.names[i] for i in region.blocks)
         tried += [(names, one) for one in bench.tried]
@@ -259,9 +261,7 @@ def stands_already(margin: DesignMargin) -> str:
     return "it stands already, at the margin that is asked for"
 
 
-def _verified(
-    model: Model, bench: Bench, candidate: Candidate, held: list[int], margin: DesignMargin
-) -> Mend | None:
+def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int]) -> Mend | None:
     """The change on the whole structure, checked; ``None`` if it falls.
 
     If the least value of the local model is not sufficient for the whole structure, a larger one is
@@ -285,16 +285,16 @@ def _verified(
 
     def stands(value: float) -> bool:
         both = changed_whole(value)
-        return both is not None and margin.stands(both[1], stop=bench.stop)
+        return both is not None and bench.keeps_margin(both[1])
 
     def checked(value: float) -> tuple[Model, Result] | None:
         nonlocal why
         both = changed_whole(value)
         if both is None:
             return None
-        result = margin.holds(both[1], bench.stop)
+        result = bench.holds(both[1])
         why = result.message
-        return (both[0], result) if margin.meets(result) else None
+        return (both[0], result) if bench.margin.meets(result) else None
 
     value = candidate.value
     answer = checked(value)

@@ -86,7 +86,7 @@ class _Path:
         self.system = system
         self.statics = statics = system.statics
         self.law = compliance.friction
-        self.pull = compliance.pull
+        self.compliance = compliance
         self.kn = compliance.normal
         self.overlap = compliance.overlap
         self.glue = compliance.glue * compliance.normal
@@ -173,6 +173,18 @@ class _Path:
         gap = statics.displacement(start.motion)[:, 0] + self.overlap
         return start.motion, np.clip(start.normal, *self.limits(gap, tau)), tau
 
+    def pull(self, opening: Floats, tau: float) -> tuple[Floats, Floats]:
+        """Pull of joints that open by some lengths (k,), and its slope.
+
+        Near its limit the slope of the pull is almost zero, and Newton steps are too long. So the
+        pull hardens by the share sqrt(tau) of the stiffness, which vanishes at the end of the path.
+        """
+        held, slope = self.compliance.pull(opening)
+        if self.compliance.tension is None or tau == 0.0:
+            return held, slope
+        harder = np.sqrt(tau) * self.kn
+        return held + harder * opening, slope + harder
+
     def limits(self, gap: Floats, tau: float) -> tuple[Floats, Floats]:
         """Normal forces between which the product fn s stays in the band around tau."""
         band = self.options.band
@@ -192,7 +204,7 @@ class _Path:
         if moved is None:
             moved = statics.displacement(motion)
         slack = moved[:, 0] + self.overlap + normal / self.kn
-        bearing = normal - self.pull(slack)[0]
+        bearing = normal - self.pull(slack, tau)[0]
         friction = self.law(bearing, moved[:, 1:])
         net = bearing - self.glue * slack
         force = np.concatenate([net[:, None], -friction.force], axis=1)
@@ -208,7 +220,7 @@ class _Path:
         rigidity = np.maximum(point.slack + point.normal / self.kn, 1e-300)
         stiffness = point.normal / rigidity
         shift = (tau * self.unit - point.normal * point.slack) / rigidity
-        by_normal, held = point.friction.by_normal, self.pull(point.slack)[1]
+        by_normal, held = point.friction.by_normal, self.pull(point.slack, tau)[1]
         opening = 1.0 - stiffness / self.kn
         bearing = stiffness + held * opening
         tangent = np.zeros((len(stiffness), 3, 3))
@@ -242,7 +254,7 @@ class _Path:
     def unrelaxed(self, point: _Point) -> RestState:
         statics = self.statics
         open_ = point.slack * self.kn > point.normal
-        bearing = np.where(open_, -self.pull(point.slack)[0], point.normal)
+        bearing = np.where(open_, -self.pull(point.slack, 0.0)[0], point.normal)
         tension = np.where(open_, self.glue * point.slack, 0.0)
         friction = self.law(bearing, point.moved[:, 1:])
         force = np.concatenate([(bearing - tension)[:, None], -friction.force], axis=1)

@@ -179,9 +179,15 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
     """The verdict."""
     began = time.perf_counter()
     wish, made = self.asked(message)
+    key = (message["window"], message["model"], wish.removed)
+
+    def watch(found: Found) -> None:
+        _show(self, "following", wish, made, found, began, message["name"])
+
     found = verdict_of(
-        made, stop=self.stop, progress=self.progress, time_limit_s=message["seconds"]
-    )
+        made, stop=self.stop, progress=self.progress, time_limit_s=message["seconds"],
+        start=self.starts.get(key), watch=watch,
+    )  # fmt: skip
     self.require()
     _show(self, "whole", wish, made, found, began, message["name"])
 

@@ -16,7 +16,13 @@ from drystone.live.computing.snapshot import Found
 from drystone.live.computing.wish import Asked
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.settlement import End, LargeDisplacement, move_supports, support_response
+from drystone.settlement import (
+    End,
+    LargeDisplacement,
+    LargeState,
+    move_supports,
+    support_response,
+)
 from drystone.stability import check
 from drystone.view import LayerKind, Stage, stage_of
 from drystone.view.scenes.settlement_scenes import moved_assembly
@@ -63,14 +69,19 @@ def verdict_of(
     stop: Callable[[], bool],
     progress: Progress | None = None,
     time_limit_s: float = float("inf"),
+    start: Floats | None = None,
+    watch: Callable[[Found], None] | None = None,
 ) -> Found:
-    """The whole verdict of a load case; where supports move, of the blocks that follow them."""
+    """The whole verdict of a load case; where supports move, of the blocks that follow them.
+
+    ``start`` is as in :func:`drystone.check`. ``watch`` is given the blocks while they follow.
+    """
     moves = asked.motion is not None
-    found = _followed(asked.moving, progress, stop, time_limit_s) if moves else None
+    found = _followed(asked.moving, progress, stop, time_limit_s, watch) if moves else None
     if found is not None:
         return found
     found = Found.at_rest(
-        check(asked.part, progress=progress, stop=stop, time_limit_s=time_limit_s)
+        check(asked.part, start=start, progress=progress, stop=stop, time_limit_s=time_limit_s)
     )
     if not moves:
         return found
@@ -79,10 +90,19 @@ def verdict_of(
 
 
 def _followed(
-    model: Model, progress: Progress | None, stop: Callable[[], bool], seconds: float
+    model: Model,
+    progress: Progress | None,
+    stop: Callable[[], bool],
+    seconds: float,
+    watch: Callable[[Found], None] | None,
 ) -> Found | None:
     """The blocks while the supports move; None where they do not stand before."""
-    found = move_supports(model, progress=progress, stop=stop, time_limit_s=seconds)
+
+    def seen(state: LargeState) -> None:
+        if watch is not None:
+            watch(_on_the_way(model, state))
+
+    found = move_supports(model, watch=seen, progress=progress, stop=stop, time_limit_s=seconds)
     if len(found.displacement) < 2 and found.end is not End.STOPPED:
         return None
     last = found.states[-1]
@@ -95,6 +115,18 @@ def _followed(
     path = np.stack([one.positions for one in found.states])
     stage = _moved(result, last.contacts, path)
     return Found(result, replace(stage, headline=_headline(found)), moved=True)
+
+
+def _on_the_way(model: Model, state: LargeState) -> Found:
+    """The blocks before the supports have moved all their way."""
+    result = Result(
+        "settlement", Verdict.UNDECIDED, model, "the blocks are being followed",
+        force=state.force, displacement=state.positions,
+    )  # fmt: skip
+    stage = _moved(result, state.contacts, state.positions[None])
+    far = units.quantity(state.displacement, "m")
+    headline = f"Supports moved by {far} so far: the blocks are being followed"
+    return Found(result, replace(stage, headline=headline, verdict=None), moved=True)
 
 
 def _headline(found: LargeDisplacement) -> str:

@@ -14,7 +14,8 @@ import numpy as np
 from drystone import io
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
-from drystone.design import Mend, find_mends
+from drystone.design import Mend, find_mends, recut_joints
+from drystone.design.surgery import cut_block
 from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
@@ -136,8 +137,11 @@ def _apply(work: Work) -> Iterator[Event]:
     number = work.extra["mend"].integer()
     if not 0 <= number < len(work.mends):
         raise InputError("there is no such mend any more", remedy="look for mends again")
-    chosen = work.mends[number]
-    made = chosen.model
+    yield "model", _made(work, work.mends[number].model, work.mends[number].description)
+
+
+def _made(work: Work, made: Model, what: str) -> dict[str, Any]:
+    """A changed model of the wish, without its tilt and pushes, and the wish that is left."""
     removed = set(work.wish.removed)
     base = work.model.subset([i for i, b in enumerate(work.model.assembly.names)
                               if b not in removed])  # fmt: skip
@@ -149,7 +153,26 @@ def _apply(work: Work) -> Iterator[Event]:
         pushes=tuple(one for one in wish.pushes if one[0] in made.assembly),
         moves=tuple(one for one in wish.moves if one[0] in fixed),
     )
-    yield "model", {"made": made, "what": chosen.description, "state": as_json(wish)}
+    return {"made": made, "what": what, "state": as_json(wish)}
+
+
+def _cut(work: Work) -> Iterator[Event]:
+    """The model with a block cut in two by a level plane through its centroid."""
+    part, name = work.asked.part, work.extra["block"].text()
+    middle = part.assembly.centroid[part.assembly.index(name)]
+    gravity = acceleration_of(work.model)
+    across = gravity if gravity.any() else np.array(DOWN)
+    yield "model", _made(work, cut_block(part, name, middle, across), f"{name} cut in two")
+
+
+def _recut(work: Work) -> Iterator[Event]:
+    """The model with joints changed until every block is placed without help."""
+    found = recut_joints(work.asked.part, stop=work.stop, progress=work.progress)
+    message = work.noted(found.message)
+    if found.changes:
+        yield "model", _made(work, found.model, message)
+    else:
+        yield "unchanged", {"message": message}
 
 
 def _untilted(base: Model, made: Model) -> LoadCase:
@@ -232,6 +255,8 @@ TASKS: Mapping[str, Callable[[Work], Iterator[Event]]] = {
     "mends": _mends,
     "apply": _apply,
     "plan": _plan,
+    "cut": _cut,
+    "recut": _recut,
     "cases": _cases,
     "save": _save,
 }

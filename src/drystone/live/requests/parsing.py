@@ -9,7 +9,7 @@ from typing import Any
 from drystone.io.jsontext import Field, parse
 from drystone.live.computing.wish import Wish
 
-TASKS = ("limit", "mends", "apply", "plan", "cases", "save")
+TASKS = ("limit", "mends", "apply", "plan", "cut", "recut", "cases", "save")
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,9 @@ const HEAR = {
     atOnce = `${now.moves.length ? "first order" : "uniform stiffness"}: ${Math.round(answer.computed_ms)} ms`;
     byId("live-state").textContent = atOnce;
   },
+  following: ({ wish, picture }) => {
+    if (wish === live.wish && !planShown()) showAnswer(picture, true);
+  },
   whole: ({ wish, answer, picture }) => {
     if (wish !== live.wish) return;
     wholeAnswer = { state: live.asked, headline: answer.headline, verdict: answer.verdict.toUpperCase() };
@@ -115,6 +118,10 @@ const HEAR = {
     showMends(event);
   },
   model: mended,
+  unchanged: ({ message }) => {
+    busy(false);
+    byId("mends").replaceChildren(element("p", message));
+  },
   plan: (event) => {
     busy(false);
     showPlanAnswer(event);
@@ -154,6 +161,10 @@ function connectStrip() {
     return task("mends");
   });
   onClick("plan-find", () => task("plan"));
+  onClick("recut-find", () => {
+    leavePlan();
+    return task("recut");
+  });
   onClick("plan-leave", leavePlan);
   onClick("task-stop", () => {
     busy(false);

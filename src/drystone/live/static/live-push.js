@@ -170,6 +170,9 @@ function showBlockActions() {
     }
     return;
   }
+  box.append(button("Cut it in two", () => task("cut", { block: name }), {
+    title: "By a level plane through its centre of mass",
+  }));
   box.append(button("Push it", () => {
     const weight = data.blocks.mass[page.selected] * (factsNow().gravity || 9.81);
     change({ pushes: pushed(name, [Number((0.1 * weight).toPrecision(2)), 0, 0]) });

@@ -87,7 +87,7 @@ class Search:
         # a proof of optimality needs the full check of every stage
         screening = () if math.isinf(options.patience) else self.model.screening
         self.levels: tuple[Screening | None, ...] = (*screening, None)
-        self.few = len(self.model.assembly.free) < FEW_BLOCKS
+        self.few = self.model.largest[0] < FEW_BLOCKS
         every, screened = len(self.levels), max(1, len(screening))
         imposed = not isinstance(bound.rules.order, Order)
         # number of screening levels at first, and after help was given
@@ -213,8 +213,8 @@ class Search:
         return self.evaluator.answer(Stage(moving | held, held, NEAR))
 
     def stage(self, node: Node, level: Screening | None) -> Stage:
-        """The stage to check; the screening starts from the stage before the last removal."""
-        if level is None or node.parent is None or not level.from_neighbour:
+        """The stage to check; the search starts from the stage before the last removal."""
+        if node.parent is None or (level is not None and not level.from_neighbour):
             return Stage(node.placed, node.props, level)
         return Stage(node.placed, node.props, level, (node.parent.placed, node.parent.props))
 
@@ -319,7 +319,7 @@ class Search:
         """The answer of a stage within a step, by all levels until it stands."""
         answer = None
         for level in self.levels:
-            near = stage.near if level is not None and level.from_neighbour else None
+            near = stage.near if level is None or level.from_neighbour else None
             answer = self.evaluator.answer(stage._replace(screening=level, near=near))
             if answer.stands:
                 break

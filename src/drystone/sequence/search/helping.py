@@ -17,8 +17,8 @@ POLISHED = 8
 """Largest number of props of one stage that are tested one by one."""
 
 SPARED = 100
-"""Largest number of free blocks with which every prop is tested at all of its stages. A vault of
-366 blocks has hundreds of props, each in dozens of stages."""
+"""Most free blocks of a connected part with which every prop is tested at all of its stages. A
+vault of 366 blocks has hundreds of props, each in dozens of stages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ def trimmed(found: Found, search: Search) -> Trimmed:
     props = props_in_time(path, search)
     cost = _cost(path, props)
     failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
-    spared = cost < before and len(search.model.assembly.free) <= SPARED
+    spared = cost < before and search.model.largest[0] <= SPARED
     return Trimmed(path, props, cost, found.proved, failures, spared)
 
 
@@ -114,7 +114,7 @@ def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
         mask if answer.stands and search.failure(node.placed, mask) is None else least
         for node, mask, answer, least in zip(path, active, answers, needed, strict=True)
     ]
-    if len(search.model.assembly.free) <= SPARED:
+    if search.model.largest[0] <= SPARED:
         _spare(path, active, search)
     return active
 

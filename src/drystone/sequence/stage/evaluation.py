@@ -6,7 +6,7 @@ import functools
 import logging
 import pickle
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import replace
 from types import TracebackType
@@ -15,12 +15,15 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
+from drystone.base.errors import DrystoneError
 from drystone.base.files import PathLike, as_path
+from drystone.base.progress import LOST_WORKER
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.stage.workers import ExecutorFactory
+from drystone.stability import PATIENT
 
 SAVE_EVERY_S = 10.0
 """Time between two writes of the checkpoint: an interruption loses at most this."""
@@ -216,20 +219,25 @@ class Evaluator(OneLine):
         seen = (self._known.get(part._replace(screening=one)) for one in self.model.screening)
         return next((one for one in seen if one is not None and one.stands), self._known.get(part))
 
-    def _state_near(self, part: Stage) -> Floats | None:
-        """Displacements (n, 6) of the similar stage of a part, if they are known."""
-        if part.near is None:
-            return None
-        out = np.zeros((len(self.model.assembly), 6))
-        for other in self.model.parts(Stage(*part.near)):
-            moving = other.placed & ~other.held
-            found = self._find(other) if moving & part.placed else None
-            if found is not None and found.stands:
-                if not len(found.motion):  # from a checkpoint
-                    found = self._known[other] = self.model.solve(other)
-                if len(found.motion):
-                    out[list(members(moving))] = found.motion
-        return out if out.any() else None
+    def _rests_near(self, part: Stage) -> dict[int, Floats]:
+        """Known rest states of a part and of its similar stage.
+
+        Displacements (n, 6) by the number of the contact stiffness.
+        """
+        out: dict[int, Floats] = {}
+        for stage in (part.near, (part.placed, part.held)):
+            for other in () if stage is None else self.model.parts(Stage(*stage)):
+                moving = other.placed & ~other.held
+                found = self._find(other) if moving & part.placed else None
+                if found is None or not found.stands:
+                    continue
+                if not found.rests:  # from a checkpoint
+                    rests = self.model.solve(other._replace(screening=PATIENT)).rests
+                    found = self._known[other] = replace(found, rests=rests)
+                for number, motion in found.rests.items():
+                    whole = out.setdefault(number, np.zeros((len(self.model.assembly), 6)))
+                    whole[list(members(moving))] = motion
+        return out
 
     def _has(self, part: Stage, forces: bool, checked: bool) -> bool:
         known = self._known.get(part._replace(near=None)) if checked else self._find(part)
@@ -243,21 +251,26 @@ class Evaluator(OneLine):
                 for future in futures:
                     yield left[0], future.result()
                     del left[0]
-            except (BrokenExecutor, ConnectionError) as error:
+            except LOST_WORKER as error:
                 self._revive(error)
         for part in left:
-            yield part, self.model.solve(part, self._state_near(part))
+            yield part, self.model.solve(part, self._rests_near(part))
 
     def _start(self) -> Executor | None:
         if self._executor is None and self._factory is not None:
-            self._executor = self._factory()
+            try:
+                self._executor = self._factory()
+            except DrystoneError:
+                if not self._revivals:
+                    raise
+                self._factory = None  # it is gone for good: the work goes on in this process
         return self._executor
 
     def _submit(self, part: Stage) -> Future[Answer]:
         executor = self._start()
         if executor is None:
             raise BrokenExecutor("no workers are left")
-        return executor.submit(solve_remote, self._payload, part, self._state_near(part))
+        return executor.submit(solve_remote, self._payload, part, self._rests_near(part))
 
     def _revive(self, error: BaseException) -> None:
         """After the failure of a worker: start new ones if possible, else continue without."""
@@ -270,9 +283,9 @@ class Evaluator(OneLine):
             self._factory = None
 
 
-def solve_remote(payload: bytes, part: Stage, start: Floats | None = None) -> Answer:
+def solve_remote(payload: bytes, part: Stage, known: Mapping[int, Floats]) -> Answer:
     """The verdict on one part, computed in a worker that unpacks the model once."""
-    return _unpacked(payload).solve(Stage(*part), start)
+    return _unpacked(payload).solve(Stage(*part), known)
 
 
 @functools.lru_cache(maxsize=2)

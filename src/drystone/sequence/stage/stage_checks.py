@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TypeAlias
 
+from drystone.base.arrays import Floats
 from drystone.model import Model
 from drystone.results import Result
 from drystone.settlement import SettlementOptions
@@ -12,6 +14,7 @@ from drystone.stability import (
     CheckOptions,
     RBEOptions,
     check,
+    check_near,
     solve_rbe,
 )
 
@@ -22,6 +25,8 @@ Check: TypeAlias = Callable[[Model], Result]
 FOLLOWED = CheckOptions(settlement=SettlementOptions(fall=0.05))
 """The verdict of :func:`drystone.check`. A block that moved by a twentieth of its size is not
 followed further: the structure does not stand."""
+
+BOTH = replace(FOLLOWED, uniform=True)
 
 
 def check_once(model: Model) -> Result:
@@ -35,8 +40,17 @@ def check_both(model: Model) -> Result:
     The default for stages. A stage that falls with uniform stiffness is not relied upon, although
     it may stand after settling. Where other stiffnesses let it fall, settlement decides.
     """
-    found = check_once(model)
-    return check(model, options=FOLLOWED) if found.stable else found
+    return check(model, options=BOTH)
+
+
+def check_both_near(
+    model: Model, known: Mapping[int, Floats]
+) -> tuple[Result, Mapping[int, Floats]]:
+    """As :func:`check_both`, begun at known rest states; see :func:`drystone.stability.check_near`.
+
+    A stage with one block more or less has almost the same rest states.
+    """
+    return check_near(model, known, options=BOTH)
 
 
 def check_thoroughly(model: Model) -> Result:
@@ -49,4 +63,11 @@ def balance(model: Model) -> Result:
     return solve_rbe(model, options=RBEOptions.feasibility())
 
 
-__all__ = ["Check", "balance", "check_both", "check_once", "check_thoroughly"]
+__all__ = [
+    "Check",
+    "balance",
+    "check_both",
+    "check_both_near",
+    "check_once",
+    "check_thoroughly",
+]

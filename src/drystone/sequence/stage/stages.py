@@ -84,9 +84,9 @@ class Answer(OneLine):
         Corners of the whole model with ``force`` (c, 3) [N]; empty if not kept.
     settled
         Result of following the blocks, where contact stiffness decides; else empty.
-    motion : (b, 6) [m, rad]
-        Displacements of the moving blocks of a part, ascending, as a start for similar stages; may
-        be empty.
+    rests : (b, 6) [m, rad] each
+        Rest states of a part, as starts for similar stages: displacements of its moving blocks,
+        ascending, by the number of the contact stiffness, 0 for the uniform one. May be empty.
     """
 
     verdict: Verdict
@@ -96,7 +96,7 @@ class Answer(OneLine):
     used: float = 0.0
     corner: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
-    motion: Floats = field(default_factory=lambda: np.zeros((0, 6)))
+    rests: Mapping[int, Floats] = field(default_factory=dict)
     settled: str = ""
 
     @property

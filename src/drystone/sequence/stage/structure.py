@@ -7,7 +7,7 @@ its part is checked again.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -22,7 +22,7 @@ from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
 from drystone.results import Verdict
-from drystone.sequence.stage.stage_checks import Check, check_both
+from drystone.sequence.stage.stage_checks import Check, check_both, check_both_near
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.stability import Screening, try_rest
 
@@ -126,6 +126,17 @@ class Structure(OfModel, OneLine):
             moving &= ~reached
         return out
 
+    @cached_property
+    def largest(self) -> tuple[int, int]:
+        """Most free blocks and most corners of a connected part of the complete structure."""
+        part = np.full(len(self.assembly), -1)
+        for number, one in enumerate(self.parts(Stage(self.everything))):
+            part[list(members(one.placed))] = number
+        joined = np.maximum(part[self.contacts.block_a], part[self.contacts.block_b])
+        corners = joined[self.contacts.interface]
+        blocks, points = np.bincount(part[part >= 0]), np.bincount(corners[corners >= 0])
+        return int(blocks.max(initial=0)), int(points.max(initial=0))
+
     def floating(self, placed: int) -> int:
         """Blocks in place that are not connected to a support through blocks in place."""
         reached = frontier = placed & self.grounded
@@ -142,14 +153,15 @@ class Structure(OfModel, OneLine):
         """Free blocks that touch a support."""
         return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
 
-    def solve(self, part: Stage, start: Floats | None = None) -> Answer:
+    def solve(self, part: Stage, known: Mapping[int, Floats] | None = None) -> Answer:
         """The answer of one connected part. Stages are checked and screened only here.
 
         Parameters
         ----------
         part
-        start : (n, 6) [m, rad]
-            Displacements of all blocks to start from.
+        known : (n, 6) [m, rad] each
+            Displacements of all blocks in rest states to start from, by the number of the contact
+            stiffness.
         """
         moving = list(members(part.placed & ~part.held))
         held = list(members(part.held))
@@ -162,11 +174,16 @@ class Structure(OfModel, OneLine):
         contacts, corner = self._contacts_of(blocks, resting)
         load = LoadCase(self.load.wrench[blocks], self.load.name)
         stage = Model(some, contacts, load)
-        if part.screening is None:
-            result = self.check(stage)
+        near = {number: motion[blocks] for number, motion in (known or {}).items()}
+        rests: Mapping[int, Floats] = {}
+        if part.screening is not None:
+            result = try_rest(stage, screening=part.screening, start=near.get(0))
+        elif self.check is check_both:
+            result, rests = check_both_near(stage, near)
         else:
-            near = None if start is None else start[blocks]
-            result = try_rest(stage, screening=part.screening, start=near)
+            result = self.check(stage)
+        if not rests and result.displacement is not None:
+            rests = {0: result.displacement}
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
         if not result.stable or result.force is None:
@@ -180,10 +197,9 @@ class Structure(OfModel, OneLine):
             reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
         used = _friction_used(contacts, result.force)
         force = np.array(result.force)
-        shift = result.displacement
-        motion = np.zeros((0, 6)) if shift is None else shift[~some.fixed]
+        moved = {number: motion[~some.fixed] for number, motion in rests.items()}
         return Answer(
-            result.verdict, result.message, (), reaction, used, corner, force, motion, settled
+            result.verdict, result.message, (), reaction, used, corner, force, moved, settled
         )
 
     def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Ints]:

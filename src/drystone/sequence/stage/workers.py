@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing.process import BaseProcess
 from typing import Any, TypeAlias
 
 from drystone.base.errors import InputError, MissingDependency
@@ -32,11 +34,23 @@ class LocalWorkers:
         """Start the workers."""
         # spawned, not forked: a fork does not copy the threads of numerical libraries
         context = multiprocessing.get_context("spawn")
-        executor = ProcessPoolExecutor(self.count, mp_context=context)
+        executor = ProcessPoolExecutor(self.count, mp_context=context, initializer=end_with_parent)
         with _interrupts_ignored():
             for _ in range(self.count):
                 executor.submit(int)  # starts a process
         return executor
+
+
+def end_with_parent() -> None:
+    """End this worker process when the process that started it is killed."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
+
+
+def _end_after(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
 
 
 @contextmanager
@@ -128,4 +142,4 @@ class _DaskExecutor(Executor):
         self._client.close()
 
 
-__all__ = ["DaskWorkers", "ExecutorFactory", "LocalWorkers"]
+__all__ = ["DaskWorkers", "ExecutorFactory", "LocalWorkers", "end_with_parent"]

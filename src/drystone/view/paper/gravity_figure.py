@@ -88,7 +88,12 @@ def _kinds(region: GravityRegion) -> list[tuple[str, Bools, str, bool]]:
         stands = region.stands
         kinds += [
             ("stands with friction", rough & stands & ~smooth, colour["resultant"], True),
-            ("only prestress would hold it", rough & ~stands & ~smooth, colour["missed"], True),
+            (
+                "only shims or prestress might hold it",
+                rough & ~stands & ~smooth,
+                colour["missed"],
+                True,
+            ),
         ]
     return [*kinds, ("falls", ~rough, colour["help"], False)]
 

@@ -10,16 +10,20 @@ import numpy as np
 import shapely
 from scipy.spatial.transform import Rotation
 
+from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.geometry.body.cut_face import clip_loop, cut_faces
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.paper.depth import Patches, ordered_patches
 from drystone.view.scenes.scene import UP, Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.scenes.section import Plane, plane_of
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.path import Path
 
 FINE_BLOCK = 0.5
 """[inches], drawn blocks smaller than this get thinner lines and arrows; chosen by eye."""
@@ -29,6 +33,8 @@ WIDEST = 5.0
 """[points], line of the largest force in a network."""
 SHADES = 12
 """Number of colours of forces: a triangle is divided until each part has one colour."""
+FINEST = 0.02
+"""[inches], about, parts that are not divided any more. Chosen: half a millimetre."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +93,11 @@ class Sheet:
         return turned
 
     @cached_property
+    def plane(self) -> Plane | None:
+        """Of the section, if there is one."""
+        return plane_of(self.scene, self.eye)
+
+    @cached_property
     def _tilt(self) -> Floats:
         """(3, 3), turns the direction that is up in the picture to z."""
         axis = np.cross(self.stage.up, UP)
@@ -131,6 +142,12 @@ def draw_shadow(sheet: Sheet) -> None:
     owner = np.repeat(faces.owner, np.diff(faces.start))
     seen = shapely.multipoints(faces.point[faces.loop][:, :2], indices=owner)
     cover = shapely.union_all(shapely.convex_hull(seen))
+    if sheet.plane is not None and sheet.plane.normal[2] == 0.0:
+        low, high = bounds[:, 0, :2].min(axis=0), bounds[:, 1, :2].max(axis=0)
+        side, offset = sheet.plane.normal[:2], sheet.plane.offset
+        high = np.where(side > 0.0, offset, high)
+        low = np.where(side < 0.0, -offset, low)
+        cover = shapely.intersection(cover, shapely.box(*low, *high))
     size = float(np.ptp(bounds[..., :2].reshape(-1, 2), axis=0).max())
     ground = float(bounds[:, 0, 2].min())
     for reach in np.linspace(0.05, -0.03, 9) * size:
@@ -163,7 +180,9 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
     contacts = scene.contacts.of_blocks(present, len(scene.assembly))
     patches = ordered_patches(assembly, contacts, sheet.eye, paper)
     faces = assembly.faces
-    flat = sheet.project(faces.point[faces.loop])
+    corners = faces.point[faces.loop]
+    flat = sheet.project(corners)
+    height = None if sheet.plane is None else sheet.plane.heights(corners)
     normal = face_normals(faces)[patches.face]
     light = 0.72 * sheet.eye + 0.42 * paper[1] - 0.55 * paper[0]
     shade = 0.58 + 0.36 * np.maximum(normal @ light, 0.0) + 0.08 * normal[:, 2]
@@ -182,9 +201,12 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
         for loop, colour in between.get(i, ()):
             paths.append(Line(np.vstack([loop, loop[:1]]), closed=True))
             look.append((colour, colour, 0.4, ""))
-        part = slice(patches.start[i], patches.start[i + 1])
-        corner = flat[patches.corner[part]]
-        outlined = patches.outlined[part]
+        part = patches.corner[patches.start[i] : patches.start[i + 1]]
+        corner, outlined = flat[part], patches.outlined[patches.start[i] : patches.start[i + 1]]
+        if height is not None:
+            corner, outlined = clip_loop(corner, height[part], outlined)
+            if len(corner) < 3:
+                continue
         closed = np.vstack([corner, corner[:1]])
         paths.append(Line(closed, closed=True))
         whole = outlined.all()
@@ -196,6 +218,12 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
             codes = np.tile([Line.MOVETO, Line.LINETO], len(sides) // 2)
             paths.append(Line(sides, codes))
             look.append(("none", edge[i], wide[i], ""))
+    for path in _cut_faces(sheet, assembly):
+        paths.append(path)
+        glass_of = 1.0 if sheet.opacity == 1.0 else 0.5 * sheet.opacity
+        look.append((np.r_[rgb(sheet.colours["cut"]), glass_of], sheet.colours["edge"], 0.8, ""))
+    if not paths:
+        return
     # one collection keeps the order; hatched ones are in another
     fill, line, width, hatches = zip(*look, strict=True)
     sheet.axes.add_collection(
@@ -211,6 +239,19 @@ def draw_blocks(sheet: Sheet, layers: list[Layer]) -> None:
                 hatched, facecolors="none", edgecolors=stripe, linewidths=0.0, hatch="////",
             )
         )  # fmt: skip
+
+
+def _cut_faces(sheet: Sheet, assembly: Assembly) -> list[Path]:
+    """What a section shows of the inside of blocks; it lies before everything that is left."""
+    from matplotlib.path import Path as Line
+
+    if sheet.plane is None:
+        return []
+    rings: dict[int, list[Line]] = {}
+    for block, ring in cut_faces(assembly.faces, sheet.plane.normal, sheet.plane.offset):
+        closed = sheet.project(np.vstack([ring, ring[:1]]))
+        rings.setdefault(block, []).append(Line(closed, closed=True))
+    return [Line.make_compound_path(*some) for some in rings.values()]
 
 
 def _between(
@@ -250,7 +291,9 @@ def _coloured(sheet: Sheet, layer: Layer) -> list[tuple[int, Floats, Floats]]:
     triangle, polygon = triangulate(layer.position, start)
     pieces: list[tuple[int, Floats, Floats]] = []
     for corners, number in zip(triangle, polygon.tolist(), strict=True):
-        steps = max(1, int(np.ceil(SHADES * np.ptp(np.minimum(share[corners], 1.0)))))
+        shades = SHADES * float(np.ptp(np.minimum(share[corners], 1.0)))
+        fine = float(np.ptp(at[corners], axis=0).max()) * sheet.scale / FINEST
+        steps = max(1, int(np.ceil(min(shades, fine))))
         weight = _divided(steps)
         colours = ramp_colours(weight.mean(axis=1) @ share[corners], sheet.theme)
         pieces += [
@@ -287,13 +330,16 @@ def draw_motion(sheet: Sheet) -> None:
     centroid = np.repeat(assembly.centroid[owner], 2, axis=0)
     arm = turn.apply(faces.point[edge.ravel()] - centroid)
     moved = centroid + np.repeat(motion[owner, :3], 2, axis=0) + arm
-    lines = sheet.project(moved).reshape(-1, 2, 2)
+    if sheet.plane is not None:
+        moved = moved.reshape(-1, 6)[(sheet.plane.heights(moved) <= 0.0).reshape(-1, 2).all(axis=1)]
+    lines = sheet.project(moved.reshape(-1, 3)).reshape(-1, 2, 2)
     colour = STATE_COLOUR[sheet.theme][State.FALLING]
     sheet.axes.add_collection(
         LineCollection(list(lines), colors=colour, linewidths=0.6, linestyles="--")
     )
-    tail = sheet.project(assembly.centroid)
-    _arrows(sheet, tail, motion[:, :3] @ sheet.paper.T, sheet.colours["edge"], 1.0)
+    shown = slice(None) if sheet.plane is None else sheet.plane.heights(assembly.centroid) <= 0.0
+    tail = sheet.project(assembly.centroid[shown])
+    _arrows(sheet, tail, motion[shown, :3] @ sheet.paper.T, sheet.colours["edge"], 1.0)
 
 
 def draw_layer(sheet: Sheet, layer: Layer, stretch: float) -> None:

@@ -27,6 +27,8 @@ def draw_labels(sheet: Sheet, *, numbers: bool, names: bool) -> None:
         return
     taken: list[tuple[float, float, float]] = []
     here = np.flatnonzero(sheet.stage.state != State.ABSENT)
+    if sheet.plane is not None:
+        here = here[sheet.plane.heights(scene.assembly.centroid[here]) <= 0.0]
     near = here[np.argsort(-(scene.assembly.centroid[here] @ sheet.eye), kind="stable")]
     for i in near.tolist():
         number = str(given[i]) if given is not None and given[i] > 0 else ""

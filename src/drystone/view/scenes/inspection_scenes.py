@@ -16,6 +16,7 @@ from drystone.base.files import write_bytes
 from drystone.detection import ContactReport, Detection, GapSweep
 from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.section import cut_at
 from drystone.view.scenes.staging import interface_layers
 from drystone.view.scenes.tolerance_sweep import sweep_panel
 from drystone.view.style.palette import State
@@ -73,6 +74,7 @@ def save_inspection(
     sweep: GapSweep | None = None,
     bare: Sequence[Floats] = (),
     source: str = "",
+    section: str | None = None,
 ) -> None:
     """Write the page of :func:`inspection_scene`, with the report and a sweep's curve beside it.
 
@@ -88,6 +90,8 @@ def save_inspection(
         Faces (c, 3) [m] of open meshes, at their holes.
     source
         The file that the model came from.
+    section
+        As in :func:`drystone.view.save_page`.
 
     Examples
     --------
@@ -104,7 +108,7 @@ def save_inspection(
     if sweep is not None:
         panels.append(sweep_panel(sweep, found.report.options.gap))
     scene = replace(inspection_scene(assembly, found, bare, source), panels=tuple(panels))
-    text = page_text(scene)
+    text = page_text(scene if section is None else cut_at(scene, section))
     write_bytes(path, text.encode("utf-8"))
 
 

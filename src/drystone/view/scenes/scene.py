@@ -237,6 +237,9 @@ class Scene(OneLine):
     preset
         The preset that is shown first: a key of
         :data:`drystone.view.style.presets.PRESETS`; left empty, one that suits the first stage.
+    section
+        The axis (0, 1, 2) across which the model is cut, and the coordinate [m] of the cut: what
+        lies between it and the eye is not drawn. None where nothing is cut.
     """
 
     assembly: Assembly
@@ -249,6 +252,7 @@ class Scene(OneLine):
     made: str = field(default_factory=now)
     still: int = 0
     preset: str = ""
+    section: tuple[int, float] | None = None
 
     def __post_init__(self) -> None:
         n, m = len(self.assembly), self.contacts.count

@@ -65,6 +65,7 @@ ROLE_COLOUR = {
     "light": {
         "background": "#ffffff",
         "edge": "#2e2b26",
+        "cut": "#736e66",
         "selection": "#f0e442",
         "interface": "#0072b2",
         "pressure": "#0072b2",
@@ -78,6 +79,7 @@ ROLE_COLOUR = {
     "dark": {
         "background": "#14171b",
         "edge": "#c9c5bc",
+        "cut": "#9e998f",
         "selection": "#f0e442",
         "interface": "#56b4e9",
         "pressure": "#56b4e9",

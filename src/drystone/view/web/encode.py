@@ -25,6 +25,8 @@ The format (``format`` "drystone-page", ``version`` 2):
     like, light and dark.
 ``presets``, ``preset``
     Pictures by key, each with label, layers, opacity, numbers and ghost; the one shown at first.
+``section``
+    Axis and place of the section that is shown first, from -1 to 1 across the model; or null.
 ``stages``
     Each with label, headline, ``asked`` in one line, message, verdict, facts, ``state`` per block,
     the optional arrays of :class:`drystone.view.scenes.scene.Stage`, and ``layers``. ``scale`` of
@@ -158,6 +160,7 @@ def encode(scene: Scene) -> dict[str, Any]:
             for key, one in PRESETS.items()
         },
         "preset": first_preset(scene),
+        "section": _section(scene),
         "known": sorted(KNOWN),
         "blocks": _blocks(scene, origin, blobs),
         "contacts": _contacts(contacts, origin, blobs),
@@ -179,6 +182,15 @@ def to_text(data: dict[str, Any]) -> str:
     """JSON that is safe inside a ``<script>`` element, for any names."""
     text = json.dumps(data, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _section(scene: Scene) -> list[float] | None:
+    """The axis of the section, and its place as a share of half the size from the middle."""
+    if scene.section is None:
+        return None
+    axis, at = scene.section
+    half = 0.5 * float(np.ptp(scene.bounds[:, axis]))
+    return [axis, (at - float(scene.centre[axis])) / half]
 
 
 def _contacts(contacts: Contacts, origin: Floats, blobs: Blobs) -> dict[str, Any]:

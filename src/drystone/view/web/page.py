@@ -10,12 +10,13 @@ from os import PathLike
 from drystone.base.files import write_bytes
 from drystone.contacts import Contacts
 from drystone.view.scenes.scene import Scene
+from drystone.view.scenes.section import cut_at
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.web.encode import encode, to_text
 
 SCRIPTS = (
     "linear.js", "data.js", "shaders.js", "line-shaders.js", "shadow.js", "graphics.js",
-    "renderer.js", "picking.js", "camera.js", "pointers.js",
+    "block-renderer.js", "renderer.js", "picking.js", "camera.js", "pointers.js",
     "legend.js", "panel.js", "overlay.js", "captions.js", "export.js", "extent.js", "state.js",
     "drawing.js", "playing.js", "choosing.js", "pointing.js", "views.js", "framed.js",
     "taking-out.js", "main.js",
@@ -28,6 +29,7 @@ def save_page(
     path: str | PathLike[str],
     contacts: Contacts | None = None,
     *,
+    section: str | None = None,
     source: str = "",
 ) -> None:
     """Write a page on which the model can be turned and taken apart, and its blocks clicked.
@@ -41,13 +43,16 @@ def save_page(
         Written to a temporary name beside it and renamed.
     contacts
         Of an assembly; a result has its own.
+    section
+        Show the model cut across an axis at first, as in :func:`save_figure`.
     source
         The file that the model came from, for the head of the page.
 
     Raises
     ------
     InputError
-        The contacts belong to another model, or the file cannot be written.
+        The contacts belong to another model, the section is beside the model, or the file cannot
+        be written.
 
     Examples
     --------
@@ -58,7 +63,9 @@ def save_page(
     >>> (folder / "tower.html").read_text(encoding="utf-8")[:15]
     '<!doctype html>'
     """
-    write_bytes(path, page_text(scene_of(subject, contacts, source)).encode("utf-8"))
+    scene = scene_of(subject, contacts, source)
+    scene = scene if section is None else cut_at(scene, section)
+    write_bytes(path, page_text(scene).encode("utf-8"))
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,8 @@
 
 const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
 const PAPER = 700; // [CSS pixels], about the width of a printed page
+const IN_PLANE = 1e-3; // by the size of a block: what is so near the section plane lies in it
+const MARKER = 6.5; // [CSS pixels], half the size of a marker on large blocks
 const MANY = 3000; // blocks, from which lines wait where pictures come slowly
 
 function sizeOf() {
@@ -38,7 +40,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     ghostColour: light ? [0.25, 0.25, 0.25] : [0.8, 0.8, 0.8],
     fallColour: light ? [0.52, 0.13, 0.38] : [0.95, 0.68, 0.85],
     hatch: colourOf(data.states[5][theme()]),
-    cut: light ? [0.45, 0.43, 0.4] : [0.62, 0.6, 0.56],
+    cut: colours.cut,
     outline: light ? [0.1, 0.12, 0.15] : [1, 1, 1],
     shadow: light ? 0.16 : 0.5,
     ramp: new Float32Array(data.ramp[theme()].flatMap(colourOf)),
@@ -62,13 +64,22 @@ function isDrawn(layer, time) {
   return !hurried || data.count < MANY || layer.kind === "polygons";
 }
 
+// What lies between the plane and the eye is not drawn; the side is that of the eye at first.
 function sectionPlane() {
-  const { axis, at } = page.section;
+  const { axis, at, side } = page.section;
   const plane = [0, 0, 0, 1];
   if (axis < 0) return plane;
-  plane[axis] = 1;
-  plane[3] = at * data.half[axis];
+  plane[axis] = side;
+  plane[3] = side * at * data.half[axis] + IN_PLANE * data.blockSize;
   return plane;
+}
+
+function setSection(axis, at, side = camera.axes().back[axis] < 0 ? -1 : 1) {
+  page.section = { axis, at, side: axis < 0 ? 1 : side };
+  byId("section-axis").value = axis < 0 ? "" : axis;
+  byId("section").value = at;
+  byId("section").disabled = axis < 0;
+  redraw();
 }
 
 function resized(target, ratio) {

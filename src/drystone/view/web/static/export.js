@@ -36,7 +36,7 @@ function pictureSvg(data, stage, view, size, theme, options) {
   const parts = [];
   const { blocks, contacts } = data;
   const place = (p) => projected(view.projection, p, width, height);
-  const apartOf = (block) => awayOf(data, view, block);
+  const apartOf = (a, b = a) => (a < 0 ? [0, 0, 0] : awayOf(data, view, a, b));
   const text = (points) => points.map((p) => `${p.x.toFixed(1)},${p.y.toFixed(1)}`).join(" ");
   const things = [];
   if (view.showBlocks) {
@@ -44,11 +44,11 @@ function pictureSvg(data, stage, view, size, theme, options) {
     things.push(...blockPolygons(data, stage, view, theme, drawn, apartOf, place, text));
   }
   for (const layer of view.layers) {
-    if (layer.kind === "polygons") things.push(...jointPolygons(layer, data, view, theme, place, text, options));
+    if (layer.kind === "polygons") things.push(...jointPolygons(layer, data, view, theme, apartOf, place, text, options));
   }
   things.sort((x, y) => y.depth - x.depth);
   parts.push(...things.map((thing) => thing.text));
-  for (const layer of view.layers) parts.push(...layerMarks(layer, data, view, theme, place, options));
+  for (const layer of view.layers) parts.push(...layerMarks(layer, data, view, theme, apartOf, place, options));
   const paper = data.colours[theme].background;
   const title = escapeXml(stage.headline || data.title);
   return `<svg xmlns="${SVG}" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`
@@ -77,8 +77,12 @@ function blockPolygons(data, stage, view, theme, drawn, apartOf, place, text) {
         const p = 3 * (firstPoint[block] + blocks.loop[c]);
         corners.push(vec.add(blocks.point.subarray(p, p + 3), away));
       }
-      const flat = corners.map(place);
-      if (flat.some((p) => p === null) || signedArea(flat) >= 0) continue;
+      const flat = clipped(corners, view.section).map(place);
+      if (flat.length < 3 || flat.some((p) => p === null)) continue;
+      if (signedArea(flat) >= 0) { // the inside of a cut block is drawn as its cut
+        if (view.sectioned) sides.unshift(`<polygon points="${text(flat)}" fill="${cssColour(view.cut)}"/>`);
+        continue;
+      }
       let n = [0, 0, 0];
       for (let i = 1; i + 1 < corners.length; i++) {
         n = vec.add(n, vec.cross(vec.sub(corners[i], corners[0]), vec.sub(corners[i + 1], corners[0])));
@@ -104,21 +108,22 @@ function signedArea(points) {
 }
 
 // Each joint in the colour of its mean value.
-function jointPolygons(layer, data, view, theme, place, text, options) {
+function jointPolygons(layer, data, view, theme, apartOf, place, text, options) {
   const first = starts(layer.corners);
   const plainColour = data.colours[theme][layer.colour];
   const { a, b } = ownersOf(layer, data.contacts, layer.corners.length);
   const out = [];
   for (let face = 0; face < layer.corners.length; face++) {
     if (options.hidden.has(a[face]) || options.hidden.has(b[face])) continue;
-    const corners = [];
+    const there = [];
     let sum = 0;
     for (let c = first[face]; c < first[face + 1]; c++) {
-      corners.push(place(layer.position.subarray(3 * c, 3 * c + 3)));
+      there.push(vec.add(layer.position.subarray(3 * c, 3 * c + 3), apartOf(a[face], b[face])));
       sum += layer.value ? layer.value[c] : 0;
     }
-    if (corners.some((p) => p === null)) continue;
-    const share = layer.top > 0 ? sum / corners.length / layer.top : 0;
+    const share = layer.top > 0 ? sum / there.length / layer.top : 0;
+    const corners = clipped(there, view.section).map(place);
+    if (corners.length < 3 || corners.some((p) => p === null)) continue;
     const fill = layer.value ? cssColour(rampColour(data.ramp[theme], share)) : plainColour;
     const depth = corners.reduce((total, p) => total + p.depth, 0) / corners.length;
     out.push({ depth, text: `<polygon points="${text(corners)}" fill="${fill}"/>` });
@@ -127,7 +132,7 @@ function jointPolygons(layer, data, view, theme, place, text, options) {
 }
 
 // Lines, arrows and markers over everything else.
-function layerMarks(layer, data, view, theme, place, options) {
+function layerMarks(layer, data, view, theme, apartOf, place, options) {
   const colour = data.colours[theme][layer.colour];
   const out = [];
   if (layer.kind === "polygons") return out;
@@ -146,7 +151,8 @@ function layerMarks(layer, data, view, theme, place, options) {
   };
   for (let i = 0; i < count; i++) {
     if (options.hidden.has(a[i]) || options.hidden.has(b[i])) continue;
-    const from = layer.position.subarray(3 * i, 3 * i + 3);
+    const from = vec.add(layer.position.subarray(3 * i, 3 * i + 3), apartOf(a[i], b[i]));
+    if (isBeyond(view.section, from)) continue;
     const p = place(from);
     if (layer.kind === "markers") {
       const look = `fill="${colour}" stroke="${cssColour(view.outline)}"`;

@@ -94,7 +94,7 @@ function showHeader(data, stage) {
   headline.textContent = stage.headline || data.title;
   headline.className = stage.verdict ?? "";
   const facts = [...new Map([...data.facts, ...stage.facts])];
-  document.getElementById("asked").textContent = stage.asked;
+  document.getElementById("asked").textContent = stage.asked.replaceAll(" \u00b7", "\u00a0\u00b7"); // no line begins with a dot
   document.getElementById("message").textContent = stage.message;
   const list = document.getElementById("facts");
   list.replaceChildren();

@@ -43,14 +43,14 @@ void main() {
   vec4 b = uProjection * vec4(to, 1.0);
   bool selected = int(block) == uSelected;
   bool falls = state == 3u;
-  bool still = length(motionOf(block, 1)) + length(motionOf(block, 2)) == 0.0;
+  bool still = uGhost == 1 && length(motionOf(block, 1)) + length(motionOf(block, 2)) == 0.0;
   bool dark = dot(uStateColour[state], vec3(0.3, 0.6, 0.1)) < 0.2;
   float opacity = selected ? 1.0 : uOpacity;
   vec3 base = dark ? vec3(0.62) : uEdgeColour;
   if (falls) { base = uFallColour; opacity = max(opacity, 0.8); }
   colour = vec4(base, 1.0) * opacity;
   float width = uWidth * (selected ? 2.5 : falls && uGhost == 0 ? 1.7 : 1.0);
-  bool lost = state == 0u || (uGhost == 1 && still) || clipped(a, b);
+  bool lost = state == 0u || still || clipped(a, b);
   vec4 p = END[corner] == 0 ? a : b;
   place = END[corner] == 0 ? from : to;
   vec2 d = along(a, b);

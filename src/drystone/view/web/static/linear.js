@@ -13,6 +13,22 @@ const vec = {
   length: (a) => Math.hypot(a[0], a[1], a[2]),
 };
 
+// Whether a point is beyond a plane: normal, and its product with a point of the plane.
+const isBeyond = (plane, p) => vec.dot(plane, p) > plane[3];
+
+// The part of a polygon that is not beyond a plane.
+function clipped(points, plane) {
+  const out = [];
+  points.forEach((p, i) => {
+    const q = points[(i + 1) % points.length];
+    if (!isBeyond(plane, p)) out.push(p);
+    if (isBeyond(plane, p) === isBeyond(plane, q)) return;
+    const [h, k] = [vec.dot(plane, p) - plane[3], vec.dot(plane, q) - plane[3]];
+    out.push(vec.add(p, vec.scale(vec.sub(q, p), h / (h - k))));
+  });
+  return out;
+}
+
 function multiply(a, b) {
   const out = new Float32Array(16);
   for (let column = 0; column < 4; column++) {

@@ -29,7 +29,7 @@ const KEYS = {
 function connectSliders() {
   const onInput = (id, change) => byId(id).addEventListener("input", (event) => {
     change(Number(event.target.value));
-    redraw();
+    redraw(true);
   });
   onInput("opacity", (value) => { page.opacity = value; });
   onInput("scale", (value) => { page.stretch = 10 ** value; });
@@ -44,9 +44,7 @@ function connectSliders() {
     setStage(value);
   });
   byId("section-axis").addEventListener("change", (event) => {
-    page.section.axis = event.target.value === "" ? -1 : Number(event.target.value);
-    byId("section").disabled = page.section.axis < 0;
-    redraw();
+    setSection(event.target.value === "" ? -1 : Number(event.target.value), page.section.at);
   });
   byId("spread").addEventListener("change", () => fit());
 }
@@ -86,7 +84,7 @@ function connect() {
     seen ||= canvas.clientWidth > 0;
     redraw();
   }).observe(canvas);
-  window.addEventListener("resize", redraw); // a new pixel ratio
+  window.addEventListener("resize", () => redraw()); // a new pixel ratio
   window.addEventListener("hashchange", () => readView(location.hash.slice(1)));
   for (const one of [darkness, forcing]) one.addEventListener("change", refreshPanels);
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
@@ -113,6 +111,8 @@ presetButtons();
 connect();
 choosePreset(data.preset);
 setStage(0);
-if (!readView(location.hash.slice(1))) fit(undefined, undefined, 0);
+fit(undefined, undefined, 0);
+if (data.section) setSection(...data.section);
+readView(location.hash.slice(1));
 if (stage().plays && !still.matches) setTimeout(() => page.time === inPlace() && play("motion"), 900);
 connectAround();

@@ -25,8 +25,9 @@ function blockLabels(data, stage, view, size, { names, numbers, hidden }) {
     const text = told.filter(Boolean).join(" ");
     if (!text) continue;
     const c = centroid.subarray(3 * i, 3 * i + 3);
-    const away = awayOf(data, view, i);
-    const place = projected(view.projection, vec.add(c, away), size.width, size.height);
+    const middle = vec.add(c, awayOf(data, view, i));
+    const place = projected(view.projection, middle, size.width, size.height);
+    if (isBeyond(view.section, middle)) continue;
     if (!place || place.x < 0 || place.y < 0 || place.x > size.width || place.y > size.height) continue;
     out.push({ ...place, text: text.length > 40 ? `${text.slice(0, 39)}\u2026` : text });
   }

@@ -26,7 +26,7 @@ function pick(renderer, x, y, view, polygons) {
   const read = () => gl.readPixels(x, y, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, found);
   if (polygons.length) read();
   if (found[0] === 0 && view.showBlocks) {
-    gl.enable(gl.CULL_FACE);
+    if (!view.sectioned) gl.enable(gl.CULL_FACE);
     renderer.use(renderer.programs.id, view);
     renderer.drawMesh();
     gl.disable(gl.CULL_FACE);

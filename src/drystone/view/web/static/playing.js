@@ -22,7 +22,7 @@ function advance(now) {
     }
     if (next > last) stop();
   }
-  if (animation) redraw();
+  if (animation) redraw(true);
 }
 
 function stop() {

@@ -1,6 +1,6 @@
 // What the page shows: its data, its state, and when it is drawn anew.
 
-const SLOW = 100; // [ms] from asking for a picture to drawing it: draw coarsely meanwhile
+const SLOW = 100; // [ms] that a picture takes, or waits: what moves is drawn coarsely
 const SETTLE = 250; // [ms] without a change: draw everything
 const narrow = matchMedia("(max-width: 720px)");
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -15,9 +15,13 @@ const shownLayers = new Map();
 
 const page = {
   stage: 0, preset: "", wanted: "", selected: -1, joint: -1, hovered: -1, time: 0, opacity: 1, stretch: 1,
-  hidden: new Set(), section: { axis: -1, at: 0 }, measuring: null, printing: false,
+  hidden: new Set(), section: { axis: -1, at: 0, side: 1 }, measuring: null, printing: false,
 };
 let waiting = false;
+let moves = false; // the picture that is awaited is one of many
+let cost = 0; // [ms] that the last whole picture took
+let pictures = 0; // drawn so far
+let fence = null; // tells when the picture that is timed is done
 let hurried = false; // pictures come slowly
 let settling = 0;
 let animation = null; // { kind, start }
@@ -28,24 +32,53 @@ const theme = () => (darkness.matches && !page.printing ? "dark" : "light");
 const shown = (layer) => shownLayers.get(layer.key) ?? false;
 const inPlace = () => (stage().arrives ? 1 : 0); // where the motion slider stands at rest
 
-function redraw() {
+// Asks for a picture; `moving` where many follow each other, as while one turns the model.
+function redraw(moving = false) {
+  moves ||= moving;
   if (waiting) return;
   waiting = true;
   const asked = performance.now();
   requestAnimationFrame((now) => {
     waiting = false;
-    if (performance.now() - asked > SLOW) hurried = true;
+    if (performance.now() - asked > SLOW || (moves && cost > SLOW)) hurried = true;
+    moves = false;
     clearTimeout(settling);
-    if (hurried) settling = setTimeout(settle, SETTLE);
     advance(now);
-    if (camera.advance(now)) redraw();
-    draw();
+    if (camera.advance(now)) redraw(true);
+    drawTimed();
   });
 }
 
-function settle() {
-  hurried = false;
+// Draws, and learns how long the graphics card, or what stands in for it, takes. A coarse picture
+// is drawn anew as a whole once it is done and nothing else was asked for.
+function drawTimed() {
   draw();
+  pictures += 1;
+  if (!fence && renderer && !renderer.gl.isContextLost()) follow(pictures, performance.now());
 }
 
-const camera = new Camera(placesAt, data.half, data.toward, redraw);
+function follow(picture, began) {
+  const { gl } = renderer;
+  fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl.flush();
+  const look = () => {
+    if (!gl.isContextLost() && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) {
+      setTimeout(look, 10);
+      return;
+    }
+    gl.deleteSync(fence);
+    fence = null;
+    if (picture !== pictures) follow(pictures, performance.now());
+    else if (hurried) settling = setTimeout(settle, SETTLE);
+    else cost = performance.now() - began;
+  };
+  setTimeout(look, 0);
+}
+
+function settle() {
+  if (waiting) return;
+  hurried = false;
+  drawTimed();
+}
+
+const camera = new Camera(placesAt, data.half, data.toward, () => redraw(true));

@@ -36,9 +36,32 @@ function viewText() {
   const numbers = [azimuth, elevation, distance, ...target].map((x) => Number(x.toPrecision(6)));
   const parts = { v: numbers.join(","), p: page.preset, s: page.stage, o: page.opacity };
   if (flat) parts.f = 1;
+  const { axis, at, side } = page.section;
+  if (axis >= 0) parts.x = [axis, at, side].join(",");
+  if (camera.spread) parts.e = camera.spread;
+  if (page.hidden.size) parts.h = runs([...page.hidden].sort((a, b) => a - b));
   if (page.selected >= 0) parts.b = page.selected;
   if (page.joint >= 0) parts.j = page.joint;
   return new URLSearchParams(parts).toString();
+}
+
+// Ascending numbers as ranges: 1-3,7.
+function runs(numbers) {
+  const out = [];
+  for (const one of numbers) {
+    if (out.length && out.at(-1)[1] === one - 1) out.at(-1)[1] = one;
+    else out.push([one, one]);
+  }
+  return out.map(([a, b]) => (a === b ? a : `${a}-${b}`)).join(",");
+}
+
+function ofRuns(text, most) {
+  const out = [];
+  for (const part of text.split(",").filter(Boolean)) {
+    const [a, b = a] = part.split("-").map(Number);
+    for (let i = a; i <= Math.min(b, most - 1); i++) if (i >= 0) out.push(i);
+  }
+  return out;
 }
 
 function readView(text) {
@@ -54,6 +77,13 @@ function readView(text) {
   const opacity = Number(parts.get("o"));
   if (opacity > 0 && opacity <= 1) page.opacity = opacity;
   camera.flat = parts.get("f") === "1";
+  const [axis, at, side] = (parts.get("x") ?? "-1,0,1").split(",").map(Number);
+  if ([-1, 0, 1, 2].includes(axis) && Math.abs(at) <= 1) setSection(axis, at, side < 0 ? -1 : 1);
+  const spread = Number(parts.get("e"));
+  camera.spread = spread >= 0 && spread <= 1.5 ? spread : 0;
+  byId("spread").value = camera.spread;
+  page.hidden = new Set(ofRuns(parts.get("h") ?? "", data.count));
+  changeHidden();
   const [azimuth, elevation, distance, ...target] = numbers;
   camera.go({ azimuth, elevation, distance: Math.max(distance, 1e-9), target }, 0);
   if (whole("b", data.count) >= 0) actions.select(whole("b", data.count));

@@ -32,6 +32,7 @@ function render({ model, el }) {
   trouble.style.cssText = "color:#b3261e;font:13px system-ui,sans-serif;margin:.4em 0";
   let view = "";
   let restored = "";
+  let hearing = false;
   const say = (message) => frame.contentWindow?.postMessage(message, "*");
   const show = () => {
     restored = view;
@@ -45,11 +46,13 @@ function render({ model, el }) {
       return;
     }
     view = data.view;
+    hearing = true; // what the page says is not said back to it: it may have changed meanwhile
     model.set("picked", model.get("names")[data.block] ?? "");
     model.set("picked_joint", data.joint);
+    hearing = false;
     model.save_changes();
   };
-  const pick = () => say({ drystone: "pick", block: model.get("names").indexOf(model.get("picked")) });
+  const pick = () => hearing || say({ drystone: "pick", block: model.get("names").indexOf(model.get("picked")) });
   const tell = () => { trouble.textContent = model.get("trouble"); };
   window.addEventListener("message", heard);
   model.on("change:page", show);

@@ -1,0 +1,98 @@
+"""``drystone recut``: joints changed until every block is placed without help."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from drystone.cli.base import kinds
+from drystone.cli.base.answer import Answer
+from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.output import Screen
+from drystone.cli.base.waiting import Waiting
+from drystone.cli.inputs import options
+from drystone.cli.inputs.model_input import Finding, Subject
+
+if TYPE_CHECKING:
+    from drystone.base.files import Job
+    from drystone.design import Recut
+
+
+@command(
+    "drystone recut arch.json --most 4 --out recut.json",
+    "drystone recut arch.json --hands 3 --most 2 --html built.html",
+)
+def recut(
+    *,
+    subject: Subject,
+    finding: Finding,
+    hands: Annotated[int, Option("Hands: one places, others hold (2).", kind=kinds.whole(1))] = 2,
+    most: Annotated[
+        int, Option("Changes that are tried in all (200).", kind=kinds.whole(1), expert=True)
+    ] = 200,
+    out: Annotated[
+        Path | None, Option("Write the changed model.", OUTPUT, kind=kinds.target(".json"))
+    ] = None,
+    html: options.Html = None,
+    time_limit: options.TimeLimit = None,
+    waiting: Waiting,
+) -> Answer:
+    """Change joints until every block is placed alone and stands at once.
+
+    The model is planned. Where a block must be held or propped, one of its joints is turned or made
+    a wedge, by 10, 20 or 30 degrees, and the model is planned again. A change is kept when less
+    help is needed. See `cut` for a monolith.
+
+    Exit code 0: every block is free. 1: some need help. 2: bad input.
+    130: stopped by Ctrl-C, with the changes so far.
+    """
+    model = subject.prepared(waiting, finding)
+    from drystone import design, sequence  # work is imported when there is some
+
+    rules = sequence.PlanOptions(rules=sequence.Rules(hands=hands))
+    waiting.stage("recut", "changing joints")
+    with waiting.stoppable() as stop:
+        found = design.recut_joints(
+            model,
+            options=design.RecutOptions(most=most, plan=rules),
+            progress=waiting,
+            stop=stop,
+            time_limit_s=float("inf") if time_limit is None else time_limit,
+        )
+    data = {"model": subject.model, **found.to_dict()}
+    return Answer(
+        data,
+        partial(_show, data),
+        0 if found.free else 1,
+        model.notes,
+        partial(_files, found, out, html, subject.model),
+    )
+
+
+def _files(
+    found: Recut, out: Path | None, html: Path | None, source: str
+) -> tuple[list[Job], list[str]]:
+    from drystone import io
+    from drystone.view import save_page
+
+    jobs: list[Job] = []
+    if out is not None:
+        jobs.append((out, partial(io.write, found.model)))
+    if html is not None and found.plan.steps:
+        jobs.append((html, partial(save_page, found.plan, source=source)))
+    return jobs, [f"not written: {html}"] if html is not None and not found.plan.steps else []
+
+
+def _show(data: dict[str, Any], screen: Screen) -> None:
+    screen.line(str(data["model"]), "FREE" if data["free"] else "NOT FREE", "bold")
+    screen.line(data["message"])
+    for one in data["changes"]:
+        a, b = one["blocks"]
+        angle = one["angle_deg"]
+        if one["kind"] == "turn":
+            words = f"turned by {angle:g} degrees"
+        else:
+            words = f"a wedge of {abs(angle):g} degrees, {a if angle > 0.0 else b} is the wedge"
+        screen.line(f"{a} and {b}: {words}")
+        screen.dim(one["why"])

@@ -1,0 +1,1 @@
+"""The faces of blocks where they touch or may meet: corners, edges, ends."""

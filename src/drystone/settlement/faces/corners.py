@@ -1,0 +1,249 @@
+"""Where each corner of an interface is when one block slides over the other.
+
+A corner is where two edges of the interface meet, and each edge is an edge of one of the two
+blocks, or of both where their faces end flush. When block b slides by s over block a, an edge of b
+moves along and an edge of a stays. Where a convex edge of one block lies in a re-entrant edge of
+the other, as between the strips of a curved joint, it is that of the convex one. With the outward
+normals ``m`` of the two edges, their share ``w`` (1: of b, 0: of a) and the distance ``r`` by which
+the face of the other block goes on beyond them, the corner moves over a by x:
+
+    m . x = min(m . s, r)      of b: then the face of a ends, and the edge is that of a
+    m . x = min(0, m . s + r)  of a: then the face of b ends
+
+so that the corner is always on both faces. Where the two faces have nothing in common any more, the
+corner carries nothing.
+"""
+
+from __future__ import annotations
+
+import enum
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from drystone.assembly import Assembly
+from drystone.base.arrays import Bools, Floats, Ints
+from drystone.contacts import Contacts
+from drystone.settlement.faces.face_edges import FaceSides, to_the_end
+
+STRAIGHT = 1e-6
+"""Sine of the angle between two edges below which they are one side."""
+BENT = 1e-3
+"""Sine of the angle between two faces of a block above which they meet at an edge."""
+FLUSH_REACH = 0.02
+"""By the smaller block's size, how far an edge where both faces end flush goes with the block that
+carries it: the other face is taken as longer by as much as what stands may move."""
+
+
+class Carrier(enum.Enum):
+    """Which block carries the ends of a joint where the faces of both end flush."""
+
+    MOVING = "moving"
+    """The block that is farther from the supports."""
+    RESTING = "resting"
+    """The block that is nearer to the supports."""
+
+
+class Ends(NamedTuple):
+    """The two edges that end at each corner: the one that follows, and the one before.
+
+    Attributes
+    ----------
+    outward : (k, 2, 2) normals m, local u and v
+    share : (k, 2) w
+    tangent : (k, 2, 2) x by s, before a face ends
+    sense : (k, 2) sign of ``m . s`` towards the end of the other face
+    reach : (k, 2) r [m]
+    joint : (k,) interface of each corner
+    after : (k,) corner that follows around its interface
+    place : (k, 2) [m] corners in the axes u and v of their interface
+    """
+
+    outward: Floats
+    share: Floats
+    tangent: Floats
+    sense: Floats
+    reach: Floats
+    joint: Ints
+    after: Ints
+    place: Floats
+
+
+def joint_ends(assembly: Assembly, contacts: Contacts, carrier: Carrier, gap: Floats) -> Ends:
+    """The ends of all interfaces.
+
+    Parameters
+    ----------
+    assembly, contacts
+    carrier
+        The choice at edges that belong to both blocks.
+    gap : (k, 2) [m]
+        Distance of each corner from the faces of a and b, along n.
+    """
+    after, before = _neighbours(contacts)
+    edges_of = _Edges(assembly, contacts, gap)
+    of_a, of_b = edges_of.owned
+    away = distance_from_supports(assembly, contacts)
+    far = np.sign(away[contacts.block_b] - away[contacts.block_a])
+    joint = contacts.interface
+    both = (0.5 + 0.5 * (far if carrier is Carrier.MOVING else -far))[joint]
+    both = np.where(edges_of.fitted, edges_of.bend[1] > 0.0, both)
+    share = np.where(of_b & ~of_a, 1.0, np.where(of_a & ~of_b, 0.0, both))
+    outward, reach = edges_of.outward, edges_of.reach()
+    edges = np.stack([outward, outward[before]], axis=1)
+    weight = np.stack([share, share[before]], axis=1)
+    limit = np.stack([reach, reach[before]], axis=1)
+    bent = np.abs(np.linalg.det(edges)) > STRAIGHT
+    # lines, points, and corners in the middle of a side have one share in every direction
+    edges[~bent] = np.eye(2)
+    weight[~bent] = weight[~bent].mean(axis=1, keepdims=True)
+    limit[~bent] = np.inf
+    axes = contacts.frame[joint, 1:]
+    place = np.einsum("kij,kj->ki", axes, contacts.point - contacts.point[contacts.start[joint]])
+    tangent: Floats = np.asarray(
+        np.linalg.solve(edges, weight[:, :, None] * edges), dtype=np.float64
+    )
+    sense = (weight == 1.0).astype(np.float64) - (weight == 0.0)
+    return Ends(edges, weight, tangent, sense, limit, joint, after, place)
+
+
+def flush_ends(assembly: Assembly, contacts: Contacts) -> bool:
+    """Whether the carrier makes a difference: somewhere an edge belongs to both blocks."""
+    edges = _Edges(assembly, contacts, np.zeros((contacts.corner_count, 2)))
+    away = distance_from_supports(assembly, contacts)
+    unlike = (away[contacts.block_a] != away[contacts.block_b])[contacts.interface]
+    return bool(((edges.owned[0] == edges.owned[1]) & unlike & ~edges.fitted).any())
+
+
+class _Edges:
+    """The edges from each corner to the next.
+
+    Attributes
+    ----------
+    outward : (k, 2) normals, local u and v; zero for a point
+    owned : (k,) each, whether the edge lies on an edge of a, and of b
+    bend : (k,) each, of the surfaces of a and b there
+    fitted : (k,)
+        Whether a convex edge of one block lies in a re-entrant edge of the other.
+    """
+
+    def __init__(self, assembly: Assembly, contacts: Contacts, gap: Floats) -> None:
+        self.contacts, self.sides = contacts, FaceSides(assembly)
+        self.volume = assembly.volume
+        self.after, _ = _neighbours(contacts)
+        along = contacts.point[self.after] - contacts.point
+        axes = contacts.frame[contacts.interface]
+        run = np.einsum("kij,kj->ki", axes[:, 1:], along)
+        length = np.linalg.norm(run, axis=1, keepdims=True)
+        run = run / np.where(length > 0.0, length, 1.0)
+        self.outward = np.stack([run[:, 1], -run[:, 0]], axis=1)
+        out = np.einsum("kij,ki->kj", axes[:, 1:], self.outward)
+        n = axes[:, 0]
+        self.points = [contacts.point - gap[:, :1] * n, contacts.point + gap[:, 1:] * n]
+        found = [
+            self._of_blocks(block[contacts.interface], point, along, out)
+            for block, point in zip(self._blocks, self.points, strict=True)
+        ]
+        self.owned = found[0][0], found[1][0]
+        self.bend = found[0][1], found[1][1]
+        least, most = np.minimum(*self.bend), np.maximum(*self.bend)
+        self.fitted: Bools = (least < -BENT) & (most > BENT)
+
+    @property
+    def _blocks(self) -> tuple[Ints, Ints]:
+        return self.contacts.block_a, self.contacts.block_b
+
+    def _of_blocks(
+        self, block: Ints, point: Floats, along: Floats, outward: Floats
+    ) -> tuple[Bools, Floats]:
+        owned, bend = np.zeros(len(block), dtype=bool), np.zeros(len(block))
+        middle = 0.5 * (point + point[self.after])
+        order = np.argsort(block, kind="stable")
+        bounds = np.flatnonzero(np.diff(block[order], prepend=-1, append=-1))
+        for first, last in pairwise(bounds.tolist()):
+            here = order[first:last]
+            owned[here], bend[here] = self.sides.owned(
+                int(block[here[0]]), middle[here], along[here], outward[here]
+            )
+        return owned, bend
+
+    def reach(self) -> Floats:
+        """(k,) [m] how far the face of the block that does not carry the edge goes on beyond it."""
+        contacts, (of_a, of_b) = self.contacts, self.owned
+        volume = np.minimum(self.volume[contacts.block_a], self.volume[contacts.block_b])
+        size = np.cbrt(volume)[contacts.interface]
+        reach = np.where(of_a & of_b, FLUSH_REACH * size, np.inf)
+        for block, point, alone in zip(
+            self._blocks, self.points, (of_b & ~of_a, of_a & ~of_b), strict=True
+        ):
+            alone = alone & self.outward.any(axis=1)
+            for i in np.unique(contacts.interface[alone]).tolist():
+                here = np.flatnonzero(alone & (contacts.interface == i))
+                frame, origin = contacts.frame[i], point[contacts.start[i]]
+                segments = self.sides.in_plane(int(block[i]), frame, origin)
+                middle = 0.5 * (point[here] + point[self.after[here]])
+                at = (middle - origin) @ frame[1:].T
+                reach[here] = to_the_end(at, self.outward[here], segments)
+        return reach
+
+
+def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
+    """Where corners go when b slides over a by (k, 2).
+
+    Returns the motion x (k, 2), its derivative (k, 2, 2), and which are still on both faces (k,).
+    """
+    along = (ends.outward @ slide[:, :, None])[:, :, 0]
+    beyond = ends.sense * along > ends.reach
+    if not beyond.any():
+        carried = (ends.tangent @ slide[:, :, None])[:, :, 0]
+        return carried, ends.tangent, np.ones(len(along), dtype=bool)
+    weight = np.where(beyond, 1.0 - ends.share, ends.share)
+    # of b: r beyond the end of the face of a; of a: s + r beyond the end of that of b
+    shift = weight * along + np.where(beyond, ends.reach, 0.0)
+    right = np.concatenate([shift[:, :, None], weight[:, :, None] * ends.outward], axis=2)
+    solved: Floats = np.asarray(np.linalg.solve(ends.outward, right), dtype=np.float64)
+    carried = solved[:, :, 0]
+    return carried, solved[:, :, 1:], _on_both(ends, carried)
+
+
+def _on_both(ends: Ends, carried: Floats) -> Bools:
+    """(k,) whether the two faces of the interface still have an area in common."""
+    edge = ends.place[ends.after] - ends.place
+    now = edge + carried[ends.after] - carried
+    spot = ends.place + carried
+    twice = spot[:, 0] * now[:, 1] - spot[:, 1] * now[:, 0]
+    was = ends.place[:, 0] * edge[:, 1] - ends.place[:, 1] * edge[:, 0]
+    count = int(ends.joint.max(initial=-1)) + 1
+    area, before = (np.bincount(ends.joint, one, count) for one in (twice, was))
+    forward = np.bincount(ends.joint, (edge * now).sum(axis=1) > 0.0, count) > 0
+    # an interface that is a line or a point has no area to lose
+    flat = before <= 1e-12 * np.bincount(ends.joint, (edge**2).sum(axis=1), count)
+    return np.asarray((flat | ((area > 0.0) & forward))[ends.joint])
+
+
+def distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
+    """Number of joints (n,) between each block and the nearest support; n if not connected."""
+    count = len(assembly)
+    away = np.where(assembly.fixed, 0, count)
+    a, b = contacts.block_a, contacts.block_b
+    while True:
+        nearer = away.copy()
+        np.minimum.at(nearer, a, away[b] + 1)
+        np.minimum.at(nearer, b, away[a] + 1)
+        if (nearer == away).all():
+            return away
+        away = nearer
+
+
+def _neighbours(contacts: Contacts) -> tuple[Ints, Ints]:
+    """(k,) the corner that follows each around its interface, and the one before."""
+    start = contacts.start
+    after = np.arange(contacts.corner_count) + 1
+    after[start[1:] - 1] = start[:-1]
+    before = np.empty_like(after)
+    before[after] = np.arange(len(after))
+    return after, before
+
+
+__all__ = ["Carrier", "Ends", "distance_from_supports", "flush_ends", "joint_ends", "slid"]

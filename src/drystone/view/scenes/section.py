@@ -1,0 +1,147 @@
+"""A section plane across an axis: what lies between it and the eye is not drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
+from drystone.geometry.body.cut_face import clip_loop
+from drystone.view.scenes.scene import Layer, LayerKind, Scene
+
+AXES = "xyz"
+NEAR = 1e-3
+"""By the size of a block: forces, marks and joints so near the plane lie in it, and are drawn. A
+thrust line in the middle of an arch is there up to the accuracy of the forces. Chosen."""
+WRITE = "write an axis, such as x, or an axis and a coordinate in metres, such as x=1.2"
+
+
+@dataclass(frozen=True)
+class Plane:
+    """What is above it is not drawn.
+
+    Attributes
+    ----------
+    normal : (3,) unit
+    offset : [m], of the points of the plane along the normal
+    """
+
+    normal: Floats
+    offset: float
+
+    def heights(self, points: Floats) -> Floats:
+        """[m] of points (p, 3) above the plane."""
+        above: Floats = points @ self.normal - self.offset
+        return above
+
+
+def read_section(text: str) -> tuple[int, float | None]:
+    """The axis (0, 1, 2) and the coordinate [m] of a section, such as ``x=1.2``.
+
+    The coordinate is None for a section through the middle of the model, such as ``x``.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> read_section("x=1.2"), read_section("z")
+    ((0, 1.2), (2, None))
+    """
+    name, given, number = text.partition("=")
+    axis = AXES.find(name.strip()) if name.strip() else -1
+    at: float | None = None
+    if given:
+        try:
+            at = float(number)
+        except ValueError as error:
+            raise InputError(f"'{number}' is not a coordinate", remedy=WRITE) from error
+        if not np.isfinite(at):
+            raise InputError(f"the coordinate of the section is {at}", remedy=WRITE)
+    if axis < 0 or len(name.strip()) != 1:
+        raise InputError(f"there is no section '{text}'", remedy=WRITE)
+    return axis, at
+
+
+def cut_at(scene: Scene, section: str) -> Scene:
+    """A scene with a section.
+
+    Raises
+    ------
+    InputError
+        The section is not an axis with or without a coordinate, or does not pass through the model.
+    """
+    axis, at = read_section(section)
+    low, high = scene.bounds[:, axis]
+    at = float(scene.centre[axis]) if at is None else at
+    if not low < at < high:
+        raise InputError(
+            f"the section {AXES[axis]} = {at:g} m does not pass through the model",
+            remedy=f"give {AXES[axis]} between {low:.6g} and {high:.6g} m",
+        )
+    return replace(scene, section=(axis, at))
+
+
+def plane_of(scene: Scene, eye: Floats) -> Plane | None:
+    """The section plane of a scene, its normal towards the eye (3,); None where there is none."""
+    if scene.section is None:
+        return None
+    axis, at = scene.section
+    side = 1.0 if eye[axis] >= 0.0 else -1.0
+    normal = np.zeros(3)
+    normal[axis] = side
+    return Plane(normal, side * at)
+
+
+def behind(layer: Layer, plane: Plane, block_size: float) -> Layer:
+    """The part of a layer that a section leaves; ``block_size`` [m] tells what is in the plane."""
+    plane = Plane(plane.normal, plane.offset + NEAR * block_size)
+    height = plane.heights(layer.position)
+    if layer.kind is LayerKind.POLYGONS:
+        return _polygons_behind(layer, height)
+    shown = height <= 0.0
+    position, vector = layer.position, layer.vector
+    if layer.kind is LayerKind.LINES and vector is not None:
+        other = plane.heights(position + vector)
+        shown |= other <= 0.0
+        share = height / np.where(height == other, 1.0, height - other)
+        first = np.where(height > 0.0, share, 0.0)
+        last = np.where(other > 0.0, share, 1.0)
+        position = position + first[:, None] * vector
+        vector = (last - first)[:, None] * vector
+    return replace(
+        layer,
+        position=position[shown],
+        vector=None if vector is None else vector[shown],
+        value=None if layer.value is None else layer.value[shown],
+        interface=None if layer.interface is None else layer.interface[shown],
+        block=None if layer.block is None else layer.block[shown],
+    )
+
+
+def _polygons_behind(layer: Layer, height: Floats) -> Layer:
+    start = np.zeros(1, dtype=np.intp) if layer.start is None else layer.start
+    value = np.zeros(len(layer.position)) if layer.value is None else layer.value
+    told = np.c_[layer.position, value]
+    loops, kept = [], []
+    for i in range(layer.count):
+        part = slice(start[i], start[i + 1])
+        loop, _ = clip_loop(told[part], height[part], np.zeros(len(told[part]), dtype=bool))
+        if len(loop) > 2:
+            loops.append(loop)
+            kept.append(i)
+    all_of = np.concatenate([np.zeros((0, 4)), *loops])
+    return replace(
+        layer,
+        position=all_of[:, :3],
+        value=None if layer.value is None else all_of[:, 3],
+        start=np.cumsum([0, *(len(one) for one in loops)]).astype(np.intp),
+        interface=None if layer.interface is None else layer.interface[kept],
+        block=None if layer.block is None else layer.block[kept],
+    )
+
+
+__all__ = ["Plane", "behind", "cut_at", "plane_of", "read_section"]
