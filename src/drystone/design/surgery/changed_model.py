@@ -80,8 +80,7 @@ def changed(
     removed
         Positions of blocks that are left out.
     parts_of
-        The block of which all added ones are parts, and whose joints they have; -1 where they are
-        new.
+        All added blocks are parts of this one and have its joints; -1 where they are new.
     heirs
         The blocks that take over the joints of blocks that are left out.
     contacts
