@@ -52,7 +52,7 @@ class ShapeSearch(ShapeValues):
         self.firmest: tuple[float, Floats] = np.inf, np.zeros(moves.count)
 
     def run(self, start: Floats | None = None) -> Shaped:
-        """The best shape, from variables (p,) to start with; zero when left out."""
+        """The best shape, from variables (p,) that nearly stand; from zero when left out."""
         options, moves = self.options, self.moves
         stand_only = options.aim is ShapeAim.STAND
         best = np.zeros(moves.count) if start is None else start
@@ -67,7 +67,7 @@ class ShapeSearch(ShapeValues):
                 remedy="shape it to stand first",
             )
         trust, slack, rounds, centred = options.trust, 1.0, 0, False
-        self.ground = SOFT if stand_only else GROUND
+        self.ground = SOFT if stand_only and start is None else GROUND
         words = "the rounds were used up"
         try:
             for rounds in range(1, options.rounds + 1):
