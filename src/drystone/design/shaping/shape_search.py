@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from scipy.optimize import minimize
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import DrystoneError, InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Progress, Stop
 from drystone.design.mends.mends import stands_already
 from drystone.design.shaping.help_needed import GROUND
 from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
@@ -45,9 +44,9 @@ class ShapeSearch(ShapeValues):
         moves: ShapeVariables,
         options: ShapeOptions,
         progress: Progress | None,
-        stop: Callable[[], bool] | None,
+        late: Stop,
     ) -> None:
-        super().__init__(model, moves, options, stop)
+        super().__init__(model, moves, options, late)
         self.progress = progress
         self.firmest: tuple[float, Floats] = np.inf, np.zeros(moves.count)
 
@@ -240,7 +239,7 @@ class ShapeSearch(ShapeValues):
         """What was found, checked in full."""
         result = self.options.margin.holds(model)
         stands = self.options.margin.meets(result)
-        stop, self.stop = self.stop, None
+        late, self.late = self.late, bool
         values = []
         for where, one in ((x, model), (np.zeros_like(x), self.model)):
             try:
@@ -249,10 +248,10 @@ class ShapeSearch(ShapeValues):
             except DrystoneError:
                 value = float("nan")
             values.append(-value if self.options.aim is ShapeAim.REACH else value)
-        self.stop = stop
+        self.late = late
         if not stands:
             words += ": it does not stand"
-        return Shaped(self.model, model, x, result, stands, values[0], values[1], rounds, words)
+        return Shaped(self.model, model, result, stands, rounds, words, x, *values)
 
 
 __all__ = ["ShapeSearch"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +9,7 @@ from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
+from drystone.base.progress import Stop
 from drystone.design.shaping.help_needed import GROUND, Form
 from drystone.design.shaping.shape_options import ShapeAim, ShapeOptions
 from drystone.design.shaping.variables import ShapeVariables
@@ -31,7 +31,7 @@ class ShapeValues:
     model
         As given: where all variables are zero.
     moves, options
-    stop
+    late
         Asked before the help is computed; True raises :class:`Stopped`.
     """
 
@@ -40,9 +40,9 @@ class ShapeValues:
         model: Model,
         moves: ShapeVariables,
         options: ShapeOptions,
-        stop: Callable[[], bool] | None,
+        late: Stop,
     ) -> None:
-        self.model, self.moves, self.options, self.stop = model, moves, options, stop
+        self.model, self.moves, self.options, self.late = model, moves, options, late
         self.bodies = Bodies.of(model.assembly)
         self.known: dict[bytes, tuple[float, Floats]] = {}
         self.forms: list[Form] = []
@@ -128,7 +128,7 @@ class ShapeValues:
 
     def help_at(self, x: Floats) -> tuple[float, Floats]:
         """Share of the load on the ground, over all cases, and its derivative (p,)."""
-        if self.stop is not None and self.stop():
+        if self.late():
             raise Stopped
         key = np.asarray(x).tobytes()
         if key not in self.known:

@@ -80,7 +80,8 @@ class FaceSides:
         on = _on_edges(middle, along, self.begin[here], self.end[here], self.largest[block])
         turned = np.where(on, outward @ self.normal[self.face[here]].T, 0.0)
         most = np.abs(turned).argmax(axis=1)
-        return on.any(axis=1), turned[np.arange(len(middle)), most]
+        bend: Floats = turned[np.arange(len(middle)), most]
+        return np.asarray(on.any(axis=1)), bend
 
 
 def _on_edges(middle: Floats, along: Floats, begin: Floats, end: Floats, size: float) -> Bools:

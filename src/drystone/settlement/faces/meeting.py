@@ -7,7 +7,7 @@ have a gap. It carries nothing until the gap closes.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -172,12 +172,18 @@ def _with_apart(contacts: Contacts, apart: Contacts) -> Contacts:
     """The interfaces of a model, and after them those that are open at the beginning."""
     if not len(apart):
         return contacts
-    both = {
-        name: np.concatenate([getattr(contacts, name), getattr(apart, name)])
-        for name in ("block_a", "block_b", "frame", "area", "friction", "point")
-    }
+
+    def both(name: str) -> Any:
+        return np.concatenate([getattr(contacts, name), getattr(apart, name)])
+
     return Contacts(
-        **both, interface=np.concatenate([contacts.interface, apart.interface + len(contacts)])
+        both("block_a"),
+        both("block_b"),
+        both("frame"),
+        both("area"),
+        both("friction"),
+        both("point"),
+        np.concatenate([contacts.interface, apart.interface + len(contacts)]),
     )
 
 
