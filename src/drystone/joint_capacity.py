@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
+
+PerInterface: TypeAlias = float | Sequence[float] | Floats
+"""One number for all interfaces, or one each."""
 
 NO_LIMIT = 1e30
 """[N]. A capacity of this size or more is no limit."""
@@ -75,10 +78,10 @@ class JointCapacity(OneLine):
         cls,
         contacts: Any,
         *,
-        tension: float | Sequence[float] | Floats | None = None,
-        cohesion: float | Sequence[float] | Floats | None = None,
-        shear: float | Sequence[float] | Floats | None = None,
-        moment: float | Sequence[float] | Floats | None = None,
+        tension: PerInterface | None = None,
+        cohesion: PerInterface | None = None,
+        shear: PerInterface | None = None,
+        moment: PerInterface | None = None,
     ) -> JointCapacity:
         """From forces, one for all interfaces or one each.
 
@@ -114,9 +117,9 @@ class JointCapacity(OneLine):
         cls,
         contacts: Any,
         *,
-        tension: float | Sequence[float] | Floats = 0.0,
-        cohesion: float | Sequence[float] | Floats | None = None,
-        shear: float | Sequence[float] | Floats | None = None,
+        tension: PerInterface = 0.0,
+        cohesion: PerInterface | None = None,
+        shear: PerInterface | None = None,
     ) -> JointCapacity:
         """From stresses times the areas of the interfaces; see :meth:`of`.
 

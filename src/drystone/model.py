@@ -57,7 +57,7 @@ class Model(Card):
     report
         What the contact search found and left out; ``None`` where the contacts were given.
     notes
-        What was assumed on the way here, one sentence each.
+        What was assumed while it was made, one sentence each.
     cases
         Load cases that came with the model, to choose from.
 
@@ -196,19 +196,21 @@ class Model(Card):
         """The same model with joints that carry more than friction; dry ones with ``None``."""
         return self.with_contacts(self.contacts.with_capacity(capacity))
 
-    def require_dry(self, what: str) -> None:
+    def require_dry(self, what: str, why: str = "") -> None:
         """Raise InputError where joints pull or cohere, of an analysis that takes dry joints only.
 
         Parameters
         ----------
         what
             Name of the analysis.
+        why
+            Why it takes no others; empty if nothing is to be said.
         """
         if not self.contacts.dry.all():
             i = int(np.argmin(self.contacts.dry))
             raise InputError(
                 f"{what} takes dry joints only, and interface {i} pulls, coheres or has a limit of "
-                "shear",
+                "shear" + (f": {why}" if why else ""),
                 remedy="ask 'check' or 'solve_rbe', or give model.with_capacity(None)",
             )
 

@@ -236,9 +236,9 @@ class Result(OfModel, Card):
         eccentricity [m]
             Distance of the centre of pressure from the centroid of the joint.
         kern_ratio
-            The same as a share of the way to the rim of the kern: above 1 the joint opens.
+            The same as a share of the distance to the rim of the kern: above 1 the joint opens.
         edge_ratio
-            The same as a share of the way to the rim of the joint: 1 is a hinge.
+            The same as a share of the distance to the rim of the joint: 1 is a hinge.
         mean_pressure, peak_pressure [Pa]
             The peak is that of a linear pressure that does not pull; infinite on the rim.
         over_strength

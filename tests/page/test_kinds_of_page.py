@@ -64,7 +64,7 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
         "Stands down to thickness 0.",
     ),
     "sweep of tilts": (lambda: tilt_sweep(tower(2), 4, friction=0.3), "Stands up to 16."),
-    "plan": (lambda: drystone.plan(STACK), "Stands by itself"),
+    "plan": (lambda: drystone.plan(STACK), "Stands without help"),
     "settlement of supports": (lambda: support_response(ARCH, SINKING), "Settled"),
     "supports that move far": (lambda: move_supports(ARCH, SINKING, to=0.02), "Motion of the"),
     "push": (lambda: push(tower(2), friction=0.3, to=0.01), "Push: at most 0.3"),

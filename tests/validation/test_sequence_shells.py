@@ -8,7 +8,7 @@ from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
-from drystone.sequence.search.best_first import Search
+from drystone.sequence.search.best_first import OrderSearch
 
 
 def planned(assembly: Assembly, friction: float) -> Plan:
@@ -63,7 +63,7 @@ def helped_plan() -> tuple[Plan, list[object]]:
     Before help each stage has its check, a check of its neighbourhood, or a lone block.
     """
     unchecked: list[object] = []
-    cures = Search.cures
+    cures = OrderSearch.cures
 
     def watched(search, node, answer):
         if node.parent is not None and node.cost == node.parent.cost:
@@ -74,7 +74,7 @@ def helped_plan() -> tuple[Plan, list[object]]:
         return cures(search, node, answer)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Search, "cures", watched)
+        patch.setattr(OrderSearch, "cures", watched)
         return plan(niche(0.02), friction=VAULT_FRICTION), unchecked
 
 

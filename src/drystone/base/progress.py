@@ -1,28 +1,66 @@
-"""Progress and early end of long calculations, and workers that are lost."""
+"""The keywords of everything that may take long: ``executor, progress, stop, time_limit_s``.
+
+Every analysis, limit, plan and settlement takes these four. They are defined, documented and
+checked here. They never change the result of a calculation that is not ended early.
+"""
 
 from __future__ import annotations
 
+import inspect
 import time
-from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, CancelledError
-from typing import TypeAlias
+from collections.abc import Callable, Collection, Mapping
+from concurrent.futures import Executor
+from typing import Any, TypeAlias
+
+from drystone.base.arrays import number
+from drystone.base.display import shortened
+from drystone.base.errors import InputError
+from drystone.base.workers import ExecutorFactory
 
 Progress: TypeAlias = Callable[[str, int, int], None]
 """Called as ``progress(stage, done, total)`` with 0 <= done <= total; it must not raise.
 It cannot stop the work: use ``stop``."""
 
-LOST_WORKER = (BrokenExecutor, CancelledError, OSError)
-"""What an answer raises when its worker has died, or the scheduler or the network to it."""
+Stop: TypeAlias = Callable[[], bool]
+"""Whether to stop. Once True, it must stay True."""
+
+Workers: TypeAlias = Executor | ExecutorFactory
+"""Where parts of a calculation run side by side."""
+
+KEYWORDS = {
+    "executor": """\
+Computes independent parts side by side: a ``concurrent.futures.Executor``, or a function
+that starts one, such as ``drystone.sequence.LocalWorkers(4)``. The result does not depend on it.
+Where every step needs the one before, there is nothing to share, and it is not used.""",
+    "progress": """\
+Called as ``progress(stage, done, total)``, with 0 <= done <= total.""",
+    "stop": """\
+Called often; True ends the calculation with the results so far.""",
+    "time_limit_s": """\
+Time [s] after which the calculation ends with the results so far.""",
+}
+"""The four keywords and their documentation."""
+
+CALLED = ("progress", "stop", "check", "find", "executor")
+"""Arguments of public functions that must be functions, or executors."""
 
 
 class Clock:
     """Time since the start, the limit, and the caller's request to stop; once late, always late."""
 
-    def __init__(self, limit_s: float, stop: Callable[[], bool] | None = None) -> None:
+    def __init__(self, limit_s: float, stop: Stop | None = None) -> None:
         self.began = time.perf_counter()
         self.limit_s = limit_s
         self.wish = stop
         self.reason = ""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels to another process: the time that is left, not the request to stop."""
+        return {"limit_s": self.left_s, "reason": self.reason}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(state["limit_s"])  # type: ignore[misc]
+        self.reason = state["reason"]
 
     @property
     def elapsed_s(self) -> float:
@@ -42,3 +80,60 @@ class Clock:
             elif self.elapsed_s > self.limit_s:
                 self.reason = "the time was up"
         return bool(self.reason)
+
+
+def check_keywords(named: Mapping[str, Any], may_be_none: Collection[str]) -> None:
+    """Refuse a keyword that is not what its name says.
+
+    Raises
+    ------
+    InputError
+        What should be a function cannot be called, or the time limit is below zero.
+    """
+    for name in CALLED:
+        if name not in named or (named[name] is None and name in may_be_none):
+            continue
+        value = named[name]
+        if not (callable(value) or (name == "executor" and hasattr(value, "submit"))):
+            what = "an Executor" if name == "executor" else "a function"
+            raise InputError(f"{name} is {shortened(repr(value), 60)}", remedy=f"give {what}")
+    limit = named.get("time_limit_s", 0.0)
+    if not number(limit, "time_limit_s", finite=False) >= 0.0:
+        raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
+
+
+def with_keywords(documentation: str | None, parameters: Collection[str]) -> str | None:
+    """The documentation of a function, with the four keywords where it takes all of them."""
+    if documentation is None or not all(name in parameters for name in KEYWORDS):
+        return documentation
+    lines = inspect.cleandoc(documentation).splitlines()
+    if "Parameters" not in lines:
+        at = _section(lines, 0)
+        lines[at:at] = ["Parameters", "----------", ""]
+    begin = lines.index("Parameters") + 2
+    at = _section(lines, begin)
+    while not lines[at - 1].strip():
+        at -= 1
+    for name, words in reversed(KEYWORDS.items()):
+        lines[at:at] = [name, *(f"    {line}" for line in words.splitlines())]
+    return "\n".join(lines)
+
+
+def _section(lines: list[str], begin: int) -> int:
+    """Where the next section of a documentation begins; its end where there is none."""
+    for at in range(begin, len(lines) - 1):
+        if lines[at].strip() and set(lines[at + 1]) == {"-"}:
+            return at
+    lines.append("")
+    return len(lines)
+
+
+__all__ = [
+    "KEYWORDS",
+    "Clock",
+    "Progress",
+    "Stop",
+    "Workers",
+    "check_keywords",
+    "with_keywords",
+]

@@ -14,6 +14,7 @@ from typing import Any, ParamSpec, Self, TypeVar
 from drystone.base.arrays import number, of_type, whole
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
+from drystone.base.progress import check_keywords, with_keywords
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -99,8 +100,9 @@ def _checked(value: Any, kind: type, name: str) -> Any:
 def checked_call(function: Callable[P, R]) -> Callable[P, R]:
     """A public function that refuses wrong arguments with a message.
 
-    These are more arguments by position than it has, a ``progress``, ``stop``, ``check`` or
-    ``executor`` that cannot be called, and a time limit below zero.
+    These are more arguments by position than it has, and a ``progress``, ``stop``, ``check``,
+    ``executor`` or ``time_limit_s`` that is none. The keywords of long calculations are added to
+    its documentation.
     """
     known = inspect.signature(function).parameters
     most = sum(one.kind is one.POSITIONAL_OR_KEYWORD for one in known.values())
@@ -115,17 +117,10 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
                 remedy="name all others; blocks, contacts and load together are a "
                 "Model(assembly, contacts, load)",
             )
-        for name in ("progress", "stop", "check", "find", "executor"):
-            value = named.get(name, function)
-            usable = callable(value) or (name == "executor" and hasattr(value, "submit"))
-            if not (usable or (value is None and name in may_be_none)):
-                what = "an Executor" if name == "executor" else "a function"
-                raise InputError(f"{name} is {shortened(repr(value), 60)}", remedy=f"give {what}")
-        limit = named.get("time_limit_s", 0.0)
-        if not number(limit, "time_limit_s", finite=False) >= 0.0:
-            raise InputError(f"the time limit is {limit} s", remedy="give 0 or more")
+        check_keywords(named, may_be_none)
         return function(*given, **named)
 
+    asked.__doc__ = with_keywords(function.__doc__, known)
     return asked
 
 

@@ -7,7 +7,6 @@ as forces on the blocks, so that any load case can be followed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Unpack
 
 import numpy as np
@@ -16,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, frozen, frozen_floats
 from drystone.base.errors import InputError, MissingDependency
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.fall.film import FallOptions, Film
 from drystone.io.opening import Given, How, as_model
@@ -41,15 +40,17 @@ def fall(
     motion: Floats | None = None,
     *,
     options: FallOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Film:
     """Follow what falls with inertia and impacts until it lies.
 
     A film of what may happen. It is no verdict: impacts depend on what nobody knows, and the
-    contacts of the simulator are soft, so that what barely falls may stand in it.
+    contacts of the simulator are soft, so that what barely falls may stand in it. Each frame needs
+    the one before, so an ``executor`` has nothing to share.
 
     Parameters
     ----------
@@ -59,11 +60,6 @@ def fall(
         A first motion along which the blocks have a small speed at the beginning, such as
         ``result.mechanism``; its size does not matter.
     options
-    progress
-    stop
-        Asked at every frame; True ends the film there.
-    time_limit_s
-        Of the calculation; the film ends there.
 
     Raises
     ------
@@ -79,6 +75,7 @@ def fall(
     >>> bool(film.fell[1]), film.lies  # doctest: +SKIP
     (True, True)
     """
+    del executor  # one chain of frames
     chosen = FallOptions.of(options)
     model = as_model(given, **how)
     if motion is not None:
@@ -119,7 +116,8 @@ def fall(
         frames.append(_pose(data))
         if not np.isfinite(frames[-1][0]).all():
             raise InputError(
-                "the simulation was thrown apart", remedy="look for blocks that overlap: inspect"
+                "the blocks flew apart in the simulation",
+                remedy="look for blocks that overlap: inspect",
             )
         quiet = quiet + every * STEP if np.abs(data.qvel).max() < STILL else 0.0
         if progress is not None:

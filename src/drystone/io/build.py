@@ -130,7 +130,7 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
                 remedy="leave --units out",
             )
         overruled: tuple[str, ...] = (
-            f"lengths are taken as {units}, as asked; the file says {draft.units}",
+            f"lengths are read as {units}, as asked; the file says {draft.units}",
         )
     else:
         overruled = ()
@@ -222,7 +222,7 @@ def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
         if merged:
             said.append(f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged")
         if len(once) < len(faces):
-            said.append(f"{counted(len(faces) - len(once), 'face')} that are there twice left out")
+            said.append(f"{counted(len(faces) - len(once), 'face')} that occur twice left out")
         if said:
             try:
                 made[i] = _block(shapes[i], vertices, once, *said)

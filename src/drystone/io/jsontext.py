@@ -42,7 +42,7 @@ def parse(data: bytes, path: Path) -> Field:
     except (ValueError, RecursionError) as error:
         what = str(error)
         if isinstance(error, RecursionError):
-            what = "it is nested too deeply"
+            what = "its objects are nested too deeply"
         elif not isinstance(error, _TwiceError):  # the only other one: too long for an integer
             what = "a whole number has thousands of digits"
         raise FormatError(f"is no JSON that can be used: {what}", where=str(path)) from error

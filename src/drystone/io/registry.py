@@ -172,7 +172,7 @@ def _draft(
         scale_of(units)
     chosen = format_of(path)
     if chosen.read is None:
-        raise FormatError(f"{chosen.title} is written, not read", where=str(path))
+        raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
     named = [layers] if isinstance(layers, str) else [*of_type(layers, Iterable, "layers")]  # type: ignore[type-abstract]
     hidden = of_type(hidden, bool, "hidden")
     layered = {"layers": named, "hidden": hidden} if named or hidden else {}
@@ -184,7 +184,7 @@ def _draft(
         draft = chosen.read(data, Path(path), **layered)
     except (RecursionError, MemoryError) as error:
         raise FormatError(
-            "the file asks for more memory or depth than it can need", where=str(path)
+            "reading the file would take more memory than any model needs", where=str(path)
         ) from error
     if not draft.shapes:
         raise FormatError("holds no block", where=str(path), remedy="export the blocks as meshes")
@@ -212,7 +212,7 @@ def write(
     """
     chosen = format_of(path, format)
     if chosen.write is None:
-        raise FormatError(f"{chosen.title} is read, not written", where=str(path))
+        raise FormatError(f"{chosen.title} can be read but not written", where=str(path))
     chosen.write(contents_of(model), Path(path))
 
 

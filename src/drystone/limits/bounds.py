@@ -11,14 +11,14 @@ from functools import partial
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.progress import Stop
 from drystone.formulations.equilibrium import (
     FrictionCone,
     solve_load_factor,
 )
 from drystone.limits.brackets import Bracket
-from drystone.limits.limit_checks import Stop
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
-from drystone.limits.search import Search, Stopped
+from drystone.limits.search import Stopped, VerdictSearch
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result
@@ -52,8 +52,8 @@ def bisected_bound(
     return _search(family, cone, stop).run(start, end, width=width, scan=1).bracket
 
 
-def _search(family: Family, cone: FrictionCone, stop: Stop | None) -> Search:
-    return Search(family, partial(rbe, cone, stop), stop=stop)
+def _search(family: Family, cone: FrictionCone, stop: Stop | None) -> VerdictSearch:
+    return VerdictSearch(family, partial(rbe, cone, stop), stop=stop)
 
 
 def load_factor_bound(
@@ -134,7 +134,7 @@ def _confirmed(
 
 
 def _nearest(
-    search: Search, value: float, step: float, widest: float, end: float, stands: bool
+    search: VerdictSearch, value: float, step: float, widest: float, end: float, stands: bool
 ) -> float | None:
     """The first checked answer on one side of a limit, or none within reach."""
     while abs(step) <= widest:

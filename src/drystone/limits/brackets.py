@@ -66,7 +66,7 @@ class Bracket(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundBracket:
     """Result of a search.
 
     Attributes
@@ -91,4 +91,4 @@ def plain(bracket: Bracket | None) -> dict[str, Any] | None:
     return {"stands": bracket.stands, "falls": bracket.falls, "value": bracket.value}
 
 
-__all__ = ["Bracket", "Evaluation", "Found", "plain"]
+__all__ = ["Bracket", "Evaluation", "FoundBracket", "plain"]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import Executor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Unpack
@@ -15,9 +14,10 @@ from scipy.spatial.transform import Rotation
 from drystone.base.arrays import Floats, frozen, frozen_floats, number, of_type, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
+from drystone.base.workers import WorkerPool
 from drystone.contacts import Contacts
 from drystone.geometry.plane.polygon import following
 from drystone.io.opening import Given, How, as_model
@@ -25,7 +25,6 @@ from drystone.limits.limit_checks import STANDS, Check, verdict
 from drystone.model import Model
 from drystone.results import Verdict
 from drystone.settlement import Loading, Outcome, SettlementOptions, settle
-from drystone.stability.problem import Clock
 
 if TYPE_CHECKING:
     import pandas
@@ -187,9 +186,9 @@ def imperfections(
     confidence: float = 0.95,
     check: Check = verdict,
     loading: Sequence[Loading | str] = (),
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> StandingShare:
@@ -212,13 +211,6 @@ def imperfections(
         Orders in which the load is put on: ``at once``, ``ramp``, ``turned`` from upright. Each
         draw is then followed by steps in each of these orders, instead of ``check``. It stands
         where it comes to rest near its first position (:func:`drystone.settle`).
-    executor
-        Computes the draws in parallel.
-    progress
-    stop
-        Called after every draw; True ends the work with the draws made so far.
-    time_limit_s
-        Time after which the work ends with the draws made so far, at least one.
     """
     of_type(kinds, Imperfections, "the value of imperfections")
     if whole(draws, "the number of draws") < 1:
@@ -231,18 +223,16 @@ def imperfections(
     task = partial(_draw, model, kinds, check)
     seeds = np.random.SeedSequence(seed).spawn(draws)
     work = [(one, order) for one in seeds for order in orders or (None,)]
-    answers: Iterable[tuple[Verdict, float]]
-    answers = map(task, work) if executor is None else executor.map(task, work)
     clock = Clock(time_limit_s, stop)
     verdicts: list[Verdict] = []
     friction: list[float] = []
-    for answer, mean in answers:
-        verdicts.append(answer)
-        friction.append(mean)
-        if progress is not None:
-            progress("draws", len(verdicts), len(work))
-        if clock.late():
-            break
+    with WorkerPool(executor) as pool:
+        late = lambda: bool(verdicts) and clock.late()  # noqa: E731
+        for answer, mean in pool.answers(task, work, late):
+            verdicts.append(answer)
+            friction.append(mean)
+            if progress is not None:
+                progress("draws", len(verdicts), len(work))
     made = len(verdicts)
     standing = sum(STANDS[verdict] is True for verdict in verdicts)
     return StandingShare(

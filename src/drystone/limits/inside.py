@@ -11,24 +11,23 @@ from functools import cached_property, partial
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound
-from drystone.limits.brackets import Bracket, Found
+from drystone.limits.brackets import Bracket, FoundBracket
 from drystone.limits.limit_checks import (
     SEARCHED,
     STANDS,
     STANDS_OR_NOT,
     Check,
-    Stop,
     every_stiffness,
     one_stiffness,
     verdict,
 )
 from drystone.limits.limit_families import Family
 from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.search import Search, Stopped
+from drystone.limits.search import Stopped, VerdictSearch
 from drystone.results import Result, Verdict
-from drystone.stability.problem import Clock
 from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
@@ -42,15 +41,26 @@ digits. The limit itself depends on the joints by more."""
 
 
 @dataclass(frozen=True, eq=False)
-class Means:
-    """Settings of a search. Without a check, that of drystone is made in two steps."""
+class SearchSettings:
+    """Settings of a search. Without a check, that of drystone is made in two steps.
+
+    Attributes
+    ----------
+    check, options
+    given
+        The executor, or what starts one.
+    progress, stop, time_limit_s
+    executor
+        What was started.
+    """
 
     check: Check | None
     options: LimitOptions
-    executor: Executor | None
+    given: Workers | None
     progress: Progress | None
     stop: Stop | None
     time_limit_s: float = float("inf")
+    executor: Executor | None = None
 
     @cached_property
     def clock(self) -> Clock:
@@ -62,12 +72,11 @@ class Means:
         family: Family,
         check: Callable[..., Result],
         meaning: Mapping[Verdict, bool | None] = STANDS,
-    ) -> Search:
-        """A search with a check of drystone, which can be stopped in this process."""
-        limited = self.stop is not None or np.isfinite(self.time_limit_s)
-        if limited and self.executor is None:
+    ) -> VerdictSearch:
+        """A search with a check of drystone, which can be stopped."""
+        if self.stop is not None or np.isfinite(self.time_limit_s):
             check = partial(check, stop=self.clock.late)
-        return Search(family, check, self.executor, meaning, self.clock.late)
+        return VerdictSearch(family, check, self.executor, meaning, self.clock.late)
 
     def tell(self, stage: str, done: int) -> None:
         """Report one of three steps."""
@@ -75,7 +84,9 @@ class Means:
             self.progress(stage, done, 3)
 
 
-def bisected(family: Family, start: float, end: float, width: float, means: Means) -> Limit:
+def bisected(
+    family: Family, start: float, end: float, width: float, means: SearchSettings
+) -> Limit:
     """A limit whose convex bound is found by bisection; uses the width of the options."""
     chosen = width if means.options.width is None else means.options.width
     cone = means.options.cone
@@ -96,7 +107,7 @@ def searched(
     start: float,
     end: float,
     bound: Callable[[Stop], tuple[Bracket, float]],
-    means: Means,
+    means: SearchSettings,
 ) -> Limit:
     """The convex bound and its width, then the limit of the full verdict inside it.
 
@@ -106,20 +117,31 @@ def searched(
         No block is free, or no free block is loaded.
     """
     _refuse_nothing_to_do(family, start)
+    with WorkerPool(means.given) as pool:
+        return _searched(family, start, end, bound, replace(means, executor=pool.executor))
+
+
+def _searched(
+    family: Family,
+    start: float,
+    end: float,
+    bound: Callable[[Stop], tuple[Bracket, float]],
+    means: SearchSettings,
+) -> Limit:
     began = time.perf_counter()
     means.tell("limit of equilibrium", 0)
     outer, width = bound(means.clock.late)
     between = time.perf_counter()
-    uniform: Found | None = None
-    rest: Found | None = None
+    uniform: FoundBracket | None = None
+    rest: FoundBracket | None = None
     robust: Bracket | None = None
     if means.options.full and not means.clock.late():
         means.tell("limit of rest", 1)
         if outer.stands is None:
-            rest = Found(outer, (), ())
+            rest = FoundBracket(outer, (), ())
         elif means.check is not None:
             scan = means.options.scan
-            search = Search(family, means.check, means.executor, stop=means.clock.late)
+            search = VerdictSearch(family, means.check, means.executor, stop=means.clock.late)
             rest = search.run(start, outer.stands, width=width, scan=scan, beyond=outer)
         else:
             uniform, rest, robust = _in_two_steps(
@@ -144,8 +166,8 @@ def searched(
 
 
 def _in_two_steps(
-    family: Family, span: tuple[float, float], outer: Bracket, width: float, means: Means
-) -> tuple[Found, Found, Bracket | None]:
+    family: Family, span: tuple[float, float], outer: Bracket, width: float, means: SearchSettings
+) -> tuple[FoundBracket, FoundBracket, Bracket | None]:
     """Limits for uniform stiffness, of the verdict, and of standing for every stiffness.
 
     The scan and the first bisection use uniform stiffness, which is fast. The verdict is computed
@@ -175,11 +197,16 @@ def _in_two_steps(
         so_far = full.so_far(start).bracket
         inside = uniform.bracket if so_far.stands is None else so_far
         bracket = Bracket(inside.stands, outer.falls, inside.standing, outer.falling)
-        return uniform, Found(bracket, uniform.islands, full.evaluations()), None
+        return uniform, FoundBracket(bracket, uniform.islands, full.evaluations()), None
 
 
 def _robust(
-    family: Family, full: Search, rest: Bracket, start: float, width: float, means: Means
+    family: Family,
+    full: VerdictSearch,
+    rest: Bracket,
+    start: float,
+    width: float,
+    means: SearchSettings,
 ) -> Bracket | None:
     """The limit of standing for every stiffness, from known values of the verdict."""
     search = means.search(family, every_stiffness, STANDS_OR_NOT)
@@ -188,10 +215,10 @@ def _robust(
         search.results[value] = result if robust else replace(result, verdict=Verdict.UNDECIDED)
     if rest.stands is None or _is_robust(full.results[rest.stands]):
         return search.so_far(start).bracket
-    by_way = sorted(search.results, key=lambda value: abs(value - start))
-    sensitive = next(value for value in by_way if search.stands(value) is False)
+    in_order = sorted(search.results, key=lambda value: abs(value - start))
+    sensitive = next(value for value in in_order if search.stands(value) is False)
     try:
-        return search.around(by_way[0], sensitive, (start, rest.stands), width=width).bracket
+        return search.around(in_order[0], sensitive, (start, rest.stands), width=width).bracket
     except Stopped:
         return search.so_far(start).bracket
 
@@ -210,4 +237,4 @@ def _refuse_nothing_to_do(family: Family, start: float) -> None:
         raise InputError("nothing loads the free blocks", remedy="give a load")
 
 
-__all__ = ["Means", "bisected", "searched"]
+__all__ = ["SearchSettings", "bisected", "searched"]

@@ -7,14 +7,12 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from drystone import stability
+from drystone.base.progress import Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
 
 Check: TypeAlias = Callable[[Model], Result]
 """A function that gives the verdict on a model."""
-
-Stop: TypeAlias = Callable[[], bool]
-"""Whether to stop. Once True, it must stay True."""
 
 SEARCHED = 500
 """Largest number of corners with which uniform stiffness is checked as thoroughly as by
@@ -67,7 +65,6 @@ __all__ = [
     "STANDS",
     "STANDS_OR_NOT",
     "Check",
-    "Stop",
     "every_stiffness",
     "one_stiffness",
     "verdict",

@@ -8,7 +8,6 @@ full verdict: the forces arise without prestress. It is searched inside the limi
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
 from functools import partial
 from typing import Any, Unpack
 
@@ -17,13 +16,13 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.bounds import load_factor_bound, tilt_bound
-from drystone.limits.inside import Means, bisected, searched
+from drystone.limits.inside import SearchSettings, bisected, searched
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_families import (
     Friction,
@@ -58,9 +57,9 @@ def limit_tilt(
     upper: float = 180.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -80,14 +79,6 @@ def limit_tilt(
         uniform contact stiffness, then with others where it falls.
     options
         The default width is 0.05 degree.
-    executor
-        Computes the values of a scan in parallel; the answer does not depend on it.
-    progress
-    stop
-        Called often; True ends the search with the brackets found so far. With an executor it is
-        called between the answers.
-    time_limit_s
-        Time after which the search ends with the brackets found so far.
 
     Examples
     --------
@@ -113,7 +104,7 @@ def limit_tilt(
             tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop),
             width,
         ),
-        Means(check, chosen, executor, progress, stop, time_limit_s),
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -125,9 +116,9 @@ def limit_friction(
     scaled: bool = False,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -150,7 +141,7 @@ def limit_friction(
     start = largest if upper is None else number(upper, "the largest friction")
     if start <= 0.0:
         raise InputError(f"the largest friction is {start}", remedy="give a number above zero")
-    means = Means(check, chosen, executor, progress, stop, time_limit_s)
+    means = SearchSettings(check, chosen, executor, progress, stop, time_limit_s)
     return bisected(family, start, 0.0, 1e-3, means)
 
 
@@ -162,9 +153,9 @@ def limit_load(
     upper: float = 1000.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -196,7 +187,7 @@ def limit_load(
         lambda stop: load_factor_bound(
             family, last, share=1e-4, width=chosen.width, cone=chosen.cone, stop=stop
         ),
-        Means(check, chosen, executor, progress, stop, time_limit_s),
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -206,9 +197,9 @@ def limit_shrink(
     *,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Limit:
@@ -221,7 +212,11 @@ def limit_shrink(
     model = supported_model(given, **how)
     family = Shrunk(model)
     return bisected(
-        family, 1.0, 0.0, 1e-3, Means(check, chosen, executor, progress, stop, time_limit_s)
+        family,
+        1.0,
+        0.0,
+        1e-3,
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 
@@ -237,9 +232,9 @@ def limit_thickness(
     unit: str = "",
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
 ) -> Limit:
     """The least thickness, or another parameter, at which a parametric model stands.
@@ -275,7 +270,11 @@ def limit_thickness(
     family = Parametric(build, finder, parameter, unit)
     width = 1e-5 * abs(first - last)
     return bisected(
-        family, first, last, width, Means(check, chosen, executor, progress, stop, time_limit_s)
+        family,
+        first,
+        last,
+        width,
+        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
     )
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Unpack
@@ -13,16 +11,16 @@ import numpy as np
 from drystone.base.arrays import Floats, whole
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
+from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.brackets import Bracket
 from drystone.limits.limit_checks import Check
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.limits import limit_tilt
 from drystone.model import Model
-from drystone.stability.problem import Clock
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +124,9 @@ def tilt_sweep(
     upper: float = 180.0,
     check: Check | None = None,
     options: LimitOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> TiltSweep:
@@ -142,13 +140,6 @@ def tilt_sweep(
         A model; or an assembly or a file that ``how`` turns into one.
     directions
         Number of azimuths, the first along x: the assembly leans towards each of them.
-    executor
-        Computes the directions in parallel; the answer does not depend on it.
-    stop
-        Called often, with an executor between the directions; True ends the sweep with the complete
-        directions.
-    time_limit_s
-        Time after which the sweep ends with the complete directions.
     """
     if whole(directions, "the number of directions") < 1:
         raise InputError(f"{directions} directions", remedy="give one or more")
@@ -158,20 +149,16 @@ def tilt_sweep(
     clock = Clock(time_limit_s, stop)
     model = supported_model(given, **how)
     asked: dict[str, Any] = {"upper": upper, "check": check, "options": options}
-    if executor is None:
-        asked["stop"] = clock.late
+    asked["stop"] = clock.late
     task = partial(_one, model, **asked)
-    answers: Iterable[Limit]
-    answers = map(task, axes) if executor is None else executor.map(task, axes)
     limits: list[Limit] = []
-    for limit in answers:
-        if limit.stopped:
-            break
-        limits.append(limit)
-        if progress is not None:
-            progress("directions", len(limits), directions)
-        if len(limits) < directions and clock.late():
-            break
+    with WorkerPool(executor) as pool:
+        for limit in pool.answers(task, axes, clock.late):
+            if limit.stopped:
+                break
+            limits.append(limit)
+            if progress is not None:
+                progress("directions", len(limits), directions)
     known = len(limits)
     missing = tuple(azimuth[known:].tolist())
     stopped = ""

@@ -10,8 +10,10 @@ from operator import itemgetter
 
 import numpy as np
 
-from drystone.limits.brackets import Bracket, Evaluation, Found
-from drystone.limits.limit_checks import STANDS, Check, Stop
+from drystone.base.progress import Stop
+from drystone.base.workers import WorkerPool
+from drystone.limits.brackets import Bracket, Evaluation, FoundBracket
+from drystone.limits.limit_checks import STANDS, Check
 from drystone.limits.limit_families import Family
 from drystone.results import Result, Verdict
 
@@ -23,7 +25,7 @@ class Stopped(Exception):
     """The search was asked to stop. It keeps what it found."""
 
 
-class Search:
+class VerdictSearch:
     """A search along one family; keeps all tried values.
 
     Parameters
@@ -70,20 +72,20 @@ class Search:
         if new and self.stop():
             raise Stopped
         task = partial(evaluate, self.family, self.check)
-        if self.executor is None or len(new) < 2:
-            answers: Iterable[Result] = map(task, new)
-        else:
-            answers = self.executor.map(task, new)
-        for value, answer in zip(new, answers, strict=True):
+        pool = WorkerPool(self.executor if len(new) > 1 else None)
+        late = self.stop if self.executor is not None else bool
+        for value, answer in zip(new, pool.answers(task, new, late), strict=False):
             stopped = self.stop()
             if not (stopped and answer.verdict is Verdict.UNDECIDED):
                 self.results[value] = answer
             if stopped:
                 raise Stopped
+        if new and new[-1] not in self.results:
+            raise Stopped
 
     def run(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
-    ) -> Found:
+    ) -> FoundBracket:
         """Bracket the first change of the verdict between ``start`` and ``end``.
 
         Parameters
@@ -101,7 +103,7 @@ class Search:
 
         Returns
         -------
-        Found
+        FoundBracket
             If the search was stopped: the result of the values tried so far.
         """
         try:
@@ -111,7 +113,7 @@ class Search:
 
     def from_start(
         self, start: float, end: float, *, width: float, scan: int, beyond: Bracket | None = None
-    ) -> Found:
+    ) -> FoundBracket:
         """As :meth:`run`; where it falls at the start no other value is tried."""
         try:
             held = self.stands(start)
@@ -121,7 +123,7 @@ class Search:
             return self.so_far(start)
         return self.run(start, end, width=width, scan=scan, beyond=beyond)
 
-    def so_far(self, start: float, beyond: Bracket | None = None) -> Found:
+    def so_far(self, start: float, beyond: Bracket | None = None) -> FoundBracket:
         """The result of the values tried so far, in order from the start."""
         tried = sorted(self.results, key=lambda value: abs(value - start))
         held = [self.meaning[self.results[value].verdict] for value in tried]
@@ -146,7 +148,7 @@ class Search:
         *,
         width: float,
         beyond: Bracket | None = None,
-    ) -> Found:
+    ) -> FoundBracket:
         """Bracket the change of the verdict by growing steps from two guesses.
 
         No value far from the change is tried: a check that falls is slow.
@@ -173,8 +175,8 @@ class Search:
         inside, outside = bracket.stands, bracket.falls
         if inside is not None and inside != end:
             ends = abs(inside - start), np.inf if outside is None else abs(outside - start)
-            by_way = sorted(self.results, key=lambda value: abs(value - start))
-            doubtful = [value for value in by_way if ends[0] < abs(value - start) < ends[1]]
+            in_order = sorted(self.results, key=lambda value: abs(value - start))
+            doubtful = [value for value in in_order if ends[0] < abs(value - start) < ends[1]]
             self._close(inside, outside, doubtful, width)
         return self.so_far(start, beyond)
 
@@ -188,7 +190,7 @@ class Search:
 
     def _run(
         self, start: float, end: float, width: float, scan: int, beyond: Bracket | None
-    ) -> Found:
+    ) -> FoundBracket:
         grid = np.linspace(start, end, max(scan, 1) + 1).tolist()
         self.evaluate(grid)
         held = [self.stands(value) for value in grid]
@@ -247,8 +249,8 @@ class Search:
             else:
                 doubtful.append(middle)
 
-    def _found(self, bracket: Bracket, islands: tuple[tuple[float, float], ...]) -> Found:
-        return Found(bracket, islands, self.evaluations())
+    def _found(self, bracket: Bracket, islands: tuple[tuple[float, float], ...]) -> FoundBracket:
+        return FoundBracket(bracket, islands, self.evaluations())
 
     def evaluations(self) -> tuple[Evaluation, ...]:
         """Tried values, in ascending order."""
@@ -281,4 +283,4 @@ def _runs(
     return tuple(runs)
 
 
-__all__ = ["Search", "Stopped", "evaluate"]
+__all__ = ["Stopped", "VerdictSearch", "evaluate"]

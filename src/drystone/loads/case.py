@@ -136,7 +136,7 @@ class LoadCase(OneLine):
     ) -> LoadCase:
         """Self-weight when the whole assembly is turned counter-clockwise about ``axis``.
 
-        The blocks are not moved; gravity turns the other way, which is equivalent.
+        The blocks are not moved; gravity turns in the opposite sense, which is equivalent.
 
         Parameters
         ----------

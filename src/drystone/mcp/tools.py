@@ -46,8 +46,8 @@ class Subject(BaseModel):
     )
     supports: str | list[str] | None = Field(
         None,
-        description="Fixed blocks: 'lowest', 'below:Z', names and patterns by commas, or a list "
-        "of names. Left out, those that the model marks.",
+        description="Fixed blocks: 'lowest', 'below:Z', names and patterns separated by commas, or "
+        "a list of names. Left out, those that the model marks.",
     )
     friction: Number | None = Field(
         None, ge=0.0, description="Coefficient of all joints. Left out, that of the model, or 0.6."

@@ -116,7 +116,11 @@ def overhang(offsets: Sequence[float], size: Sequence[float] = (1.0, 0.5, 0.25))
         ``brick-00``, fixed, and a brick for each offset.
     """
     length, depth, height = (float(s) for s in size)
-    require(all(abs(o) < length for o in offsets), "a brick misses the one below", "shift it less")
+    require(
+        all(abs(o) < length for o in offsets),
+        "a brick does not rest on the one below",
+        "reduce the shift",
+    )
     place = np.concatenate([[0.0], np.cumsum(np.asarray(offsets, dtype=np.float64))])
     bricks = [
         box((length, depth, height), (x, 0.0, i * height), f"brick-{i:02d}")

@@ -1,5 +1,6 @@
 """Assembly planning: the order of placement, held blocks and props."""
 
+from drystone.base.workers import DaskWorkers, ExecutorFactory, LocalWorkers
 from drystone.sequence.cut_loop import CutLoop, CutOptions, cut_until_free
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, design_cuts, tilted_cuts
 from drystone.sequence.friction_sweeps import (
@@ -41,7 +42,6 @@ from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage
 from drystone.sequence.stage.structure import Structure
-from drystone.sequence.stage.workers import DaskWorkers, ExecutorFactory, LocalWorkers
 from drystone.sequence.turns import Turn, Turns, take_turns
 
 __all__ = [

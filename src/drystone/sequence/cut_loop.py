@@ -11,7 +11,7 @@ Source: Kao 2023, chapter 7.3 (discretise, check, modify, sequence, and back).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,8 +20,8 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress
-from drystone.base.settings import Options
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import Options, checked_call
 from drystone.model import Model
 from drystone.sequence.cuts import Cut, CutDesign, Trial, cut_block, stands_on_cut, tilted_cuts
 from drystone.sequence.planner import PlanOptions, plan
@@ -104,12 +104,14 @@ class CutLoop(OneLine):
         return self.message
 
 
+@checked_call
 def cut_until_free(
     block: Block,
     *,
     options: CutOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
 ) -> CutLoop:
     """Cut a shape into blocks that are all placed alone and stand at once.
@@ -119,11 +121,6 @@ def cut_until_free(
     block
         The shape; its lowest part becomes the support.
     options
-    progress
-    stop
-        Called before each plan; True ends the loop with the last blocks.
-    time_limit_s
-        Time after which it ends.
 
     Examples
     --------
@@ -151,7 +148,7 @@ def cut_until_free(
         else:
             design = made
             model = Model.of(design.assembly, friction=chosen.friction)
-            found = plan(model, options=chosen.plan, stop=clock.late)
+            found = plan(model, options=chosen.plan, executor=executor, stop=clock.late)
             helped = _helped(found)
             if not helped:
                 count = counted(len(recuts), "recut")
@@ -174,30 +171,30 @@ def proposed_cuts(block: Block, options: CutOptions) -> list[list[Cut]]:
     """Per place, from the bottom up, the cuts in the order of preference."""
     low, high = float(block.vertices[:, 2].min()), float(block.vertices[:, 2].max())
     height = (high - low) / options.blocks
-    levels = low + height * np.arange(1, options.blocks)
-    middles = [_middle(block, float(level)) for level in levels]
+    heights = low + height * np.arange(1, options.blocks)
+    middles = [_middle(block, float(z)) for z in heights]
     lean = middles[-1] - _middle(block, low + 0.01 * height)
     lean[2] = 0.0
     leans = float(np.linalg.norm(lean)) > UPRIGHT * (high - low)
     edge = np.cross(UP, lean) if leans else np.array([0.0, 1.0, 0.0])
     turns = [0.0, *(sign * tilt for tilt in options.tilts_deg for sign in (1.0, -1.0))]
     out = []
-    for level in levels:
+    for z in heights:
         some: list[Cut] = []
         for shift in (0.0, *options.shifts):
-            point = _middle(block, float(level) + shift * height)
+            point = _middle(block, float(z) + shift * height)
             some += tilted_cuts(point, UP, edge, turns)
             some += [Cut(point, UP, notch, edge) for notch in options.notches_deg]
         out.append(some)
     return out
 
 
-def _middle(block: Block, level: float) -> Floats:
+def _middle(block: Block, z: float) -> Floats:
     """The mean corner of the section of a block at a height."""
-    above, _ = cut_block(block, Cut(np.array([0.0, 0.0, level]), UP))
+    above, _ = cut_block(block, Cut(np.array([0.0, 0.0, z]), UP))
     corners = np.concatenate([piece.vertices for piece in above])
-    near = np.abs(corners[:, 2] - level) <= 1e-6 * float(np.ptp(block.vertices[:, 2]))
-    return np.asarray(np.append(corners[near, :2].mean(axis=0), level))
+    near = np.abs(corners[:, 2] - z) <= 1e-6 * float(np.ptp(block.vertices[:, 2]))
+    return np.asarray(np.append(corners[near, :2].mean(axis=0), z))
 
 
 def _cut(

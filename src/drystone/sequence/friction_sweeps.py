@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.model import Model
@@ -64,9 +64,9 @@ def sweep_friction(
     frictions: Sequence[float],
     plan_at: PlanAt,
     *,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
 ) -> FrictionSweep:
     """Plan at several friction coefficients, each the same for all joints.
@@ -76,14 +76,6 @@ def sweep_friction(
     model
     frictions
     plan_at
-    executor
-        Computes coefficients in parallel.
-    progress
-    stop
-        Called between two plans; True ends the work.
-    time_limit_s
-        Time after which the work ends. The sweep then has the plans found so far, from the least
-        friction on.
     """
     if not frictions:
         raise InputError("no friction coefficient", where="sweep", remedy="give one or more")
@@ -120,7 +112,7 @@ def at_other_friction(plan: Plan, other: Plan) -> tuple[Plan | None, str]:
         Plan of the same blocks and joints at another friction.
     """
     if set(plan.impossible) != set(other.impossible):
-        return None, "other blocks cannot be put in"
+        return None, "other blocks cannot be inserted"
     steps = []
     limit = strength(plan.rules, other.model)[2]
     with Evaluator(other.model) as evaluator:
@@ -146,12 +138,23 @@ def at_other_friction(plan: Plan, other: Plan) -> tuple[Plan | None, str]:
         ), ""
 
 
+@checked_call
 def least_buildable_friction(
-    model: Model, plan_at: PlanAt, *, upper: float, width: float = 0.005
+    model: Model,
+    plan_at: PlanAt,
+    *,
+    upper: float,
+    width: float = 0.005,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> tuple[float, float]:
     """Bracket of the least friction without props: (too little, enough).
 
-    It is found by bisection, on the assumption that more friction never increases the help.
+    It is found by bisection, on the assumption that more friction never increases the help. Each
+    plan needs the one before, so an ``executor`` has nothing to share. Ended early, the bracket is
+    wider.
 
     Parameters
     ----------
@@ -167,10 +170,17 @@ def least_buildable_friction(
     InputError
         There is no such plan at ``upper``.
     """
+    del executor  # one chain of plans
+    clock = Clock(time_limit_s, stop)
     low, high = 0.0, float(upper)
     if not _unpropped(plan_at(model.with_friction(high))):
         raise InputError(f"there is no plan without props at friction {high:g}")
-    while high - low > width:
+    steps = math.ceil(math.log2(max(high / width, 1.0)))
+    for number in range(steps):
+        if clock.late():
+            break
+        if progress is not None:
+            progress("least friction", number, steps)
         middle = 0.5 * (low + high)
         if _unpropped(plan_at(model.with_friction(middle))):
             high = middle

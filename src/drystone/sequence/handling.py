@@ -9,17 +9,21 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from drystone.assembly import Block
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
+from drystone.base.errors import counted
 from drystone.base.files import PathLike, write_bytes
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.sequence.motion.joint_cones import Joints, face_at
 from drystone.sequence.motion.path_search import PathFinder
 from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath
@@ -205,17 +209,21 @@ class Handling(OneLine):
         write_bytes(path, out.getvalue().encode("utf-8"))
 
 
+@checked_call
 def handling(
     plan: Plan,
     robots: Sequence[Robot] = (),
     *,
     options: PathOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Handling:
     """The placements and holds of a plan, for robots.
 
     Robots take turns. The next robot in the list places the next block; robots that hold a block or
-    cannot place it are skipped.
+    cannot place it are skipped. Ended early, the first placements are there and a note says so.
 
     Parameters
     ----------
@@ -225,7 +233,6 @@ def handling(
         When left out, placements have no robot.
     options
         Options of the search for paths; up is opposite to the load unless given.
-    progress
 
     Examples
     --------
@@ -244,19 +251,28 @@ def handling(
     notes: list[str] = []
     turn = 0
     total = sum(len(step.blocks) for step in plan.steps)
+    clock = Clock(time_limit_s, stop)
+    with WorkerPool(executor) as pool:
+        paths = []
+        for found in pool.answers(partial(_path, finder), _in_order(plan), clock.late):
+            paths.append(found)
+            if progress is not None:
+                progress("paths of insertion", len(paths), total)
+    if len(paths) < total:
+        notes.append(f"{clock.reason} after {len(paths)} of {counted(total, 'path')}")
     for number, step in enumerate(plan.steps):
-        here = np.array(model.assembly.fixed)
-        here[list(plan.impossible)] = True
-        here[list(members(placed_before(plan, number)))] = True
+        here = _placed_before(plan, number)
         busy: set[int] = set()
         for place, block in enumerate(step.blocks):
             body = model.assembly.blocks[block]
+            if len(placements) == len(paths):
+                return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
             who = _next(team, turn, busy, body)
             if who is None and team:
                 free = [robot for i, robot in enumerate(team) if i not in busy]
                 notes.append(f"'{body.name}': {_why_none(free, body)}")
             robot = "" if who is None else team[who].name
-            found = finder.path(block, here)
+            found = paths[len(placements)]
             if isinstance(found, NoPath):
                 notes.append(f"'{body.name}': no path was found: {found.reason}")
             after = here.copy()
@@ -273,9 +289,28 @@ def handling(
                 holds.append(Hold(block, body.name, robot, last, most[:3], most[3:]))
                 busy |= set() if who is None else {who}
             turn = turn if who is None else who + 1
-            if progress is not None:
-                progress("paths of insertion", len(placements), total)
     return Handling(plan, team, tuple(placements), tuple(holds), tuple(notes))
+
+
+def _placed_before(plan: Plan, number: int) -> Bools:
+    """The blocks (n,) that are in place before a step."""
+    here = np.array(plan.model.assembly.fixed)
+    here[list(plan.impossible)] = True
+    here[list(members(placed_before(plan, number)))] = True
+    return here
+
+
+def _in_order(plan: Plan) -> Iterator[tuple[int, Bools]]:
+    """Each block in the order of placement, with the blocks (n,) that are in place before."""
+    for number, step in enumerate(plan.steps):
+        here = _placed_before(plan, number)
+        for block in step.blocks:
+            yield block, here.copy()
+            here[block] = True
+
+
+def _path(finder: PathFinder, job: tuple[int, Bools]) -> RemovalPath | NoPath:
+    return finder.path(*job)
 
 
 def _next(team: Sequence[Robot], turn: int, busy: set[int], body: Block) -> int | None:

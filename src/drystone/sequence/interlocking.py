@@ -14,8 +14,7 @@ ACM Trans. Graph. 38 (6)), who show that this is the same as equilibrium under e
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from concurrent.futures import Executor
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Unpack
 
@@ -25,7 +24,9 @@ from scipy import sparse
 from drystone.base.arrays import Bools, Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, SolverError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -223,17 +224,22 @@ class GravityRegion(OneLine):
         return out if self.stands is None else out | {"stands": float(self.stands.mean())}
 
 
+@checked_call
 def gravity_region(
     given: Given,
     key: int | str | Sequence[int | str] | None = None,
     *,
     directions: int | Floats = 200,
     stands: bool = False,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> GravityRegion:
     """The directions of gravity in which an assembly holds, without and with friction.
+
+    Ended early, the result has the first directions, at least one.
 
     Parameters
     ----------
@@ -245,9 +251,6 @@ def gravity_region(
         Number of directions, evenly spread over the sphere, or the directions (g, 3).
     stands
         Whether to compute the full verdict too. It takes longer.
-    executor
-        Checks directions in parallel.
-    progress
 
     Examples
     --------
@@ -272,14 +275,14 @@ def gravity_region(
         unit = given_ones / length
     jobs = [(model, tuple(one), stands) for one in unit.tolist()]
     found: list[tuple[bool, bool, bool]] = []
-    answers: Iterable[tuple[bool, bool, bool]] = (
-        map(_held, jobs) if executor is None else executor.map(_held, jobs)
-    )
-    for answer in answers:
-        found.append(answer)
-        if progress is not None:
-            progress("directions", len(found), len(jobs))
+    clock = Clock(time_limit_s, stop)
+    with WorkerPool(executor) as pool:
+        for answer in pool.answers(_held, jobs, lambda: bool(found) and clock.late()):
+            found.append(answer)
+            if progress is not None:
+                progress("directions", len(found), len(jobs))
     table = np.array(found, dtype=bool).reshape(-1, 3)
+    unit = unit[: len(found)]
     return GravityRegion(model, unit, table[:, 0], table[:, 1], table[:, 2] if stands else None)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
@@ -14,9 +13,10 @@ import numpy as np
 from drystone.base.arrays import of_type
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
+from drystone.base.workers import WorkerPool
 from drystone.limits import LimitOptions, limit_friction, tilt_sweep
 from drystone.sequence.plans import Plan
 from drystone.sequence.stage.stages import Stage, mask_of, members
@@ -127,9 +127,9 @@ def margins(
     plan: Plan,
     *,
     options: MarginOptions | None = None,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
 ) -> Margins:
     """Least friction and tilt limit of every stage of a plan, with its props in place.
@@ -140,13 +140,6 @@ def margins(
     ----------
     plan
     options
-    executor
-        Computes stages in parallel.
-    progress
-    stop
-        Called between two stages; True ends the work.
-    time_limit_s
-        Time after which the work ends. Margins of the remaining stages are NaN.
     """
     of_type(plan, Plan, "the plan", "give what drystone.plan answers")
     chosen = MarginOptions.of(options)
@@ -162,22 +155,16 @@ def in_turn(
     task: Callable[[Given], Found],
     values: Sequence[Given],
     name: str,
-    executor: Executor | None,
+    executor: Workers | None,
     progress: Progress | None,
     clock: Clock,
 ) -> Iterator[Found]:
     """Results of a task for several values, in order, until the time limit."""
-    futures = [] if executor is None else [executor.submit(task, value) for value in values]
-    try:
-        for number, value in enumerate(values):
-            if clock.late():
-                return
-            yield futures[number].result() if futures else task(value)
+    with WorkerPool(executor) as pool:
+        for number, found in enumerate(pool.answers(task, values, clock.late), start=1):
+            yield found
             if progress is not None:
-                progress(name, number + 1, len(values))
-    finally:
-        for future in futures:
-            future.cancel()
+                progress(name, number, len(values))
 
 
 def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> Margin:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Unpack
 
 import numpy as np
 
 from drystone.base.files import PathLike
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
@@ -24,7 +23,7 @@ from drystone.sequence.scaffold.scaffolded_stages import (
     ScaffoldOptions,
     Support,
 )
-from drystone.sequence.search.best_first import Search
+from drystone.sequence.search.best_first import OrderSearch
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.search.states import Node, SearchOptions
@@ -32,14 +31,13 @@ from drystone.sequence.stage.evaluation import Evaluator, Stopped
 from drystone.sequence.stage.stage_checks import Check, check_both, check_thoroughly
 from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
-from drystone.sequence.stage.workers import ExecutorFactory
 from drystone.stability.screening import Screening, stage_screening
 
-EFFORT, LARGE = 800.0, 100.0
+EFFORT, LARGE = 1600.0, 50.0
 """The planner holds or props blocks after EFFORT / n checks without progress, with n free blocks
-in the largest connected part; above LARGE blocks after EFFORT * LARGE / n**2. This gives 100 checks
-for 8 blocks (most stages can be checked), 20 for a vault of 40 blocks, 13 for a dome of 60, and
-none for 400."""
+in the largest connected part; above LARGE blocks after EFFORT * LARGE / n**2. This gives 200 checks
+for 8 blocks (most stages can be checked), 40 for a vault of 40 blocks, 22 for a dome of 60, and
+none for 400. With half of it a shell of 42 blocks has 21 props instead of 12."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +50,9 @@ class PlanOptions(Options):
     exact
         Search all orders, for models with at most 14 free blocks.
     patience
-        Checks without progress before blocks are held or propped. When left out: 800 divided by the
-        number of free blocks in the largest connected part, fewer above 100 blocks. Infinite: the
-        plan is proved to need the fewest props.
+        Checks without progress before blocks are held or propped. When left out: 1600 divided by
+        the number of free blocks in the largest connected part, fewer above 50 blocks. Infinite:
+        the plan is proved to need the fewest props.
     width
         Number of blocks tried for removal at each stage. The default covers the ends of a course
         and a few more.
@@ -90,10 +88,10 @@ def plan(
     options: PlanOptions | None = None,
     check: Check | None = None,
     screening: Sequence[Screening] | None = None,
-    executor: Executor | ExecutorFactory | None = None,
     checkpoint: PathLike | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Plan:
@@ -113,16 +111,8 @@ def plan(
     screening
         Screening levels of a stage before its check, in order. When left out: those of
         :func:`drystone.stability.stage_screening` without ``check``, none with it.
-    executor
-        Checks stages in parallel: an executor, or a function that starts one and is called again
-        when it fails. The plan does not depend on it.
     checkpoint
         File from which the search continues after an interruption.
-    progress
-    stop
-        Called before each stage; True ends the search.
-    time_limit_s
-        Time after which the search ends.
 
     Returns
     -------
@@ -215,7 +205,7 @@ class _Planner:
             kind, bearing = self.options.scaffold, self.options.scaffold_options
             scaffold = ScaffoldedStages(self.model.model, kind, bearing)
         while True:
-            search = Search(
+            search = OrderSearch(
                 self.evaluator,
                 self.bound,
                 self.removal,
@@ -311,14 +301,14 @@ def _refusal(complete: Answer, names: Sequence[str]) -> str:
 
 def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]) -> str:
     if not steps:
-        return "no block can be taken out" if impossible else "nothing is to be placed"
+        return "no block can be removed" if impossible else "there is no block to place"
     unsure = sum(not step.answer.stands for step in steps)
     settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
     words = []
     if not complete.stands:
         words.append("the complete structure does not stand without its props")
     if impossible:
-        words.append(f"{len(impossible)} blocks cannot be put in")
+        words.append(f"{len(impossible)} blocks cannot be inserted")
     if unsure:
         words.append(f"{unsure} stages could not be shown to stand")
     if settled:

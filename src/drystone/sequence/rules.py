@@ -79,7 +79,7 @@ class Bound:
     rules
     after : per block the set of blocks that must be placed later
     rank : (n,) lower is removed earlier
-    level : (n,) blocks of a lower level stay while one of a higher level can leave
+    course : (n,) blocks of a lower course stay while one of a higher course can leave
     hands
         Hands or robots.
     lifters : (n,) hands that a block needs
@@ -92,7 +92,7 @@ class Bound:
     rules: Rules
     after: tuple[int, ...]
     rank: Ints
-    level: Floats
+    course: Floats
     hands: int
     lifters: Ints
     limit: Floats
@@ -119,9 +119,9 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> Bound:
     hands, lifters, limit = strength(rules, model)
     after = _after(rules, model)
     core, reasons = _locked(rules, model, removal, after, lifters, hands)
-    level = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
+    course = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
     rank = removal_rank(rules.order, model)
-    return Bound(rules, after, rank, level, hands, lifters, limit, core, reasons)
+    return Bound(rules, after, rank, course, hands, lifters, limit, core, reasons)
 
 
 def strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
@@ -220,7 +220,7 @@ def _after(rules: Rules, model: Structure) -> tuple[int, ...]:
     except CycleError as error:
         names = " before ".join(f"'{assembly.names[b]}'" for b in reversed(error.args[1]))
         raise InputError(
-            f"the precedence contradicts itself: {names}",
+            f"the order of precedence contradicts itself: {names}",
             where="before",
             remedy="drop one of these",
         ) from error

@@ -7,8 +7,9 @@ vault", sequential assembly of an arch by two robots).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -16,12 +17,14 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.robots import Robot, check_robots
 from drystone.sequence.stage.stage_checks import Check, check_both
-from drystone.sequence.stage.stages import Stage, mask_of
+from drystone.sequence.stage.stages import Answer, Stage, mask_of
 from drystone.sequence.stage.structure import Structure
 
 GRAVITY = 9.81
@@ -74,10 +77,13 @@ class Turns(OneLine):
         One per block, in the order of assembly, up to the first failure.
     complete
         Verdict on the complete structure without holds; None if it was not reached.
+    stopped
+        Why it was ended early; empty otherwise.
     """
 
     turns: tuple[Turn, ...]
     complete: Verdict | None
+    stopped: str = ""
 
     @property
     def works(self) -> bool:
@@ -90,13 +96,17 @@ class Turns(OneLine):
         return max((float(np.linalg.norm(turn.force)) for turn in self.turns), default=0.0)
 
 
+@checked_call
 def take_turns(
     given: Given,
     order: Sequence[int | str] | None = None,
     robots: Sequence[Robot] = (Robot("left"), Robot("right")),
     *,
     check: Check = check_both,
+    executor: Workers | None = None,
     progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Turns:
     """Whether two or more robots can build a structure by holding the last block in turn.
@@ -111,7 +121,6 @@ def take_turns(
         Two or more. The first places the first block, the second the next one, and so on.
     check
         Function that gives the verdict on a stage.
-    progress
 
     Raises
     ------
@@ -133,18 +142,39 @@ def take_turns(
     blocks = assembly.free.tolist() if order is None else assembly.indices(order).tolist()
     if sorted(blocks) != assembly.free.tolist():
         raise InputError(
-            "the order is not one of all free blocks",
+            "the order does not name all free blocks",
             where="order",
             remedy="name every block that is not a support once",
         )
-    turns = []
-    for number, block in enumerate(blocks):
+    stages = [
+        Stage(mask_of(blocks[: number + 1]), mask_of([block]))
+        for number, block in enumerate(blocks)
+    ]
+    stages.append(Stage(structure.everything))
+    clock = Clock(time_limit_s, stop)
+    with WorkerPool(executor) as pool:
+        found = pool.answers(partial(_answer, structure), stages, clock.late)
+        return _turns(structure, blocks, team, found, progress, clock)
+
+
+def _answer(structure: Structure, stage: Stage) -> Answer:
+    stage = Stage(*stage)
+    return structure.combine(stage, [structure.solve(part) for part in structure.parts(stage)])
+
+
+def _turns(
+    structure: Structure,
+    blocks: Sequence[int],
+    team: Sequence[Robot],
+    answers: Iterator[Answer],
+    progress: Progress | None,
+    clock: Clock,
+) -> Turns:
+    """The turns from the answers of their stages, and that of the complete structure."""
+    assembly = structure.assembly
+    turns: list[Turn] = []
+    for number, (block, answer) in enumerate(zip(blocks, answers, strict=False)):
         robot = team[number % len(team)]
-        placed = mask_of(blocks[: number + 1])
-        parts = structure.parts(Stage(placed, mask_of([block])))
-        answer = structure.combine(
-            Stage(placed, mask_of([block])), [structure.solve(part) for part in parts]
-        )
         wrench = answer.reaction.get(block, -structure.load.wrench[block])
         body = assembly.blocks[block]
         force = float(np.linalg.norm(wrench[:3]))
@@ -165,9 +195,8 @@ def take_turns(
             progress("turns", number + 1, len(blocks))
         if not turns[-1].works:
             return Turns(tuple(turns), None)
-    whole = Stage(structure.everything)
-    answer = structure.combine(whole, [structure.solve(p) for p in structure.parts(whole)])
-    return Turns(tuple(turns), answer.verdict)
+    whole = next(answers, None)
+    return Turns(tuple(turns), None if whole is None else whole.verdict, clock.reason)
 
 
 __all__ = ["Turn", "Turns", "take_turns"]

@@ -48,7 +48,7 @@ KEPT = 120
 """Moments that are kept; of more, every other one is left out."""
 
 
-class Moment(NamedTuple):
+class DrivenState(NamedTuple):
     """The blocks after an increment.
 
     Attributes
@@ -72,7 +72,7 @@ class Driver(Follower):
     ----------
     bodies
     fall
-        Way of a block by its size, while what drives is held, at which it is said to fall.
+        Travel of a block, while what drives is held, at which it is said to fall.
     pace
         Length of the increments, 1 by default.
     stop
@@ -94,8 +94,8 @@ class Driver(Follower):
         self.reached = self.distance = self.factor = self.next_factor = 0.0
         self.measure: Callable[[], tuple[float, float]] = lambda: (self.reached, self.factor)
         self.curve: list[tuple[float, float]] = []
-        self.moments: list[Moment] = []
-        self.last: Moment | None = None
+        self.moments: list[DrivenState] = []
+        self.last: DrivenState | None = None
         self.every, self.passed = 1, 0
         self.whole = bodies.friction
 
@@ -122,8 +122,8 @@ class Driver(Follower):
     def shift(self, motion: Floats, tell: Callable[[float], None]) -> str:
         """Supports move by a motion (n, 6), from the share 0 to the share 1 of it."""
         self.measure = lambda: (self.reached, self._on_supports(motion))
-        way = np.abs(motion).max(initial=0.0)
-        first = min(self._limit() / max(float(way), 1e-300), 1.0)
+        far = np.abs(motion).max(initial=0.0)
+        first = min(self._limit() / max(float(far), 1e-300), 1.0)
 
         def advance(step: float) -> tuple[_Increment | None, Floats]:
             part = step * motion
@@ -209,14 +209,14 @@ class Driver(Follower):
         size = float(self.bodies.size[self.bodies.free].min(initial=np.inf))
         return self.pace * LONGEST * size
 
-    def _way(self) -> Floats:
+    def _travel(self) -> Floats:
         """(f,) of each free block since what drives was last held, by its size."""
         bodies, free = self.bodies, self.bodies.free
         gone = np.linalg.norm(self.pose.place[free] - self.base.place[free], axis=1)
         turned = self.pose.turn[free] @ np.swapaxes(self.base.turn[free], 1, 2)
         angle = np.arccos(np.clip(0.5 * (np.trace(turned, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
-        way: Floats = (gone + angle * bodies.radius[free]) / bodies.size[free]
-        return way
+        travel: Floats = (gone + angle * bodies.radius[free]) / bodies.size[free]
+        return travel
 
     def _gone(self) -> float:
         """Largest displacement of a centroid from the beginning."""
@@ -235,7 +235,7 @@ class Driver(Follower):
         """Keep the moment; of too many, every other one but first, last and largest load."""
         displacement, load = self.measure()
         self.curve.append((displacement, load))
-        self.last = Moment(displacement, load, self.pose, self.placed, self.response)
+        self.last = DrivenState(displacement, load, self.pose, self.placed, self.response)
         self.passed += 1
         if self.passed < self.every and load <= max(one.load for one in self.moments):
             return
@@ -246,7 +246,7 @@ class Driver(Follower):
             self.moments = [one for i, one in enumerate(self.moments) if i % 2 == 0 or i == top]
             self.every *= 2
 
-    def kept(self) -> list[Moment]:
+    def kept(self) -> list[DrivenState]:
         """The moments that were kept, and the last one."""
         last = [] if self.last is None or self.last is self.moments[-1] else [self.last]
         return [*self.moments, *last]
@@ -305,4 +305,4 @@ class Driver(Follower):
             self.factor = self.next_factor
 
 
-__all__ = ["Driver", "Moment"]
+__all__ = ["DrivenState", "Driver"]

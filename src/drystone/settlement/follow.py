@@ -51,7 +51,7 @@ STEP, LONG_STEP = 2e-4, 2e-3
 """Longest increment relative to a block's size, and the same where the structure clearly moves:
 then the only question is whether it stops."""
 FAR, CLEAR = 0.03, 0.3
-"""Way by a block's size, and share of the load that the contacts do not carry, from which on it
+"""Travel, and share of the load that the contacts do not carry, from which on it
 clearly moves on. Wedges that slide and jam leave no more than 0.15 to the drag."""
 STRETCH, STRETCHED, LONGEST = 1.5, 50.0, 1e-2
 """What a steady increment does to the longest one, how much longer than at first it may become, and
@@ -75,9 +75,9 @@ fall without obstacles takes 135."""
 FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
 SQUEEZED, GROWN = 20.0, 1.5
-"""Overlap of a corner by that under the mean load, and by its own at half of the way, from which on
-springs give way: a plug that tapers by 0.05 degrees presses with 570 times its weight in the end,
-and the overlap grows with its way. Forces on what slides or topples hardly change."""
+"""Overlap of a corner by that under the mean load, and by its own at half of the travel, from which
+on springs are too soft: a plug that tapers by 0.05 degrees presses with 570 times its weight in the
+end, and the overlap grows with its travel. Forces on what slides or topples hardly change."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,13 +91,13 @@ class Track:
         Poses from first to last.
     placed, response
         Corners and their forces at the last pose.
-    way : (f,) displacement of each free block relative to its size
+    travel : (f,) displacement of each free block relative to its size
     share
         Of the load that the contacts do not carry at the end.
     met : (k,)
         Whether a corner has ever pressed.
     squeezed
-        Whether forces far above the loads grew on the way: the springs give way, not the blocks.
+        Whether forces far above the loads grew meanwhile: the springs were too soft.
     steps, iterations
     """
 
@@ -105,7 +105,7 @@ class Track:
     frames: tuple[Pose, ...]
     placed: Placed
     response: Response
-    way: Floats
+    travel: Floats
     share: float
     met: Bools
     squeezed: bool
@@ -157,7 +157,7 @@ class Follower:
         self.stretch = 1.0
         self.load_size = max(_length(bodies.load), np.finfo(float).tiny)
         self.smallest = float(bodies.size[bodies.free].min(initial=np.inf))
-        self.way = np.zeros(len(bodies.free))
+        self.travel = np.zeros(len(bodies.free))
         self.farthest = 0.0
         self.half_way: Floats | None = None
         self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
@@ -220,7 +220,7 @@ class Follower:
             if guess is not None and longest > 0.0:
                 swerve = float(np.abs(found.motion - guess).max()) / longest
             if self.stretch > 1.0 and swerve > SWERVE:
-                # an event on the way: it is passed by short increments
+                # an event before the end: it is passed by short increments
                 self.drag *= self.stretch
                 self.stretch = 1.0
                 continue
@@ -326,8 +326,8 @@ class Follower:
         self.response = found.response
         self.met = self.met | found.response.pressed
         self.placed = place_corners(bodies, self.pose)
-        self.way = self._way()
-        self.farthest = float(self.way.max(initial=0.0))
+        self.travel = self._travel()
+        self.farthest = float(self.travel.max(initial=0.0))
         if self.half_way is None and self.farthest >= 0.5 * self.fall:
             self.half_way = self.placed.gap
         self.steps += 1
@@ -342,15 +342,15 @@ class Follower:
         if self.tell is not None:
             self.tell(self.farthest)
 
-    def _way(self) -> Floats:
+    def _travel(self) -> Floats:
         """Displacement (f,) of each free block relative to its size, with rotation times radius."""
         bodies, free = self.bodies, self.bodies.free
         gone = np.linalg.norm(self.pose.place[free] - bodies.centroid[free], axis=1)
         turn = self.pose.turn[free]
         trace = turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2]
         turned = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
-        way: Floats = (gone + turned * bodies.radius[free]) / bodies.size[free]
-        return way
+        travel: Floats = (gone + turned * bodies.radius[free]) / bodies.size[free]
+        return travel
 
     def _longest(self) -> float:
         """Of an increment, by the smallest block: short where it matters how blocks slide."""
@@ -375,7 +375,7 @@ class Follower:
             tuple(frames),
             self.placed,
             self.response,
-            self.way,
+            self.travel,
             self.share,
             self.met,
             self._squeezed(),

@@ -10,7 +10,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, cross, frozen, frozen_floats, number
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
@@ -18,7 +18,7 @@ from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.driven import Driver, Moment
+from drystone.settlement.driven import DrivenState, Driver
 from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import (
     FARTHEST,
@@ -32,7 +32,7 @@ from drystone.settlement.settling import block_motions, scaled_motion, support_m
 from drystone.settlement.springs import Placed, Response
 
 Tell: TypeAlias = Callable[[float], None]
-"""Called with the share of the way that is done."""
+"""Called with the share of the motion that is done."""
 
 STAGE = {
     Drive.LOAD: "pushing",
@@ -58,18 +58,20 @@ def push(
     *,
     to: float | None = None,
     options: SettlementOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> LargeDisplacement:
     """Push a structure until it needs no push any more: load against displacement.
 
     A load grows on top of that of the model. Its displacement is prescribed and its factor found,
-    so that the curve goes on beyond the largest load, where a structure of rigid blocks spends most
-    of its way. The displacement at which the factor has fallen to zero is the displacement
+    so that the curve goes on beyond the largest load, where a structure of rigid blocks makes most
+    of its motion. The displacement at which the factor has fallen to zero is the displacement
     capacity: let go there, the structure falls. Quasi-static: no inertia. The forces keep their
-    direction and act about the moved centroids.
+    direction and act about the moved centroids. Each increment needs the one before, so an
+    ``executor`` has nothing to share.
 
     Parameters
     ----------
@@ -83,11 +85,6 @@ def push(
     options
         ``fall``, ``carrier``, ``overlap``, ``tangential``, ``pace`` and ``step_limit`` are used;
         where no carrier is given the moving block carries the ends of joints.
-    progress
-    stop
-        Asked before every increment; True ends it with what is known by then.
-    time_limit_s
-        After it the answer is what is known by then.
 
     Raises
     ------
@@ -107,6 +104,7 @@ def push(
     >>> round(found.peak, 3), round(found.capacity, 2)
     (0.5, 0.5)
     """
+    del executor  # one chain of increments
     model = as_model(given, **how)
     if isinstance(live, LoadCase):
         case = LoadCase.of(model.assembly, live)
@@ -145,8 +143,9 @@ def move_supports(
     to: float | None = None,
     options: SettlementOptions | None = None,
     watch: Callable[[LargeState], None] | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> LargeDisplacement:
@@ -171,6 +170,7 @@ def move_supports(
     InputError
         No support moves, or ``to`` is given for a motion without translation.
     """
+    del executor  # one chain of increments
     model = as_model(given, **how)
     moving = support_motion(model, motion)
     if moving is None:
@@ -210,8 +210,9 @@ def reduce_friction(
     given: Given,
     *,
     options: SettlementOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> LargeDisplacement:
@@ -219,6 +220,7 @@ def reduce_friction(
 
     The last load is the share of the friction at which they fall. All else is as in :func:`push`.
     """
+    del executor  # one chain of increments
     model = as_model(given, **how)
 
     def run(bodies: Bodies, driver: Driver, tell: Tell) -> tuple[str, float, float]:
@@ -237,7 +239,9 @@ def _driven(
 ) -> LargeDisplacement:
     """One run; ``run`` gives how it ended, and a displacement and a load of one in m and N."""
     chosen = SettlementOptions.of(options)
-    model.require_dry("large displacement")
+    model.require_dry(
+        "large displacement", "what a joint still carries after it has moved is not known"
+    )
     if not len(model.assembly.free):
         raise InputError("every block is fixed", remedy="leave a block free")
     apart = faces_apart(model, FARTHEST)
@@ -278,8 +282,8 @@ def _driven(
     return replace(found, message=_said(found, driver))
 
 
-def _of_corners(moment: Moment, kept: Bools) -> Moment:
-    """The moment with some of its corners."""
+def _of_corners(moment: DrivenState, kept: Bools) -> DrivenState:
+    """The state with some of its corners."""
     placed, response = moment.placed, moment.response
     return moment._replace(
         placed=Placed(placed.point[kept], placed.axes[kept], placed.gap[kept]),
@@ -294,7 +298,7 @@ def _of_corners(moment: Moment, kept: Bools) -> Moment:
 
 
 def _state(
-    model: Model, bodies: Bodies, moment: Moment, mine: Bools, length: float, load: float
+    model: Model, bodies: Bodies, moment: DrivenState, mine: Bools, length: float, load: float
 ) -> LargeState:
     """A moment in m and N, for all interfaces of the model; ``mine`` are its corners."""
     contacts = model.contacts
@@ -317,7 +321,7 @@ def _state(
     )
 
 
-def _frames(contacts: Contacts, active: Bools, moment: Moment) -> Floats:
+def _frames(contacts: Contacts, active: Bools, moment: DrivenState) -> Floats:
     """(m, 3, 3) of the active interfaces: the mean of their corners, weighted by the pressure."""
     number = np.cumsum(active) - 1
     owner = number[contacts.interface[active[contacts.interface]]]
@@ -368,7 +372,7 @@ def _said(found: LargeDisplacement, driver: Driver) -> str:
 
 def _mover(driver: Driver, found: LargeDisplacement) -> str:
     """The block that moves farthest while what drives is held."""
-    return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.way))])]
+    return found.assembly.names[int(driver.bodies.free[int(np.argmax(driver.travel))])]
 
 
 __all__ = ["move_supports", "push", "reduce_friction"]

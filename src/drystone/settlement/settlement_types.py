@@ -81,7 +81,7 @@ class SettlementOptions(Options):
         if self.rest_within > self.fall:
             raise InputError(
                 f"rest_within is {self.rest_within:g}, above fall, {self.fall:g}",
-                remedy="a block falls when it went farther than one that stands",
+                remedy="give a smaller rest_within, or a larger fall",
             )
         if not 1e-9 <= self.overlap <= 1e-2:
             raise InputError(

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
 
 from drystone.base.arrays import Floats, of_type
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.loads import LoadCase
 from drystone.model import Model
@@ -31,10 +33,10 @@ from drystone.settlement.settlement_types import (
 from drystone.settlement.springs import Pose, rotation_vectors
 
 TOLD = 3
-"""Pairs of blocks that met on the way and are named in the message."""
+"""Pairs of blocks that met meanwhile and are named in the message."""
 STIFFER, STIFFEST = 1e-2, 1e-9
-"""Overlap of the next try by the last where springs give way, and the smallest: below it gaps are
-lost in rounding."""
+"""Overlap of the next try by the last where springs are too soft, and the smallest: below it gaps
+are lost in rounding."""
 
 
 @checked_call
@@ -43,8 +45,9 @@ def settle(
     motion: Mapping[int | str, Any] | None = None,
     *,
     options: SettlementOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Settlement:
@@ -53,7 +56,7 @@ def settle(
     Contacts are stiff springs with path-dependent Coulomb friction. Translations and rotations are
     finite: corners and faces move with their blocks. Wrenches of the load keep their direction and
     act about the moved centroids. Besides the interfaces of the model, faces act that blocks meet
-    on their way: those that are parallel to 2 degrees and face each other at up to ``fall`` of a
+    while they move: those that are parallel to 2 degrees and face each other at up to ``fall`` of a
     block's size.
 
     Parameters
@@ -65,11 +68,6 @@ def settle(
         or translation and rotation [m, rad] (6,) about its centroid; world axes. It is added to the
         motion in the load (:meth:`drystone.LoadCase.settlement`).
     options
-    progress
-    stop
-        Called before every step; True ends it with the results so far.
-    time_limit_s
-        Time after which it ends with the results so far.
 
     Raises
     ------
@@ -91,17 +89,22 @@ def settle(
     """
     chosen = SettlementOptions.of(options)
     model = supported_model(given, **how)
-    model.require_dry("settlement")
+    model.require_dry("settlement", "what a joint still carries after it has moved is not known")
     clock = Clock(time_limit_s, stop)
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
         return _nothing_free(model, chosen, clock)
+    carriers = _carriers(model, chosen)
     apart = faces_apart(model, chosen.fall)
-    paths = tuple(
-        _path(model, apart, carrier, moving, chosen, clock, progress)
-        for carrier in _carriers(model, chosen)
-    )
+    task = partial(_path, model, apart, motion=moving, chosen=chosen, clock=clock)
+    if executor is None or len(carriers) == 1:
+        paths = tuple(task(one, progress=progress) for one in carriers)
+    else:
+        with WorkerPool(executor) as pool:
+            paths = tuple(pool.answers(task, carriers, clock.late))
+        # where it was ended early: the beginning of the others
+        paths += tuple(task(one, progress=progress) for one in carriers[len(paths) :])
     outcome, message = _outcome_of(paths, clock)
     return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": clock.elapsed_s})
 
@@ -163,16 +166,16 @@ def _path(
     motion: Floats | None,
     chosen: SettlementOptions,
     clock: Clock,
-    progress: Progress | None,
+    progress: Progress | None = None,
 ) -> SettlementPath:
     """One run, in physical numbers."""
     part, gap = followed_model(model, apart)
     stage = f"following the blocks, ends carried by the {carrier.value} block"
     most = 0
 
-    def tell(way: float) -> None:
+    def tell(travel: float) -> None:
         nonlocal most
-        most = max(most, min(int(100.0 * way / chosen.fall), 99))
+        most = max(most, min(int(100.0 * travel / chosen.fall), 99))
         if progress is not None:
             progress(stage, most, 100)
 
@@ -197,16 +200,16 @@ def _path(
     if progress is not None:
         progress(stage, 100, 100)
     path = _physical(model, apart, bodies, track, carrier)
-    way = float(track.way.max(initial=0.0))
+    travel = float(track.travel.max(initial=0.0))
     if track.ended != "rests":
         # out of steps: where a block is beyond what stands and still moves, it does not stand
-        moved_on = motion is None and not clock.reason and way > chosen.rest_within
+        moved_on = motion is None and not clock.reason and travel > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
     residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks move as far as the supports that they follow
-    near = motion is not None or way <= chosen.rest_within
+    near = motion is not None or travel <= chosen.rest_within
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
@@ -234,15 +237,15 @@ def _physical(
     point[corners] = track.placed.point[kept] * bodies.length_unit + origin
     axes[corners] = track.placed.axes[kept]
     gap[corners] = track.placed.gap[kept] * bodies.length_unit
-    way = np.zeros(len(model.assembly))
-    way[bodies.free] = track.way
+    travel = np.zeros(len(model.assembly))
+    travel[bodies.free] = track.travel
     ends = {"falls": Outcome.FALLS}
     return SettlementPath(
         carrier,
         ends.get(track.ended, Outcome.UNKNOWN),
         model,
         positions,
-        way,
+        travel,
         force,
         point,
         axes,

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
+from drystone.base.progress import Clock
 from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
-from drystone.stability.problem import Clock, Problem
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
 from drystone.stability.screening import PATIENT, Screening
 
@@ -88,13 +90,11 @@ class Falling:
 
 
 @dataclass(eq=False)
-class Attempts:
-    """The tries on one model and their results.
+class Record:
+    """What came of some tries.
 
     Attributes
     ----------
-    problem
-    clock
     standing, falling
         Tries that prove that it stands, and tries that show that it falls; other tries have no
         result.
@@ -109,14 +109,26 @@ class Attempts:
         Time spent on residuals.
     """
 
-    problem: Problem
-    clock: Clock
     standing: list[Candidate] = field(default_factory=list)
     falling: list[Falling] = field(default_factory=list)
     stalled: list[Floats] = field(default_factory=list)
     tried: int = 0
     iterations: int = 0
     checking_s: float = 0.0
+
+    def add(self, other: Record) -> None:
+        """Add what came of further tries."""
+        for each in fields(Record):
+            setattr(self, each.name, getattr(self, each.name) + getattr(other, each.name))
+
+
+class Attempts(Record):
+    """The tries on one model and their results."""
+
+    def __init__(self, problem: Problem, clock: Clock) -> None:
+        super().__init__()
+        self.problem = problem
+        self.clock = clock
 
     def attempt(
         self,
@@ -240,3 +252,13 @@ class Attempts:
         state = find_rest(self.problem.system, springs, options, start=start, stop=self.clock.late)
         self.iterations += state.iterations
         return state
+
+
+@one_blas_thread()
+def attempt_sample(
+    problem: Problem, clock: Clock, sample: tuple[Compliance, Sequence[Floats]]
+) -> Record:
+    """One try of other stiffnesses, first from displacements (n, 6) of similar rest states."""
+    tries = Attempts(problem, clock)
+    tries.attempt_from(*sample)
+    return Record(*(getattr(tries, each.name) for each in fields(Record)))

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Unpack
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 
 
 @checked_call
@@ -23,8 +23,9 @@ def check(
     *,
     options: CheckOptions | None = None,
     start: Floats | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
@@ -38,11 +39,6 @@ def check(
     start : (n, 6) [m, rad]
         ``displacement`` of the result of a similar model with the same blocks. It saves time where
         the model stands for every stiffness that is tried, and does not change the verdict.
-    progress
-    stop
-        Called often; True ends the analysis with the results so far.
-    time_limit_s
-        Time after which the analysis ends with the results so far.
 
     Returns
     -------
@@ -64,10 +60,10 @@ def check(
     <Verdict.STABLE: 'stable'>
     """
     chosen = CheckOptions.of(options)
-    clock = Clock(time_limit_s, stop)
     problem = Problem.build(supported_model(given, **how))
     known = None if start is None else {0: start}
-    return Cascade(problem, chosen, progress, clock, known).run()
+    clock = Clock(time_limit_s, stop)
+    return Cascade(problem, chosen, progress, clock, executor, known).run()
 
 
 def check_near(
@@ -88,7 +84,7 @@ def check_near(
     Result, dict
         The verdict, and the displacements of the rest states that were found.
     """
-    cascade = Cascade(Problem.build(model), options, None, Clock(float("inf")), known)
+    cascade = Cascade(Problem.build(model), options, None, Clock(float("inf")), None, known)
     return cascade.run(), cascade.rests
 
 
@@ -97,8 +93,9 @@ def could_hold(
     given: Given,
     *,
     options: CheckOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
@@ -118,8 +115,8 @@ def could_hold(
     (<Verdict.STABLE: 'stable'>, <Verdict.UNSTABLE: 'unstable'>)
     """
     chosen = replace(CheckOptions.of(options), settle=False, search=True)
-    clock = Clock(time_limit_s, stop)
-    return Cascade(Problem.build(supported_model(given, **how)), chosen, progress, clock).run()
+    problem = Problem.build(supported_model(given, **how))
+    return Cascade(problem, chosen, progress, Clock(time_limit_s, stop), executor).run()
 
 
 __all__ = ["CheckOptions", "check", "check_near", "could_hold"]

@@ -5,22 +5,23 @@ from __future__ import annotations
 import csv
 import os
 import pickle
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Sized
-from concurrent.futures import Executor, Future
 from contextlib import AbstractContextManager, nullcontext
 from io import FileIO, StringIO
-from itertools import chain, islice
+from itertools import islice
 from pathlib import Path
 from typing import Any, TypeAlias, Unpack
 
+from drystone.assembly import Assembly
 from drystone.base.display import shortened
 from drystone.base.errors import DrystoneError, InputError
 from drystone.base.files import PathLike, plain_target, read_bytes, unwritable
-from drystone.base.progress import LOST_WORKER, Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.table import Table
+from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How
+from drystone.model import Model
 from drystone.stability.check import check
 from drystone.stability.check_options import CheckOptions
 
@@ -34,10 +35,6 @@ COLUMNS: Mapping[str, Callable[[str], Any]] = {
     "message": str,
     "time_s": float,
 }
-AHEAD = 64
-"""Models that are given to the workers before their answers are asked for: enough for some tens of
-workers, and few enough to be kept in memory."""
-
 Row: TypeAlias = list[Any]
 Task: TypeAlias = tuple[int, str, bytes]
 """Number, name, and the model with its options, ready to travel."""
@@ -49,11 +46,11 @@ def check_many(
     *,
     out: PathLike | None = None,
     options: CheckOptions | None = None,
-    executor: Executor | Callable[[], Executor] | None = None,
-    progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
-    time_limit_s: float = float("inf"),
     each_s: float = float("inf"),
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Table:
     """The verdict of each of many models.
@@ -69,16 +66,6 @@ def check_many(
         when it is called again with the same models.
     options
         Of every check.
-    executor
-        Works on the models side by side: an executor, or a function that starts one, such as
-        ``drystone.sequence.LocalWorkers(2)`` or ``DaskWorkers("tcp://127.0.0.1:8786")``. With a
-        function, workers that died are started again. A model that ends its worker twice is told
-        as ``failed``.
-    progress
-    stop
-        Asked between answers; True ends the work with the answers so far.
-    time_limit_s
-        After it the work ends with the answers so far.
     each_s : [s]
         Time limit of every check.
 
@@ -103,21 +90,22 @@ def check_many(
     >>> found["verdict"].tolist()
     ['stable', 'unstable']
     """
-    if isinstance(models, str | bytes | os.PathLike) or not isinstance(models, Iterable):
+    one = isinstance(models, str | bytes | os.PathLike | Assembly | Model)
+    if one or not isinstance(models, Iterable):
         said = f"the models are {shortened(repr(models), 60)}"
-        raise InputError(said, remedy="give several, such as [model]")
+        raise InputError(said, remedy="give a list of models, such as [model]")
     clock = Clock(time_limit_s, stop)
     rows = [] if out is None else _earlier(out)
     opened: AbstractContextManager[FileIO | None]
     opened = nullcontext() if out is None else _opened(out)
     total = len(models) if isinstance(models, Sized) else 0
-    with opened as file, _Workers(executor) as workers:
+    with opened as file, WorkerPool(executor) as pool:
         if file is not None and not file.tell():
             _add(file, list(COLUMNS))
         tasks = islice(
             _tasks(models, rows, (CheckOptions.of(options), each_s, how)), len(rows), None
         )
-        for row in workers.answers(tasks, clock.late):
+        for row in pool.answers(_answer, tasks, clock.late, failed=_failed):
             rows.append(row)
             if file is not None:
                 _add(file, row)
@@ -144,8 +132,9 @@ def _tasks(
             yield number, name, pickle.dumps((given, *rest))
 
 
-def _answer(payload: bytes, number: int, name: str) -> Row:
+def _answer(task: Task) -> Row:
     """The row of one model; what cannot be made into a model is refused in words."""
+    number, name, payload = task
     given, options, each_s, how = pickle.loads(payload)
     try:
         found = check(given, options=options, time_limit_s=each_s, **how)
@@ -157,79 +146,10 @@ def _answer(payload: bytes, number: int, name: str) -> Row:
     return [number, name, found.verdict.value, *tried, falling, _line(found.message), seconds]
 
 
-class _Workers:
-    """What answers: an executor, one that is started again when it dies, or this process."""
-
-    def __init__(self, given: Executor | Callable[[], Executor] | None) -> None:
-        self.executor = given if isinstance(given, Executor) else None
-        self.factory = None if given is None or isinstance(given, Executor) else given
-
-    def __enter__(self) -> _Workers:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._end()
-
-    def answers(self, tasks: Iterator[Task], late: Callable[[], bool]) -> Iterator[Row]:
-        """Rows in the order of the tasks."""
-        if self.executor is None and self.factory is None:
-            for number, name, payload in tasks:
-                if late():
-                    return
-                yield _answer(payload, number, name)
-            return
-        taken: deque[Task] = deque()
-        futures: deque[Future[Row]] = deque()
-        alone, suspect = 0, -1
-        while not late():
-            ahead = 1 if alone else AHEAD
-            try:
-                for task in islice(tasks, ahead - len(taken)):
-                    taken.append(task)
-                    futures.append(self._submit(task))
-                if not taken:
-                    return
-                row = futures[0].result()
-            except LOST_WORKER as error:
-                self._revive(error)
-                if not alone:  # those that were at work are asked one by one: which one was it?
-                    alone = len(taken)
-                elif taken[0][0] != suspect:  # another program may have ended the worker: once more
-                    suspect = taken[0][0]
-                else:
-                    alone -= 1
-                    number, name, _ = taken.popleft()
-                    yield [number, name, "failed", 0, 0, "", "its worker was ended twice", 0.0]
-                tasks = chain(tuple(taken), tasks)
-                taken.clear()
-                futures.clear()
-            else:
-                taken.popleft()
-                futures.popleft()
-                alone = max(alone - 1, 0)
-                yield row
-        for future in futures:
-            future.cancel()
-
-    def _submit(self, task: Task) -> Future[Row]:
-        number, name, payload = task
-        if self.executor is None:
-            assert self.factory is not None
-            self.executor = self.factory()
-        return self.executor.submit(_answer, payload, number, name)
-
-    def _revive(self, error: BaseException) -> None:
-        if self.factory is None:
-            raise InputError(
-                f"a worker died: {_line(str(error))}",
-                remedy="give LocalWorkers(2), which is started again, and call again to go on",
-            ) from error
-        self._end()
-
-    def _end(self) -> None:
-        if self.factory is not None and self.executor is not None:
-            self.executor.shutdown(wait=False, cancel_futures=True)
-            self.executor = None
+def _failed(task: Task) -> Row:
+    """The row of a model that ended its worker twice."""
+    number, name, _ = task
+    return [number, name, "failed", 0, 0, "", "its worker was ended twice", 0.0]
 
 
 def _earlier(out: PathLike) -> list[Row]:

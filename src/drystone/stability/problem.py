@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.base.progress import Clock
 from drystone.checks import block_speed
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
@@ -49,6 +49,9 @@ class Problem:
             return None
         return Problem.build(self.model.without(np.flatnonzero(falling).tolist()))
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("model", "corners", "statics")}
+
     @cached_property
     def system(self) -> TangentSystem:
         """The tangent's pattern and elimination order, made once."""
@@ -87,4 +90,4 @@ class Problem:
         return carried / np.where(size > 0.0, size, 1.0)
 
 
-__all__ = ["Clock", "Problem"]
+__all__ = ["Problem"]

@@ -31,7 +31,7 @@ the ground springs, 1e-7, times the stiffness of the structure."""
 
 APPROACH = 1e-3
 """A corner is pressed when free blocks approach it by more than this share of their speed: it then
-overlaps by as much of the way that they go, and the source bounds slides by a thousand overlaps."""
+overlaps by as much of their motion, and the source bounds slides by a thousand overlaps."""
 
 NO_APPROACH = 1e-7
 """The same for faces along which blocks fall freely: less is rounding of their coordinates."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from drystone.base.arrays import Floats
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.rest_state import Start
@@ -14,7 +14,7 @@ from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
     FALLING_SHARE,
     beside_supports,
@@ -24,18 +24,23 @@ from drystone.stability.proofs import (
 from drystone.stability.screening import PATIENT, Screening
 
 
+@checked_call
 @one_blas_thread()
 def try_rest(
     model: Model,
     *,
     screening: Screening = PATIENT,
     start: Floats | None = None,
-    stop: Callable[[], bool] | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Result:
     """Look for a rest state with uniform contact stiffness.
 
     This is the cheapest proof that a model stands. It never shows that a model falls: use
-    :func:`drystone.check` for that.
+    :func:`drystone.check` for that. Each friction law is tried after the one before, so an
+    ``executor`` has nothing to share.
 
     Parameters
     ----------
@@ -46,8 +51,6 @@ def try_rest(
         ``displacement`` of the rest state of a similar model with the same blocks. The first law
         begins there, which halves the steps where few blocks differ. The size of the motion does
         not matter. A patient level that finds nothing from the start also begins from nothing.
-    stop
-        Asked often; True ends the analysis.
 
     Returns
     -------
@@ -60,7 +63,10 @@ def try_rest(
     InputError
         The start has another shape.
     """
-    clock = Clock(float("inf"), stop)
+    del executor  # one law after the other
+    clock = Clock(time_limit_s, stop)
+    if progress is not None:
+        progress("rest state", 0, 1)
     problem = Problem.build(model)
     verdict, message = Verdict.UNDECIDED, "no rest state was found; nothing shows that it falls"
     force = displacement = residuals = None

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from itertools import chain
+from typing import TypeVar
 
 import numpy as np
 from scipy.sparse.linalg import lsmr
 
 from drystone.base.arrays import Bools, Floats
+from drystone.base.progress import Clock
+from drystone.base.workers import WorkerPool
 from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
@@ -26,7 +31,10 @@ from drystone.formulations.stiffness_range import (
     with_reduced_ratio,
 )
 from drystone.solvers.conic import ConicOptions, ConicStatus
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
+from drystone.statics import Statics
+
+Found = TypeVar("Found")
 
 FEW = 24
 """Corners beyond which fewer random motions are tried. Their number is in inverse proportion to the
@@ -70,6 +78,8 @@ class StateSearch:
     seed
     first : (n, 6) each
         Motions to start from before all others.
+    pool
+        Follows several starts side by side.
     iterations
         Convex programs and solver steps so far.
     """
@@ -79,36 +89,55 @@ class StateSearch:
     tries: int = 48
     seed: int = 0
     first: Sequence[Floats] = ()
+    pool: WorkerPool = field(default_factory=lambda: WorkerPool(None))
     iterations: int = 0
 
     def states(self, ratio: float, *, reduce: bool = True) -> Iterator[CompatibleState]:
         """States whose stiffness ratio is at most ``ratio``, reduced by further steps if wanted."""
-        statics = self.problem.statics
-        enough = BALANCED * float(np.linalg.norm(statics.load))
-        for motion in self._starts():
-            wide = self._counted(
-                rest_within_ratio(statics, motion, WIDER * ratio, stop=self.clock.late)
-            )
-            if wide.unbalanced <= enough:
-                small = min(SMALL_RATIO, ratio) if reduce else ratio
-                state = self._counted(
-                    with_reduced_ratio(statics, wide, small, stop=self.clock.late)
-                )
-                if stiffness_ratio(statics, state) <= ratio * ROUNDING:
-                    yield state
+        task = partial(_state_within, self.problem.statics, self.clock, ratio, reduce)
+        for state, iterations in self._followed(task, self._starts()):
+            self.iterations += iterations
+            if state is not None:
+                yield state
 
     def equal_overlap_states(self) -> Iterator[CompatibleState]:
         """States with equal overlaps (eq. 5.6): one at the end of the steps from each start."""
-        for motion in chain(self._starts(), self._more_starts()):
-            yield self.equal_overlap(motion)
+        task = partial(_equal_overlap, self.problem.statics, self.clock)
+        for state in self._followed(task, chain(self._starts(), self._more_starts())):
+            yield self._counted(state)
 
     def equal_overlap(self, motion: Floats) -> CompatibleState:
         """The state with equal overlaps at the end of the steps from one start."""
-        return self._counted(improve(self.problem.statics, motion, stop=self.clock.late))
+        return self._counted(_equal_overlap(self.problem.statics, self.clock, motion))
 
     def slide(self, state: CompatibleState) -> float:
         """Largest displacement of a corner by the largest overlap: eta / eps."""
         return float(np.abs(self.problem.statics.displacement(state.motion)).max(initial=0.0))
+
+    def _followed(
+        self, task: Callable[[Floats], Found], starts: Iterator[Floats]
+    ) -> Iterator[Found]:
+        """What a task makes of each start, in their order.
+
+        The starts are prepared here, so only few are prepared ahead of those that are followed.
+        The steps of those that are not used in the end do not count.
+        """
+        spent: deque[int] = deque()
+
+        def prepared() -> Iterator[Floats]:
+            while True:
+                before = self.iterations
+                motion = next(starts, None)
+                cost, self.iterations = self.iterations - before, before
+                spent.append(cost)
+                if motion is None:
+                    return
+                yield motion
+
+        for found in self.pool.answers(task, prepared(), ahead=2):
+            self.iterations += spent.popleft()
+            yield found
+        self.iterations += sum(spent)
 
     def _counted(self, state: CompatibleState) -> CompatibleState:
         self.iterations += state.iterations
@@ -197,3 +226,21 @@ class StateSearch:
         force = np.zeros((statics.corner_count, 3))
         force[corners] = part.force
         return force
+
+
+def _state_within(
+    statics: Statics, clock: Clock, ratio: float, reduce: bool, motion: Floats
+) -> tuple[CompatibleState | None, int]:
+    """The state that one start leads to, if its stiffness ratio is small enough; the steps."""
+    wide = rest_within_ratio(statics, motion, WIDER * ratio, stop=clock.late)
+    if wide.unbalanced > BALANCED * float(np.linalg.norm(statics.load)):
+        return None, wide.iterations
+    small = min(SMALL_RATIO, ratio) if reduce else ratio
+    state = with_reduced_ratio(statics, wide, small, stop=clock.late)
+    within = stiffness_ratio(statics, state) <= ratio * ROUNDING
+    return state if within else None, wide.iterations + state.iterations
+
+
+def _equal_overlap(statics: Statics, clock: Clock, motion: Floats) -> CompatibleState:
+    """The state with equal overlaps at the end of the steps from one start."""
+    return improve(statics, motion, stop=clock.late)

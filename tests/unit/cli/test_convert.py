@@ -46,7 +46,7 @@ def test_the_format_can_be_named_and_contacts_written(
 def test_what_a_format_has_no_place_for_is_told(tmp_path: Path, capsys: Capsys) -> None:
     io.write(tower(2), tmp_path / "tower.json")
     main(["convert", str(tmp_path / "tower.json"), str(tmp_path / "tower.stl")])
-    assert "no place for polygons, supports, densities" in capsys.readouterr().out
+    assert "does not store polygons, supports, densities" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from drystone.cli import main
 def test_a_section_prints_published_beside_found(capsys):
     assert main(["reproduce", "6.2"]) == 0
     out = capsys.readouterr().out
-    assert "stable / unstable / stable / unstable  agrees" in out
+    assert "published stable / unstable; found stable / unstable  agrees" in out
 
 
 def test_json_has_the_lines_and_the_files(capsys, tmp_path):

@@ -101,9 +101,9 @@ def test_turned_about_the_still_edge_a_joint_stays_one_plane(angle: float) -> No
 
 def test_what_would_swallow_a_face_is_refused() -> None:
     model = Model.of(tower(2), friction=0.6)
-    with pytest.raises(InputError, match="would swallow a face; make it smaller"):
+    with pytest.raises(InputError, match="would remove a whole face; make it smaller"):
         turn_joint(model, 0, 70.0)
-    with pytest.raises(InputError, match="swallow a face"):
+    with pytest.raises(InputError, match="remove a whole face"):
         move_joint(model, 0, 1.5)
     with pytest.raises(InputError, match="give less than 80 degrees"):
         wedge_joint(model, 0, 85.0)
@@ -111,7 +111,7 @@ def test_what_would_swallow_a_face_is_refused() -> None:
         move_joint(model, 3, 0.1)
     with pytest.raises(InputError, match="normal to the joint"):
         turn_joint(model, 0, 5.0, (0.0, 0.0, 1.0))
-    with pytest.raises(InputError, match="swallow a face; move it less"):
+    with pytest.raises(InputError, match="remove a whole face; move it less"):
         move_face(model, 1, 0, -5.0)
 
 

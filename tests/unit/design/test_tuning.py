@@ -13,6 +13,7 @@ from drystone.cli import main
 from drystone.design import DesignMargin, Parameter, TuneOptions, tune
 from drystone.design.tuning.tune_goals import Wanted, outcome_of, planned_counts
 from drystone.models import arch, box, tower
+from drystone.sequence import LocalWorkers
 
 pytest.importorskip("optuna")
 
@@ -60,8 +61,10 @@ def test_the_front_of_two_goals_has_no_trial_that_another_one_beats() -> None:
 
 def test_one_worker_and_two_find_the_same() -> None:
     def found(workers: int) -> list[tuple[float, bool]]:
-        options = TuneOptions(trials=10, batch=5, workers=workers, seed=3)
-        trials = tune(arch, [THICKNESS], how={"friction": 0.8}, options=options).trials
+        options = TuneOptions(trials=10, batch=5, seed=3)
+        executor = LocalWorkers(workers) if workers > 1 else None
+        how = {"friction": 0.8}
+        trials = tune(arch, [THICKNESS], how=how, options=options, executor=executor).trials
         return [(trial.values["thickness_ratio"], trial.stands) for trial in trials]
 
     assert found(1) == found(2)
@@ -82,7 +85,7 @@ def test_a_search_that_was_ended_goes_on_to_the_same_answer(tmp_path: Path) -> N
     whole = tune(STACK, [edge], store=store, options=options)
     once = tune(STACK, [edge], options=options)
     assert [one.values for one in whole.trials] == [one.values for one in once.trials]
-    with pytest.raises(InputError, match="keeps another search"):
+    with pytest.raises(InputError, match="has the trials of another search"):
         tune(STACK, [Parameter("edge", 0.5, 3.0)], store=store, options=options)
 
 
@@ -98,8 +101,9 @@ def test_a_killed_worker_does_not_change_what_is_found(tmp_path: Path) -> None:
     marker = tmp_path / "died"
     build = partial(mortal, marker, os.getpid())
     edge = Parameter("edge", 0.5, 2.0)
-    killed = tune(build, [edge], options=TuneOptions(trials=4, batch=4, workers=2))
-    alone = tune(build, [edge], options=TuneOptions(trials=4, batch=4))
+    options = TuneOptions(trials=4, batch=4)
+    killed = tune(build, [edge], options=options, executor=LocalWorkers(2))
+    alone = tune(build, [edge], options=options)
     assert marker.exists()
     assert [one.goals for one in killed.trials] == [one.goals for one in alone.trials]
     assert all(one.stands for one in killed.trials)

@@ -203,7 +203,7 @@ def test_faces_that_are_there_twice_are_left_out_and_that_is_told(tmp_path: Path
     )
     model = io.read_file(file(tmp_path, shared))
     assert model.assembly.blocks[0].volume == pytest.approx(1.0)
-    assert model.notes == ("block 'a': 4 faces that are there twice left out",)
+    assert model.notes == ("block 'a': 4 faces that occur twice left out",)
     assert "separate parts" in io.read_file(file(tmp_path, apart)).notes[0]
 
 

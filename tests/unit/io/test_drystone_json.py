@@ -173,7 +173,7 @@ def test_units_of_the_file_are_honoured_and_can_be_overruled(tmp_path: Path) -> 
     assert load(tmp_path, content).assembly.blocks[0].volume == pytest.approx(1e-6)
     model = load(tmp_path, content, units="in")
     assert model.assembly.blocks[0].volume == pytest.approx(0.0254**3)
-    assert model.notes == ("lengths are taken as in, as asked; the file says cm",)
+    assert model.notes == ("lengths are read as in, as asked; the file says cm",)
 
 
 def test_a_model_of_unlikely_size_is_remarked_upon(tmp_path: Path) -> None:
@@ -338,9 +338,9 @@ def test_arrays_of_another_file_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("../model.npz", "no plain name"),
-        ("/etc/passwd", "no plain name"),
-        ("model.json", "no plain name"),
+        ("../model.npz", "not the name of an npz file"),
+        ("/etc/passwd", "not the name of an npz file"),
+        ("model.json", "not the name of an npz file"),
     ],
 )
 def test_arrays_lie_in_the_same_folder_only(tmp_path: Path, name: str, words: str) -> None:
@@ -393,12 +393,15 @@ def saved(array: Any, **options: Any) -> bytes:
     ("data", "words"),
     [
         (b"no archive", "is no npz file"),
-        (archive(b"no array"), "no plain array"),
-        (archive(saved(np.zeros((2, 3)))[:-8]), "does not hold what it announces"),
-        (archive(saved(np.array(["a", 1], dtype=object), allow_pickle=True)), "no plain array"),
-        (archive(saved(np.asfortranarray(np.zeros((2, 3))))), "no plain array"),
-        (archive(saved(np.array(["text"]))), "no plain array"),
-        (archive(bytes(10**8)), "far more than its own size"),
+        (archive(b"no array"), "not an array of numbers"),
+        (archive(saved(np.zeros((2, 3)))[:-8]), "does not have the contents that its header says"),
+        (
+            archive(saved(np.array(["a", 1], dtype=object), allow_pickle=True)),
+            "not an array of numbers",
+        ),
+        (archive(saved(np.asfortranarray(np.zeros((2, 3))))), "not an array of numbers"),
+        (archive(saved(np.array(["text"]))), "not an array of numbers"),
+        (archive(bytes(10**8)), "far larger than itself"),
     ],
 )
 def test_archives_are_not_trusted(tmp_path: Path, data: bytes, words: str) -> None:

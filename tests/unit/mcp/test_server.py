@@ -212,7 +212,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "empty object": ({"content": {}}, "has no 'blocks'"),
     "arrays": (
         {"content": {"blocks": [], "arrays": {"file": "/etc/x.npz", "sha256": ""}}},
-        "no plain name",
+        "not the name of an npz file",
     ),
     "negative friction": ({"file": "shelf.json", "friction": -1.0}, "friction"),
     "a wrong key": ({"file": "shelf.json", "frictoin": 0.6}, "frictoin"),

@@ -86,7 +86,7 @@ def test_a_locked_key_is_impossible_and_what_lies_on_it_is_planned():
     assert found.counts["impossible"] == 1
     assert "block every motion" in found.impossible[3]
     assert found.order == ("knob",)
-    assert "cannot be put in" in found.message
+    assert "cannot be inserted" in found.message
 
 
 def test_a_groove_that_is_open_lets_the_key_slide_in():

@@ -143,5 +143,5 @@ def test_robots_and_orders_that_make_no_sense_are_refused():
         handling(plan(tower(2)), [Robot("a"), Robot("a")])
     with pytest.raises(InputError, match="cannot take turns"):
         take_turns(tower(2), robots=[Robot("a")])
-    with pytest.raises(InputError, match="not one of all free blocks"):
+    with pytest.raises(InputError, match="does not name all free blocks"):
         take_turns(tower(3), order=["block-1"])

@@ -108,7 +108,7 @@ def test_two_workers_of_which_one_is_killed_give_the_same_plan(checked, tmp_path
 
 STARTS_A_WORKER = """
 import os, time
-from drystone.sequence.stage.workers import LocalWorkers
+from drystone.base.workers import LocalWorkers
 if __name__ == "__main__":
     with LocalWorkers(1)() as workers:
         print(workers.submit(os.getpid).result(), flush=True)

@@ -72,6 +72,12 @@ def test_what_is_no_model_is_refused_in_its_row(tmp_path: Path) -> None:
     assert "there is no such file" in found["message"][0]
 
 
+@pytest.mark.parametrize("one", [tower(2), drystone.Model.of(tower(2)), "tower.json", 3])
+def test_one_model_alone_is_refused_and_not_taken_for_its_blocks(one: object) -> None:
+    with pytest.raises(InputError, match="give a list of models"):
+        drystone.check_many(one)  # type: ignore[arg-type]
+
+
 def test_a_model_that_ends_its_worker_is_told_and_the_others_are_answered() -> None:
     def models() -> Iterator[object]:
         yield from (tower(2), Deadly(), tower(3))

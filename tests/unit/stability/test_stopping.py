@@ -10,6 +10,7 @@ import pytest
 from scipy import sparse
 
 from drystone import LoadCase, Result, Verdict, find_contacts, models
+from drystone.base.progress import Clock
 from drystone.model import Model
 from drystone.solvers.conic import Cones, ConicOptions, ConicStatus, solve_conic
 from drystone.stability import (
@@ -21,7 +22,6 @@ from drystone.stability import (
     solve_rbe,
     try_rest,
 )
-from drystone.stability.problem import Clock
 
 ARCH = models.arch(0.15)
 JOINTS = find_contacts(ARCH, friction=0.9).contacts

@@ -8,7 +8,7 @@ import pytest
 from drystone import FormatError
 from drystone.models import tower
 from drystone.sequence import GravityRegion, gravity_region
-from drystone.view.paper.gravity_figure import draw, save_gravity
+from drystone.view.paper.gravity_figure import save_gravity
 
 
 def region(stands: bool = False) -> GravityRegion:
@@ -17,7 +17,7 @@ def region(stands: bool = False) -> GravityRegion:
 
 def test_every_direction_is_drawn_once() -> None:
     found = region()
-    axes = draw(found, "tower").axes
+    axes = save_gravity(found, title="tower").axes
     drawn = sum(len(dots.get_offsets()) for one in axes for dots in one.collections)
     assert drawn == len(found.direction)
 
@@ -25,14 +25,15 @@ def test_every_direction_is_drawn_once() -> None:
 def test_straight_down_lies_in_the_middle_of_the_left_disc_and_the_edge_is_horizontal() -> None:
     directions = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
     found = gravity_region(tower(2), directions=directions, friction=0.6)
-    left = draw(found, "").axes[0]
+    left = save_gravity(found, title="").axes[0]
     holds, _, falls = (dots.get_offsets() for dots in left.collections)
     np.testing.assert_allclose(holds, [[0.0, 0.0]], atol=1e-12)
     np.testing.assert_allclose(falls, [[1.0, 0.0]], atol=1e-12)
 
 
 def test_what_only_prestress_holds_has_its_own_colour() -> None:
-    labels = {dots.get_label() for dots in draw(region(stands=True), "").axes[0].collections}
+    axes = save_gravity(region(stands=True)).axes[0]
+    labels = {dots.get_label() for dots in axes.collections}
     assert "only shims or prestress might hold it" in labels
 
 

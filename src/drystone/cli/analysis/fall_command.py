@@ -61,21 +61,18 @@ def fall(
     require_mujoco()
     model = subject.prepared(waiting, seismic=seismic)
     notes = list(model.notes)
-    limit = float("inf") if time_limit is None else time_limit
     motion = None
-    with waiting.stoppable() as stop:
+    with waiting.keywords(time_limit) as common:
         if not no_check:
             from drystone.stability import check
 
             waiting.stage("check", "checking")
-            result = check(model, progress=waiting, stop=stop, time_limit_s=limit)
+            result = check(model, **common)
             notes.append(f"check: {result.verdict}, {result.message}")
             motion = result.mechanism
         waiting.stage("solve", "simulating")
-        film = followed(
-            model, motion, options=FallOptions(duration=duration, ground=not no_ground),
-            progress=waiting, stop=stop, time_limit_s=limit,
-        )  # fmt: skip
+        wanted = FallOptions(duration=duration, ground=not no_ground)
+        film = followed(model, motion, options=wanted, **common)
     data = {"model": subject.model, **film.to_dict()}
     files = partial(_files, film, html, glb, subject.model)
     return Answer(data, partial(_show, data), 0 if film.lies else 1, notes, files)

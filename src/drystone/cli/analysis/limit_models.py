@@ -17,7 +17,7 @@ from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import families, limit_options, loading, options
-from drystone.cli.inputs.limit_options import LimitSearch, working
+from drystone.cli.inputs.limit_options import LimitSearch
 from drystone.cli.inputs.model_input import Subject
 
 if TYPE_CHECKING:
@@ -184,9 +184,7 @@ def imperfections(
         )
     model = subject.prepared(waiting, seismic=seismic)
     waiting.stage("solve", "drawing")
-    with working(workers, waiting) as common:
-        if time_limit is not None:
-            common["time_limit_s"] = time_limit
+    with waiting.keywords(time_limit, workers) as common:
         found = limits.imperfections(
             model,
             imperfect,

@@ -65,19 +65,13 @@ def push(
     model = subject.prepared(waiting)
     options = SettlementOptions(pace=pace)
     notes = list(model.notes)
-    limit = float("inf") if time_limit is None else time_limit
-    with waiting.stoppable() as stop:
+    with waiting.keywords(time_limit) as common:
         waiting.stage("solve", "pushing")
         if lose_friction:
-            found = reduce_friction(
-                model, options=options, progress=waiting, stop=stop, time_limit_s=limit
-            )
+            found = reduce_friction(model, options=options, **common)
         else:
             case = loading.chosen_case(live, model.assembly, model.cases, subject.gravity)
             notes += case.notes
-            found = pushed(
-                model, case, to=to, options=options, progress=waiting, stop=stop,
-                time_limit_s=limit,
-            )  # fmt: skip
+            found = pushed(model, case, to=to, options=options, **common)
     code = 0 if found.capacity is not None else 1
     return large_answer.answer(found, subject.model, notes, wanted, code)

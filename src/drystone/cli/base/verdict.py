@@ -43,9 +43,8 @@ def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
     from drystone.stability import check
 
     waiting.stage("solve", "solving")
-    limit = float("inf") if time_limit is None else time_limit
-    with waiting.stoppable() as stop:
-        result = check(model, progress=waiting, stop=stop, time_limit_s=limit)
+    with waiting.keywords(time_limit) as common:
+        result = check(model, **common)
     waiting.end_stage()
     return result
 

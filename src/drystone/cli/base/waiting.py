@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drystone.cli.base.output import clean
 
@@ -67,12 +66,7 @@ class Waiting:
             self._timer.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self.end_stage()
         if self._timer is not None:
             self._timer.cancel()
@@ -80,7 +74,7 @@ class Waiting:
             self._timer = None
             if self._bar is not None:
                 self._bar.stop()
-        if isinstance(error, KeyboardInterrupt):
+        if kind is KeyboardInterrupt:
             end_workers()
 
     @contextmanager
@@ -106,6 +100,23 @@ class Waiting:
         finally:
             if ours:
                 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    @contextmanager
+    def keywords(
+        self, time_limit: float | None = None, workers: int = 1
+    ) -> Iterator[dict[str, Any]]:
+        """The keywords of everything that takes long, where the first Ctrl-C asks it to stop.
+
+        Several workers are processes of this machine.
+        """
+        executor = None
+        if workers > 1:
+            from drystone.base.workers import LocalWorkers
+
+            executor = LocalWorkers(workers)
+        limit = float("inf") if time_limit is None else time_limit
+        with self.stoppable() as stop:
+            yield {"executor": executor, "progress": self, "stop": stop, "time_limit_s": limit}
 
     def exit_code(self, code: int) -> int:
         """The exit code of an answer; 130 after Ctrl-C."""

@@ -80,23 +80,20 @@ def find_buildable(
             remedy="give --wedge one value, the shallowest",
         )  # fmt: skip
     from drystone import design  # work is imported when there is some
-    from drystone.base.progress import Clock
     from drystone.design.building.buildable import WEDGES
 
     least = WEDGES[0] if asked.wedge is None else asked.wedge[0]
     sign = -1.0 if least < 0.0 else 1.0
     wedges = (least, *(sign * one for one in WEDGES if one > abs(least)))
     given: dict[str, Any] = {} if friction is None else {"friction": friction}
-    clock = Clock(float("inf") if time_limit is None else time_limit)
     waiting.stage("build", "searching what can be built")
-    with waiting.stoppable() as stop:
+    with waiting.keywords(time_limit) as common:
         return design.make_buildable(
             shape,
             layouts_to_try(layout, asked),
             body,
             options=design.BuildableOptions(wedges=wedges, **given),
-            progress=waiting,
-            stop=lambda: stop() or clock.late(),
+            **common,
         )
 
 
@@ -104,7 +101,7 @@ def show_buildable(data: dict[str, Any], screen: Screen) -> None:
     """What was found, and the layouts that were tried."""
     screen.line(data["message"], "BUILT COURSE BY COURSE", "bold")
     wedges = ", ".join(f"{one:g}" for one in data["wedges"])
-    screen.line(f"wedges of the bed lines from the springing: {wedges}")
+    screen.line(f"wedges of the bed joints, from the springing: {wedges}")
     for one in data["tried"] if len(data["tried"]) > 1 else ():
         screen.line(f"tried: {_layout(one)}")
 

@@ -57,13 +57,11 @@ def cut(
     whole = _chosen(read.assembly, block)
     asked: dict[str, Any] = {} if friction is None else {"friction": friction}
     waiting.stage("cut", "cutting")
-    with waiting.stoppable() as stop:
+    with waiting.keywords(time_limit) as common:
         found = sequence.cut_until_free(
             whole,
             options=sequence.CutOptions(blocks=blocks, most=most, **asked),
-            progress=waiting,
-            stop=stop,
-            time_limit_s=float("inf") if time_limit is None else time_limit,
+            **common,
         )
     trials = () if found.design is None else found.design.trials
     data: dict[str, Any] = {

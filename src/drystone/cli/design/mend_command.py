@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
@@ -18,7 +19,7 @@ from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
-    from drystone.design import DesignMargin, Diagnosis, Mends
+    from drystone.design import DesignMargin, Diagnosis, Mends, Shaped, Sharpened
     from drystone.model import Model
     from drystone.results import Result
 
@@ -109,17 +110,11 @@ def mend(
     asked = margins(margin)
     model = subject.prepared(waiting, finding, seismic)
     from drystone import design  # work is imported when there is some
-    from drystone.stability.problem import Clock
 
-    clock = Clock(float("inf") if time_limit is None else time_limit)
     waiting.stage("diagnose", "diagnosing")
-    with waiting.stoppable() as stop:
-
-        def late() -> bool:
-            return stop() or clock.late()
-
+    with waiting.keywords(time_limit) as common:
         if diagnose:
-            found = design.diagnose(model, progress=waiting, stop=late)
+            found = design.diagnose(model, **common)
             data = {"model": subject.model, **found.to_dict()}
             code = verdict.exit_code(found.result, strict=False)
             pictures = partial(_files, found, wanted, subject.model)
@@ -127,7 +122,7 @@ def mend(
         chosen = design.MendOptions(margin=asked, keep=keep, **({"kinds": only} if only else {}))
         waiting.stage("mend", "mending")
         if auto:
-            made = design.mend(model, options=chosen, progress=waiting, stop=late)
+            made = design.mend(model, options=chosen, **common)
             data = {"model": subject.model, **made.to_dict()}
             files = partial(
                 files_after, model, made.result, made.model, wanted, out, subject.model,
@@ -136,7 +131,7 @@ def mend(
             return Answer(
                 data, partial(_show_auto, data), 0 if made.stands else 1, model.notes, files
             )
-        mends = design.find_mends(model, options=chosen, progress=waiting, stop=late)
+        mends = design.find_mends(model, options=chosen, **common)
     stands = not mends.mends and not mends.diagnosis.regions
     data = {"model": subject.model, **mends.diagnosis.to_dict(), **mends.to_dict()}
     files = partial(_files, mends.diagnosis, wanted, subject.model)
@@ -215,6 +210,23 @@ def margins(asked: tuple[str, ...]) -> DesignMargin:
     return DesignMargin(**given)
 
 
+@dataclass(frozen=True)
+class Changed(Pictures):
+    """The margin and the files of a command that changes a model."""
+
+    margin: Margin = ()
+    out: Annotated[
+        Path | None, Option("Write the changed model.", OUTPUT, kind=kinds.target(".json"))
+    ] = None
+    time_limit: options.TimeLimit = None
+
+    def files(self, found: Shaped | Sharpened, source: str) -> Files:
+        """The changed model, and its pictures with the edges of the model before."""
+        return files_after(
+            found.before, found.result, found.model, self, self.out, source, found.message
+        )
+
+
 def files_after(
     before: Model,
     result: Result,
@@ -275,7 +287,7 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
         told = f"mend {number}, of {blocks}: {one['description']} (cost {one['cost']:.3g})"
         screen.line(told)
     for one in data.get("tried", ()):
-        screen.line(f"not enough for {', '.join(one['blocks'])}: {one['kind']}: {one['what']}")
+        screen.line(f"no solution for {', '.join(one['blocks'])}: {one['kind']}: {one['what']}")
     if "applied" in data:
         one = data["applied"]
         screen.line(f"{one['description']}: the whole is {one['verdict']}", "MENDED", "bold")

@@ -71,8 +71,8 @@ def plan(
     order: Annotated[
         str,
         Option(
-            "Taken apart from the top, course by course, farthest from the boundary first; or "
-            "names of blocks in the order of assembly, by commas (top).",
+            "Order of removal: top (highest first), course (course by course), boundary (farthest "
+            "from it first); or names in the order of assembly, separated by commas (top).",
             metavar="top|course|boundary|NAMES",
         ),
     ] = "top",
@@ -89,7 +89,7 @@ def plan(
     ] = (),
     reach: Annotated[
         tuple[list[str], ...],
-        Option("Blocks placed before any of the next --reach; by commas.",
+        Option("Blocks placed before any of the next --reach; separated by commas.",
                kind=kinds.Kind("NAMES", _names), expert=True),
     ] = (),
     exact: Annotated[

@@ -52,13 +52,11 @@ def recut(
 
     rules = sequence.PlanOptions(rules=sequence.Rules(hands=hands))
     waiting.stage("recut", "changing joints")
-    with waiting.stoppable() as stop:
+    with waiting.keywords(time_limit) as common:
         found = design.recut_joints(
             model,
             options=design.RecutOptions(most=most, plan=rules),
-            progress=waiting,
-            stop=stop,
-            time_limit_s=float("inf") if time_limit is None else time_limit,
+            **common,
         )
     data = {"model": subject.model, **found.to_dict()}
     return Answer(

@@ -65,7 +65,7 @@ def scaffold(
     few = len(model.assembly.free) <= FEW
     orders = order or (("top", "course", "best") if few else ("top", "course"))
     waiting.stage("plan", "planning")
-    with waiting.stoppable() as stop:
+    with waiting.keywords(time_limit) as common:
         table = sequence.compare_scaffolding(
             model,
             with_ or SCAFFOLDS,
@@ -75,9 +75,7 @@ def scaffold(
                 anyway=finding.anyway,
                 scaffold_options=scaffold_options(limit),
             ),
-            progress=waiting,
-            stop=stop,
-            time_limit_s=float("inf") if time_limit is None else time_limit,
+            **common,
         )
     rows = list(table)
     data: dict[str, Any] = {"model": subject.model, "compared": rows}

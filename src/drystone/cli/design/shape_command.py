@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 from typing import Annotated, Any
 
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.command import Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.base.written import Pictures
-from drystone.cli.design.mend_command import Margin, files_after, margins
-from drystone.cli.inputs import options
+from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
 
 
@@ -46,7 +43,7 @@ def shape(
     along: Annotated[
         str,
         Option(
-            "Axis along which blocks are prisms, and stay so; none for triangles (y).",
+            "Axis along which blocks are prisms, before and after; none for triangles (y).",
             kind=kinds.one_of(("x", "y", "z", "none")),
             expert=True,
         ),
@@ -63,12 +60,7 @@ def shape(
         tuple[str, ...],
         Option("Block whose vertices stay. Can be given several times.", metavar="BLOCK"),
     ] = (),
-    margin: Margin = (),
-    out: Annotated[
-        Path | None, Option("Write the model of the new shape.", OUTPUT, kind=kinds.target(".json"))
-    ] = None,
-    time_limit: options.TimeLimit = None,
-    wanted: Pictures,
+    changed: Changed,
     waiting: Waiting,
 ) -> Answer:
     """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
@@ -79,10 +71,9 @@ def shape(
     Exit code 0: it stands. 1: it does not. 2: bad input. 130: stopped by Ctrl-C, with the best
     shape so far.
     """
-    stands_at = margins(margin)
+    stands_at = margins(changed.margin)
     model = subject.prepared(waiting, finding)
     from drystone import design  # work is imported when there is some
-    from drystone.base.progress import Clock
 
     size = float(model.assembly.size[model.assembly.free].mean())
     moves = design.free_vertices(
@@ -96,16 +87,11 @@ def shape(
     chosen = design.ShapeOptions(
         aim=design.ShapeAim(aim), margin=stands_at, least_edge=least_edge or 0.0
     )
-    clock = Clock(float("inf") if time_limit is None else time_limit)
     waiting.stage("shape", "shaping")
-    with waiting.stoppable() as stop:
-        found = design.shape(
-            model, moves, options=chosen, progress=waiting, stop=lambda: stop() or clock.late()
-        )
+    with waiting.keywords(changed.time_limit) as common:
+        found = design.shape(model, moves, options=chosen, **common)
     data: dict[str, Any] = {"model": subject.model, "aim": aim, **found.to_dict()}
-    files = partial(
-        files_after, model, found.result, found.model, wanted, out, subject.model, found.message
-    )
+    files = partial(changed.files, found, subject.model)
     return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 from typing import Annotated, Any
 
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.command import Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.base.written import Pictures
-from drystone.cli.design.mend_command import Margin, files_after, margins
-from drystone.cli.inputs import options
+from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
 
 
@@ -39,7 +36,7 @@ def sharpen(
     close: Annotated[
         float | None,
         Option(
-            "With any wedge less sharp by so many degrees it no longer stands (0.5).",
+            "Accuracy of the sharpness of each wedge, in degrees (0.5).",
             kind=kinds.POSITIVE,
             expert=True,
         ),
@@ -48,12 +45,7 @@ def sharpen(
         tuple[str, ...],
         Option("Block whose joints stay plane. Can be given several times.", metavar="BLOCK"),
     ] = (),
-    margin: Margin = (),
-    out: Annotated[
-        Path | None, Option("Write the sharpened model.", OUTPUT, kind=kinds.target(".json"))
-    ] = None,
-    time_limit: options.TimeLimit = None,
-    wanted: Pictures,
+    changed: Changed,
     waiting: Waiting,
 ) -> Answer:
     """Make wedges of two planes from plane joints with tension, until the model stands.
@@ -66,22 +58,16 @@ def sharpen(
     """
     given = {"step": step, "most": most, "close": close}
     asked: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
-    stands_at = margins(margin)
+    stands_at = margins(changed.margin)
     model = subject.prepared(waiting, finding)
     from drystone import design  # work is imported when there is some
-    from drystone.base.progress import Clock
 
     chosen = design.SharpenOptions(margin=stands_at, keep=keep, **asked)
-    clock = Clock(float("inf") if time_limit is None else time_limit)
     waiting.stage("sharpen", "sharpening")
-    with waiting.stoppable() as stop:
-        found = design.sharpen(
-            model, options=chosen, progress=waiting, stop=lambda: stop() or clock.late()
-        )
+    with waiting.keywords(changed.time_limit) as common:
+        found = design.sharpen(model, options=chosen, **common)
     data = {"model": subject.model, **found.to_dict()}
-    files = partial(
-        files_after, model, found.result, found.model, wanted, out, subject.model, found.message
-    )
+    files = partial(changed.files, found, subject.model)
     return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 

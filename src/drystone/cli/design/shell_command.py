@@ -41,7 +41,7 @@ def _wedges(text: str) -> tuple[float, ...]:
     try:
         found = tuple(float(part) for part in text.split(","))
     except ValueError as error:
-        raise InputError(f"is '{text}'", remedy="give numbers, by commas") from error
+        raise InputError(f"is '{text}'", remedy="give numbers separated by commas") from error
     if not all(map(math.isfinite, found)):
         raise InputError(f"is {text}", remedy="give finite numbers")
     return found

@@ -37,7 +37,8 @@ def tune(
     vary: Annotated[
         tuple[str, ...],
         Option(
-            "A parameter and its bounds, or values by commas. Can be given several times.",
+            "A parameter and its bounds, or values separated by commas. Can be given several "
+            "times.",
             MODEL,
             metavar="NAME=LOW:HIGH",
         ),
@@ -56,14 +57,16 @@ def tune(
     margin: Margin = (),
     props: Annotated[
         int | None,
-        Option("Most blocks that may need a prop while it is built, course by course."),
+        Option(
+            "Largest number of blocks that may need a prop while it is built, course by course."
+        ),
     ] = None,
     trials: Annotated[int, Option("Structures that are built and checked (100).")] = 100,
     workers: Annotated[int, Option("Processes (1).")] = 1,
     seed: Annotated[int, Option("Of the search (0).", expert=True)] = 0,
     store: Annotated[
         Path | None,
-        Option("File that keeps the trials: the search goes on where it was ended.", OUTPUT),
+        Option("File that keeps the trials: an interrupted search continues from it.", OUTPUT),
     ] = None,
     out: Annotated[
         Path | None,
@@ -94,17 +97,13 @@ def tune(
     ranges = [_range(text, known) for text in vary]
     stands_at = margins(margin)
     from drystone import design  # work is imported when there is some
-    from drystone.base.progress import Clock
 
     goals = (*least, *(f"-{goal}" for goal in most)) or ("volume",)
-    chosen = design.TuneOptions(
-        trials=trials, workers=workers, seed=seed, margin=stands_at, props=props
-    )
-    clock = Clock(float("inf") if time_limit is None else time_limit)
+    chosen = design.TuneOptions(trials=trials, seed=seed, margin=stands_at, props=props)
     how: dict[str, Any] = {} if friction is None else {"friction": friction}
     made = partial(build, **given)
     waiting.stage("tune", "searching")
-    with waiting.stoppable() as stop:
+    with waiting.keywords(time_limit, workers) as common:
         found = design.tune(
             made,
             ranges,
@@ -112,8 +111,7 @@ def tune(
             how=how,
             store=store,
             options=chosen,
-            progress=waiting,
-            stop=lambda: stop() or clock.late(),
+            **common,
         )
     data = {"family": family, "message": found._summary(), **found.to_dict()}
     files = partial(_files, found, made, how, out, png)
@@ -151,7 +149,9 @@ def _range(text: str, known: families.Parameters) -> Parameter:
         return Parameter(name, choices=values)
     ends = [families.setting(f"{name}={end}", known)[1] for end in (low, high)]
     if not all(isinstance(end, int | float) for end in ends):
-        raise InputError(f"{name} has no bounds", where="--vary", remedy="give values by commas")
+        raise InputError(
+            f"{name} has no bounds", where="--vary", remedy="give values separated by commas"
+        )
     whole = all(isinstance(end, int) for end in ends)
     return Parameter(name, float(ends[0]), float(ends[1]), whole=whole)
 

@@ -29,7 +29,7 @@ def convert(
     *,
     source: Source,
     target: Annotated[
-        str, Argument("TARGET", "File to write; its suffix tells the format.", kinds.FILE)
+        str, Argument("TARGET", "File to write; its suffix determines the format.", kinds.FILE)
     ],
     skip_defects: options.SkipDefects = False,
     supports: options.Supports = None,
@@ -90,7 +90,7 @@ def convert(
 def _show(told: str, loses: str, screen: Screen) -> None:
     screen.line(told)
     if loses:
-        screen.dim(f"this format has no place for {loses}")
+        screen.dim(f"this format does not store {loses}")
 
 
 def _refuse_other_suffix(target: str, chosen: Format) -> None:

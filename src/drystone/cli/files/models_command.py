@@ -32,7 +32,9 @@ def models(
     out: Annotated[
         Path | None,
         Option(
-            "Write the model; its suffix tells the format.", OUTPUT, kind=kinds.target(*SUFFIXES)
+            "Write the model; its suffix determines the format.",
+            OUTPUT,
+            kind=kinds.target(*SUFFIXES),
         ),
     ] = None,
     waiting: Waiting,

@@ -71,11 +71,11 @@ def reproduce(
 
 
 def _show(found: Sequence[Case], screen: Screen) -> None:
-    """A line per claim: published / computed."""
+    """A line per claim."""
     for case in found:
         screen.line(case.title, case.section, gap=" ")
         for line in case.lines:
             mark = {True: "agrees", False: "DIFFERS", None: "-"}[line.agrees]
             note = f" ({line.note})" if line.note else ""
-            told = f"{line.published or '-'} / {line.found}"
+            told = f"published {line.published or 'nothing'}; found {line.found}"
             screen.line(f"  {line.what}: {told}  {mark}{note}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.cli.base import kinds
 from drystone.cli.base.command import Option
-from drystone.cli.base.waiting import Waiting, end_workers
+from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs.options import TimeLimit
 
 if TYPE_CHECKING:
@@ -46,7 +46,9 @@ class LimitSearch:
             expert=True,
         ),
     ] = "exact"
-    equilibrium_only: Annotated[bool, Option("Leave out the full verdict.", expert=True)] = False
+    equilibrium_only: Annotated[
+        bool, Option("Compute the limit of equilibrium only.", expert=True)
+    ] = False
     workers: Workers = 1
     time_limit: TimeLimit = None
 
@@ -68,38 +70,5 @@ class LimitSearch:
         """The common keywords of all limits of the library."""
         chosen = self.options()
         waiting.stage("solve", "searching")
-        limit = {} if self.time_limit is None else {"time_limit_s": self.time_limit}
-        with working(self.workers, waiting) as common:
-            yield {"options": chosen, **limit, **common}
-
-
-@contextmanager
-def working(workers: int, waiting: Waiting) -> Iterator[dict[str, Any]]:
-    """Executor, progress and stop.
-
-    The executor is for more than one worker. Worker processes answer once per scan, so Ctrl-C loses
-    the scan that runs.
-    """
-    if workers == 1:
-        with waiting.stoppable() as stop:
-            yield {"executor": None, "progress": waiting, "stop": stop}
-        return
-    from concurrent.futures import ProcessPoolExecutor
-
-    with ProcessPoolExecutor(workers, initializer=_begin_worker) as executor:
-        try:
-            yield {"executor": executor, "progress": waiting}
-        except KeyboardInterrupt:
-            executor.shutdown(wait=False, cancel_futures=True)
-            end_workers()
-            raise
-
-
-def _begin_worker() -> None:
-    """Leave Ctrl-C to the process that started this worker, and end with it."""
-    import signal
-
-    from drystone.sequence.stage.workers import end_with_parent
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent()
+        with waiting.keywords(self.time_limit, self.workers) as common:
+            yield {"options": chosen, **common}

@@ -10,12 +10,13 @@ from drystone.cli.base import kinds
 from drystone.cli.base.command import CONTACTS, LOADS, MODEL, OUTPUT, Argument, Option
 
 ModelArgument: TypeAlias = Annotated[
-    str, Argument("MODEL", "Model file; its suffix tells the format.", kinds.FILE)
+    str, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
 ]
 Supports: TypeAlias = Annotated[
     str | None,
     Option(
-        "Fixed blocks: 'lowest', 'below:Z', or names and patterns, by commas (marked in the file).",
+        "Fixed blocks: 'lowest', 'below:Z', or names and patterns, separated by commas (those "
+        "marked in the file).",
         MODEL,
     ),
 ]

@@ -74,8 +74,8 @@ class Wanted:
     supports: Annotated[
         str | None,
         Option(
-            "Sides that a mesh stands on: bottom, top, left, right; by commas (the bottom and "
-            "those as low).",
+            "Sides that a mesh stands on: bottom, top, left, right; separated by commas (the "
+            "bottom and those as low).",
             MODEL,
             expert=True,
         ),

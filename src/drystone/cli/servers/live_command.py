@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def live(
     *,
     model: Annotated[
-        str | None, Argument("MODEL", "Model file; its suffix tells the format.", kinds.FILE)
+        str | None, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
     ] = None,
     units: options.Units = None,
     up: options.Up = "z",

@@ -6,15 +6,16 @@ sharp corners break.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.design.building.buildable import (
     Buildable,
     BuildableOptions,
@@ -38,8 +39,10 @@ def make_buildable(
     body: Body | None = None,
     *,
     options: BuildableOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Buildable:
     """Search the layout and the wedges with which the fewest blocks are propped, then held.
 
@@ -56,9 +59,6 @@ def make_buildable(
         One or several; their own wedges are not used.
     body
     options
-    progress
-    stop
-        Asked often; True ends the search with the best so far.
 
     Raises
     ------
@@ -75,11 +75,12 @@ def make_buildable(
     """
     chosen = BuildableOptions.of(options)
     several = [layouts] if isinstance(layouts, Layout) else list(layouts)
-    search = _Search(shape, body or Body(), chosen, progress, stop)
-    return search.run(several)
+    clock = Clock(time_limit_s, stop)
+    with WorkerPool(executor) as pool:
+        return _WedgeSearch(shape, body or Body(), chosen, pool, progress, clock).run(several)
 
 
-class _Search:
+class _WedgeSearch:
     """The search over layouts, and over the wedges of each."""
 
     def __init__(
@@ -87,11 +88,12 @@ class _Search:
         shape: Shape,
         body: Body,
         options: BuildableOptions,
+        pool: WorkerPool,
         progress: Progress | None,
-        stop: Callable[[], bool] | None,
+        clock: Clock,
     ) -> None:
         self.shape, self.body, self.options = shape, body, options
-        self.progress, self.stop = progress, stop
+        self.pool, self.progress, self.late = pool, progress, clock.late
 
     def run(self, layouts: list[Layout]) -> Buildable:
         """The best of all layouts."""
@@ -127,9 +129,6 @@ class _Search:
         assert best is not None
         return replace(best, tried=tuple(tried))
 
-    def late(self) -> bool:
-        return self.stop is not None and self.stop()
-
     def tell(self, stage: str, done: int, total: int) -> None:
         if self.progress is not None:
             self.progress(stage, done, total)
@@ -157,7 +156,8 @@ class _Search:
             order=Order.COURSE,
             placed=tuple(names[free & (level < low)].tolist()),
         )
-        found = plan(model, options=PlanOptions(rules=rules, anyway=True), stop=self.stop)
+        options = PlanOptions(rules=rules, anyway=True)
+        found = plan(model, options=options, executor=self.pool.executor, stop=self.late)
         return None if found.stopped else found
 
     # -- wedges ---------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ Source: Kao 2023, chapter 7.3 (discretise, check, modify, sequence, and back).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, TypeAlias, Unpack
@@ -19,7 +19,7 @@ import numpy as np
 from drystone.base.arrays import Bools, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.design.surgery.joint_surgery import still_edge, turn_joint, wedge_joint
 from drystone.io.opening import Given, How, supported_model
@@ -128,8 +128,9 @@ def recut_joints(
     given: Given,
     *,
     options: RecutOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Recut:
@@ -140,10 +141,6 @@ def recut_joints(
     given
         A model, which may fall as it is; or an assembly or a file that ``how`` turns into one.
     options
-    progress
-    stop
-        Called before each change; True ends it with the changes so far.
-    time_limit_s
 
     Raises
     ------
@@ -161,7 +158,8 @@ def recut_joints(
     model = supported_model(given, **how)
     clock = Clock(time_limit_s, stop)
     # a prop of what does not stand is one more block that needs help
-    planned = partial(plan, options=replace(chosen.plan, anyway=True), stop=clock.late)
+    thus = replace(chosen.plan, anyway=True)
+    planned = partial(plan, options=thus, executor=executor, stop=clock.late)
     best = planned(model)
     changes: list[RecutJoint] = []
     tried = 0

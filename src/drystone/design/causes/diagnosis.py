@@ -5,14 +5,16 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
 
 from drystone.base.arrays import Floats, frozen
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
+from drystone.base.workers import WorkerPool
 from drystone.design.causes import diagnosis_words
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.joint_motion import joint_states
@@ -30,7 +32,6 @@ from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import check, solve_cra_penalty
-from drystone.stability.problem import Clock
 
 
 @dataclass(frozen=True)
@@ -61,8 +62,9 @@ def diagnose(
     *,
     options: DiagnosisOptions | None = None,
     result: Result | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Diagnosis:
@@ -79,11 +81,6 @@ def diagnose(
     options
     result
         A result of a check of this model, if available.
-    progress
-    stop
-        Called often; True ends the search for the needs of the regions.
-    time_limit_s
-        Time after which the needs of the regions are no longer searched.
 
     Returns
     -------
@@ -121,12 +118,16 @@ def diagnose(
     prop = np.zeros((len(model), 6))
     prop[list(answer.falling)] = answer.prop[list(answer.falling)]
     groups = regions_of(model, answer.falling)
-    regions = []
+    regions: list[Region] = []
     looked = groups[: chosen.regions]
-    for number, blocks in enumerate(looked):
-        if progress is not None:
-            progress("regions", number, len(looked))
-        regions.append(_region(model, blocks, answer, prop, chosen, clock.late))
+    task = partial(_region, model, answer, prop, chosen, clock)
+    if progress is not None:
+        progress("regions", 0, len(looked))
+    with WorkerPool(executor) as pool:
+        for region in pool.answers(task, looked):
+            regions.append(region)
+            if progress is not None:
+                progress("regions", len(regions), len(looked))
     others = tuple(i for blocks in groups[chosen.regions :] for i in blocks)
     wanted = chosen.needs and not others and not clock.late()
     friction = _friction_of_all(model, regions, clock.late) if wanted else None
@@ -136,13 +137,14 @@ def diagnose(
 
 def _region(
     model: Model,
-    blocks: tuple[int, ...],
     answer: Result,
     prop: Floats,
     options: DiagnosisOptions,
-    late: Callable[[], bool],
+    clock: Clock,
+    blocks: tuple[int, ...],
 ) -> Region:
     """A region, examined with its neighbours fixed."""
+    late = clock.late
     local, position = local_model(model, blocks)
     inside = np.zeros(len(model), dtype=bool)
     inside[list(blocks)] = True

@@ -114,7 +114,7 @@ def seats(
     motion : (6,)
         First motion of the block.
     shares
-        Of the way from the middle of a face to its end.
+        Of the distance from the middle of a face to its end.
     """
     body = model.assembly.blocks[block]
     half = 0.5 * HEAD * body.size

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Unpack
 
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends, stands_already
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -63,8 +63,10 @@ def mend(
     given: Given,
     *,
     options: MendOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Mending:
     """The structure with the lowest-cost mend of each region, until it stands.
@@ -77,9 +79,6 @@ def mend(
     given
         A model; or an assembly or a file that ``how`` turns into one.
     options
-    progress
-    stop
-        Called between two changes; True ends with the mends made so far.
 
     Examples
     --------
@@ -91,7 +90,18 @@ def mend(
     (True, 1)
     """
     chosen = MendOptions.of(options)
-    model = as_model(given, **how)
+    clock = Clock(time_limit_s, stop)
+    with WorkerPool(executor) as pool:
+        return _mended(as_model(given, **how), chosen, pool, progress, clock)
+
+
+def _mended(
+    model: Model,
+    chosen: MendOptions,
+    pool: WorkerPool,
+    progress: Progress | None,
+    clock: Clock,
+) -> Mending:
     steps: list[Mend] = []
     log: list[str] = []
     while True:
@@ -100,10 +110,17 @@ def mend(
         if stands:
             log.append(f"it stands: {result.message}" if steps else stands_already(chosen.margin))
             break
-        if len(steps) == ROUNDS or (stop is not None and stop()):
+        if len(steps) == ROUNDS or clock.late():
             log.append(f"ended after {counted(len(steps), 'mend')}")
             break
-        found = find_mends(model, options=chosen, regions=1, progress=progress, stop=stop)
+        found = find_mends(
+            model,
+            options=chosen,
+            regions=1,
+            executor=pool.executor,
+            progress=progress,
+            stop=clock.late,
+        )
         if not found.mends:
             log.append(_hopeless(found))
             break

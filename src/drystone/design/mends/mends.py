@@ -5,15 +5,18 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.base.arrays import Floats
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
-from drystone.design.causes.diagnosed import Diagnosis
+from drystone.base.workers import WorkerPool
+from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import diagnose
 from drystone.design.causes.prop_forces import Stopped
 from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
@@ -184,9 +187,11 @@ def find_mends(
     *,
     options: MendOptions | None = None,
     regions: int | None = None,
-    progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
     found_one: Callable[[Mend], None] | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Mends:
     """Search for changes that make a structure stand.
@@ -202,11 +207,8 @@ def find_mends(
     options
     regions
         Number of regions to mend, the heaviest first; all when left out.
-    progress
-    stop
-        Called often; True ends the search with the results so far.
     found_one
-        Called with each change as soon as it was checked on the whole structure.
+        Called with each change that holds the whole structure, once all of its kind were checked.
 
     Raises
     ------
@@ -214,37 +216,40 @@ def find_mends(
         What was given cannot be made into a model, or a block to keep does not exist.
     """
     chosen = MendOptions.of(options)
+    clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
     keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
-    first = chosen.margin.holds(model, stop=stop)
+    first = chosen.margin.holds(model, stop=clock.late)
     if chosen.margin.meets(first):
         return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
-    found = diagnose(first.model, result=first, progress=progress, stop=stop)
+    found = diagnose(
+        first.model, result=first, executor=executor, progress=progress, stop=clock.late
+    )
     if not found.regions:
         return Mends(found, (), message=found.sentences[0])
     mends: list[Mend] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
     looked = found.regions if regions is None else found.regions[:regions]
     others = set(found.others).union(*(region.blocks for region in found.regions))
-    for number, region in enumerate(looked):
-        bench = Bench(model, found.motion, region, chosen.margin, keep, stop)
-        own: list[Mend] = []
-        held = sorted(others - set(region.blocks))
-        for kind in chosen.kinds:
-            if stop is not None and stop():
-                break
+    with WorkerPool(executor) as pool:
+        for number, region in enumerate(looked):
+            held = sorted(others - set(region.blocks))
+            own: list[Mend] = []
+            names = tuple(model.assembly.names[i] for i in region.blocks)
+            task = partial(_of_kind, model, found.motion, region, chosen.margin, keep, held, clock)
+            stage = f"mends of region {number + 1}"
             if progress is not None:
-                progress(f"mends of region {number + 1}", chosen.kinds.index(kind), len(KINDS))
-            with contextlib.suppress(Stopped):
-                for candidate in MAKERS[kind](bench):
-                    made = _verified(model, bench, candidate, held)
-                    if made is not None:
-                        own.append(made)
-                        if found_one is not None:
-                            found_one(made)
-        mends += sorted(own, key=lambda one: one.cost)
-        names = tuple(model.assembly.names[i] for i in region.blocks)
-        tried += [(names, one) for one in bench.tried]
+                progress(stage, 0, len(chosen.kinds))
+            several = pool.answers(task, chosen.kinds, clock.late)
+            for done, (made, failed) in enumerate(several, start=1):
+                own += made
+                tried += [(names, one) for one in failed]
+                if found_one is not None:
+                    for one in made:
+                        found_one(one)
+                if progress is not None:
+                    progress(stage, done, len(chosen.kinds))
+            mends += sorted(own, key=lambda one: one.cost)
     return Mends(found, tuple(mends), tuple(tried))
 
 
@@ -253,6 +258,27 @@ def stands_already(margin: DesignMargin) -> str:
     if margin == DesignMargin():
         return "it stands already: ask for a margin to make it stand more firmly"
     return "it stands already, at the margin that is asked for"
+
+
+def _of_kind(
+    model: Model,
+    motion: Floats,
+    region: Region,
+    margin: DesignMargin,
+    keep: frozenset[int],
+    held: list[int],
+    clock: Clock,
+    kind: str,
+) -> tuple[list[Mend], list[Tried]]:
+    """The mends of one kind for a region, and what was tried without success."""
+    bench = Bench(model, motion, region, margin, keep, clock.late)
+    made = []
+    with contextlib.suppress(Stopped):
+        for candidate in MAKERS[kind](bench):
+            found = _verified(model, bench, candidate, held)
+            if found is not None:
+                made.append(found)
+    return made, bench.tried
 
 
 def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int]) -> Mend | None:

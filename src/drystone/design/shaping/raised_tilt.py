@@ -38,7 +38,7 @@ def raise_tilt(search: ShapeSearch) -> Shaped:
     first = tilt = _largest(search, now)
     step, rounds, words = FIRST, 0, "no larger tilt was reached"
     while step >= CLOSE:
-        if search.stop is not None and search.stop():
+        if search.late():
             words = "it was stopped"
             break
         wanted = min(tilt + step, STEEPEST)
@@ -56,14 +56,14 @@ def raise_tilt(search: ShapeSearch) -> Shaped:
     result = margin.holds(now)
     stands = margin.meets(result)
     words = f"stands tilted by {tilt:.1f} degrees, {first:.1f} before; {words}"
-    return Shaped(search.model, now, x, result, stands, tilt, first, rounds, words)
+    return Shaped(search.model, now, result, stands, rounds, words, x, tilt, first)
 
 
 def _at(search: ShapeSearch, tilt: float) -> ShapeSearch:
     """A search for a shape that stands at a tilt [degrees]."""
     margin = replace(search.options.margin, tilt=tilt)
     options = replace(search.options, aim=ShapeAim.STAND, margin=margin)
-    return ShapeSearch(search.model, search.moves, options, search.progress, search.stop)
+    return ShapeSearch(search.model, search.moves, options, search.progress, search.late)
 
 
 def _stands(search: ShapeSearch, model: Model, tilt: float) -> bool:

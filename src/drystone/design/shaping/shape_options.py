@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.design.mends.margin import DesignMargin
-from drystone.model import Model
-from drystone.results import Result
+from drystone.design.surgery.changed_model import ChangedStructure
 
 
 class ShapeAim(enum.Enum):
@@ -83,52 +81,28 @@ class ShapeOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Shaped(OneLine):
+class Shaped(ChangedStructure):
     """A structure with another shape.
 
     Attributes
     ----------
-    before, model
     x : (p,) [m]
         The variables.
-    result
-        The check of ``model``, or that of the case of the margin in which it falls.
-    stands
-        Whether it stands at the margin.
     value
         Volume [m3], reach [m] or tilt [degrees] of ``model``; the help that it needs where it was
         to stand.
     first
         The same of ``before``.
-    rounds
-    message
     """
 
-    before: Model
-    model: Model
     x: Floats
-    result: Result
-    stands: bool
     value: float
     first: float
-    rounds: int
-    message: str
-
-    def _summary(self) -> str:
-        return self.message
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
-        return {
-            "stands": self.stands,
-            "verdict": self.result.verdict.value,
-            "message": self.message,
-            "check": self.result.message,
-            "value": self.value,
-            "first": self.first,
-            "rounds": self.rounds,
-            "variables": [float(one) for one in self.x],
-        }
+        own = {"value": self.value, "first": self.first, "variables": self.x.tolist()}
+        return super().to_dict() | own
 
 
 __all__ = ["ShapeAim", "ShapeOptions", "Shaped"]

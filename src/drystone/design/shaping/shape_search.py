@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +10,7 @@ from scipy.optimize import minimize
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import DrystoneError, InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Progress, Stop
 from drystone.design.mends.mends import stands_already
 from drystone.design.shaping.help_needed import Form
 from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
@@ -43,10 +42,10 @@ class ShapeSearch:
         moves: ShapeVariables,
         options: ShapeOptions,
         progress: Progress | None,
-        stop: Callable[[], bool] | None,
+        late: Stop,
     ) -> None:
         self.model, self.moves, self.options = model, moves, options
-        self.progress, self.stop = progress, stop
+        self.progress, self.late = progress, late
         self.bodies = Bodies.of(model.assembly)
         self.known: dict[bytes, tuple[float, Floats]] = {}
         self.forms: list[Form] = []
@@ -77,7 +76,7 @@ class ShapeSearch:
                 if found is None:
                     trust *= 0.25
                     if trust < options.close:
-                        words = "no smaller step leads further"
+                        words = "no smaller step improves it"
                         break
                     continue
                 best, now = following, found
@@ -140,7 +139,7 @@ class ShapeSearch:
         return np.clip(most * found.x, low, high)
 
     def accepted(self, x: Floats, target: Floats, stand_only: bool) -> tuple[Floats, Model | None]:
-        """The farthest shape on the way to a target that may be kept: it stands, or needs less."""
+        """The farthest shape towards a target that may be kept: it stands, or needs less."""
         if np.array_equal(x, target):
             return x, None
         whole = self.made(target)
@@ -233,7 +232,7 @@ class ShapeSearch:
 
     def help_at(self, x: Floats) -> tuple[float, Floats]:
         """Share of the load on the ground, over all cases, and its derivative (p,)."""
-        if self.stop is not None and self.stop():
+        if self.late():
             raise Stopped
         key = np.asarray(x).tobytes()
         if key not in self.known:
@@ -253,7 +252,7 @@ class ShapeSearch:
         """What was found, checked in full."""
         result = self.options.margin.holds(model)
         stands = self.options.margin.meets(result)
-        stop, self.stop = self.stop, None
+        late, self.late = self.late, bool
         values = []
         for where, one in ((x, model), (np.zeros_like(x), self.model)):
             try:
@@ -262,10 +261,10 @@ class ShapeSearch:
             except DrystoneError:
                 value = float("nan")
             values.append(-value if self.options.aim is ShapeAim.REACH else value)
-        self.stop = stop
+        self.late = late
         if not stands:
             words += ": it does not stand"
-        return Shaped(self.model, model, x, result, stands, values[0], values[1], rounds, words)
+        return Shaped(self.model, model, result, stands, rounds, words, x, *values)
 
 
 __all__ = ["ShapeSearch", "Stopped"]

@@ -8,7 +8,7 @@ from typing import Unpack
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.design.shaping.raised_tilt import raise_tilt
 from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
@@ -28,8 +28,10 @@ def shape(
     moves: ShapeVariables | Callable[[Model], ShapeVariables],
     *,
     options: ShapeOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Shaped:
     """Move vertices until a structure stands, or to the best shape that stands.
@@ -37,7 +39,7 @@ def shape(
     The help that it needs, and its derivative by all variables (one more solve), come from the
     compliant state; see :mod:`drystone.design.shaping.help_needed`. In each round scipy's SLSQP
     moves the variables within a region of trust. Contacts are then found anew, and the check
-    decides.
+    decides. Each round needs the one before, so an ``executor`` has nothing to share.
 
     Parameters
     ----------
@@ -47,9 +49,6 @@ def shape(
         The variables, or what makes them of the model: :func:`free_vertices`, :func:`thickening`,
         :func:`block_moves`, or :class:`FamilyMoves` of a parametric family.
     options
-    progress
-    stop
-        Asked between two evaluations; True ends with the best shape so far.
 
     Returns
     -------
@@ -70,7 +69,9 @@ def shape(
     >>> found.stands, round(0.09 + float(found.x[0]), 2)
     (True, 0.1)
     """
+    del executor  # one chain of rounds
     chosen = ShapeOptions.of(options)
+    clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
     variables = moves(model) if callable(moves) else moves
     vertex = vertices_of(model.assembly)
@@ -80,7 +81,7 @@ def shape(
             "the values that the family starts with are not those of the model",
             remedy="build the model with them",
         )
-    search = ShapeSearch(model, variables, chosen, progress, stop)
+    search = ShapeSearch(model, variables, chosen, progress, clock.late)
     return raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
 
 

@@ -89,7 +89,7 @@ class FamilyMoves(OneLine):
         """
         if not start or set(start) != set(most):
             raise InputError(
-                "the parameters that start and those that may change differ",
+                "the start values and the largest changes name different parameters",
                 remedy="give a value and a largest change for each of them",
             )
         largest = np.array([number(most[name], f"the change of {name}") for name in start])

@@ -182,7 +182,7 @@ def _with_moved(body: Block, distances: Mapping[int, float]) -> Block:
         after = area_vectors(vertices[some], start)[0]
         sizes = float(np.linalg.norm(before) * np.linalg.norm(after))
         if before @ after < 0.999 * sizes or sizes == 0.0:
-            raise InputError("would swallow a face", where=where, remedy="move it less")
+            raise InputError("would remove a whole face", where=where, remedy="move it less")
     return Block(vertices, body.faces, body.name, body.density, body.metadata)
 
 

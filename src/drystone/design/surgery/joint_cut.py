@@ -316,7 +316,7 @@ def _refuse_swallowed(
         if face in own or (corner < low).any() or (corner > high).any():
             continue
         if any(cell.holds(corner, near) for cell in cells):
-            raise InputError("would swallow a face", where=where, remedy="make it smaller")
+            raise InputError("would remove a whole face", where=where, remedy="make it smaller")
 
 
 __all__ = [

@@ -8,20 +8,18 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import BrokenExecutor, Executor
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import InputError, MissingDependency
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
+from drystone.base.workers import WorkerPool
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.tuning.tune_goals import MEASURES, PLANNED, Outcome, Wanted, outcome_of
 from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
-from drystone.sequence import LocalWorkers
 
 STUDY = "drystone"
 SETTINGS = "settings"
@@ -37,10 +35,7 @@ class TuneOptions(Options):
     trials
         Structures that are built and checked, those of an earlier run included.
     batch
-        Trials that are asked for together. The answer depends on it, and not on the number of
-        workers.
-    workers
-        Processes.
+        Trials that are asked for together. The answer depends on it, and not on an executor.
     seed
     margin
         How far from falling each structure has to stand.
@@ -51,14 +46,13 @@ class TuneOptions(Options):
 
     trials: int = 100
     batch: int = 8
-    workers: int = 1
     seed: int = 0
     margin: DesignMargin = field(default_factory=DesignMargin)
     props: int | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("trials", "batch", "workers"):
+        for name in ("trials", "batch"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}", remedy="give 1 or more")
         for name in ("seed", "props"):
@@ -75,16 +69,18 @@ def tune(
     how: Mapping[str, Any] | None = None,
     store: str | Path | None = None,
     options: TuneOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Tuned:
     """Search for the parameters with which a structure stands and is best.
 
     Parameters
     ----------
     build
-        Makes a model, an assembly or a shell of the parameters, by their names. With several
-        workers it must be a function that another process can import.
+        Makes a model, an assembly or a shell of the parameters, by their names. With worker
+        processes it must be a function that another process can import.
     parameters
     goals
         What is to be least: ``volume`` [m3], ``blocks``, ``height`` or ``reach`` along x [m] of the
@@ -95,9 +91,6 @@ def tune(
     store
         File that keeps the trials: a search that was ended goes on where it was.
     options
-    progress
-    stop
-        Asked before each trial; True ends with the trials so far.
 
     Raises
     ------
@@ -132,10 +125,14 @@ def tune(
         )
     wanted = Wanted(asked, chosen.margin, chosen.props)
     evaluate = partial(outcome_of, build, dict(how or {}), wanted)
-    return _Search(parameters, asked, evaluate, store, chosen, progress, stop).run()
+    clock = Clock(time_limit_s, stop)
+    with WorkerPool(executor) as pool:
+        return _ValueSearch(
+            parameters, asked, evaluate, store, chosen, pool, progress, clock.late
+        ).run()
 
 
-class _Search:
+class _ValueSearch:
     """One search: trials are asked for in batches, evaluated anywhere, and told in order."""
 
     def __init__(
@@ -145,8 +142,9 @@ class _Search:
         evaluate: Callable[[Mapping[str, Any]], Outcome],
         store: str | Path | None,
         options: TuneOptions,
+        pool: WorkerPool,
         progress: Progress | None,
-        stop: Callable[[], bool] | None,
+        late: Stop,
     ) -> None:
         try:
             import optuna
@@ -157,8 +155,7 @@ class _Search:
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         self.optuna: Any = optuna
         self.parameters, self.goals, self.evaluate = parameters, goals, evaluate
-        self.options, self.progress, self.stop = options, progress, stop
-        self.pool: Executor | None = None
+        self.options, self.pool, self.progress, self.late = options, pool, progress, late
         self.study = self.opened(store)
 
     def opened(self, store: str | Path | None) -> Any:
@@ -171,7 +168,9 @@ class _Search:
                 storage = optuna.storages.JournalStorage(backend)
             except ValueError as error:
                 raise InputError(
-                    "is no store of a search", where=str(store), remedy="name another file"
+                    "does not have the trials of a search",
+                    where=str(store),
+                    remedy="name another file",
                 ) from error
         study = optuna.create_study(
             storage=storage,
@@ -194,7 +193,7 @@ class _Search:
         before = study.user_attrs.get(SETTINGS, settings)
         if before != settings:
             raise InputError(
-                "keeps another search: what is varied or asked for, the seed or the batch differ",
+                "has the trials of another search: its parameters, goals, seed or batch differ",
                 where=str(store),
                 remedy="name another file",
             )
@@ -207,24 +206,20 @@ class _Search:
 
     def run(self) -> Tuned:
         options = self.options
-        with self.workers():
-            while not self.late():
-                asked, waiting = len(self.study.trials), len(self.waiting)
-                whole = options.batch * (1 + (asked - (waiting > 0)) // options.batch)
-                for number in range(asked, min(options.trials, whole)):
-                    self.ask(number)
-                if not self.waiting:
-                    break
-                self.answer(self.waiting)
+        while not self.late():
+            asked, waiting = len(self.study.trials), len(self.waiting)
+            whole = options.batch * (1 + (asked - (waiting > 0)) // options.batch)
+            for number in range(asked, min(options.trials, whole)):
+                self.ask(number)
+            if not self.waiting:
+                break
+            self.answer(self.waiting)
         return Tuned(self.goals, tuple(self.trials()))
 
     @property
     def waiting(self) -> list[Any]:
         """The trials that were asked for and not told; those of a run that was ended, too."""
         return [one for one in self.study.trials if not one.state.is_finished()]
-
-    def late(self) -> bool:
-        return self.stop is not None and self.stop()
 
     def sampler(self, seed: int) -> Any:
         with warnings.catch_warnings():
@@ -245,7 +240,9 @@ class _Search:
 
     def answer(self, batch: list[Any]) -> None:
         """Evaluate trials, and tell what came of them in the order of their numbers."""
-        for frozen, (goals, stands, message) in zip(batch, self.outcomes(batch), strict=False):
+        values = [one.params for one in batch]
+        answers = self.pool.answers(self.evaluate, values, self.late, failed=_failed)
+        for frozen, (goals, stands, message) in zip(batch, answers, strict=False):
             trial = self.optuna.trial.Trial(self.study, frozen._trial_id)
             if FALLS not in frozen.user_attrs:  # else it was ended before this trial was told
                 trial.set_constraint(FALLS, 0.0 if stands else 1.0)
@@ -259,39 +256,6 @@ class _Search:
                 done = min(frozen.number + 1, self.options.trials)
                 self.progress("trials", done, self.options.trials)
 
-    def outcomes(self, batch: list[Any]) -> Iterator[Outcome]:
-        """What came of each trial, in their order; a worker that is killed is replaced once."""
-        if self.pool is None:
-            for one in batch:
-                if self.late():
-                    return
-                yield self.evaluate(one.params)
-            return
-        first = self.pool
-        futures = [first.submit(self.evaluate, one.params) for one in batch]
-        for one, future in zip(batch, futures, strict=True):
-            try:
-                yield future.result()
-            except BrokenExecutor:
-                if self.pool is first:
-                    self.pool = LocalWorkers(self.options.workers)()
-                try:
-                    yield self.pool.submit(self.evaluate, one.params).result()
-                except BrokenExecutor:
-                    self.pool = LocalWorkers(self.options.workers)()
-                    yield (), False, "its worker ended twice"
-
-    @contextmanager
-    def workers(self) -> Iterator[None]:
-        """Worker processes, where there is to be more than one."""
-        if self.options.workers > 1:
-            self.pool = LocalWorkers(self.options.workers)()
-        try:
-            yield
-        finally:
-            if self.pool is not None:
-                self.pool.shutdown(cancel_futures=True)
-
     def trials(self) -> Iterator[TuneTrial]:
         for one in self.study.trials:
             if one.state.is_finished():
@@ -300,6 +264,11 @@ class _Search:
                 yield TuneTrial(
                     one.number, one.params, goals, stands, one.user_attrs.get("message", "")
                 )
+
+
+def _failed(_: Mapping[str, Any]) -> Outcome:
+    """The outcome of a trial that ended its worker twice."""
+    return (), False, "its worker ended twice"
 
 
 __all__ = ["Parameter", "TuneOptions", "TuneTrial", "Tuned", "tune"]

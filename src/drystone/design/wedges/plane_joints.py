@@ -71,7 +71,7 @@ class PlaneJoints(OneLine):
         Raises
         ------
         InputError
-            A wedge would swallow a face or cut a block in two, or two wedges would take the same
+            A wedge would remove a face or cut a block in two, or two wedges would take the same
             part of a block.
         """
         contacts, assembly = self.model.contacts, self.model.assembly

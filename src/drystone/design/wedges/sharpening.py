@@ -12,22 +12,21 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mends import stands_already
+from drystone.design.surgery.changed_model import ChangedStructure
 from drystone.design.surgery.joint_surgery import STEEPEST
 from drystone.design.wedges.plane_joints import PlaneJoints
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
-from drystone.results import Result
 from drystone.stability import CheckOptions, check
 
 TENSE = 0.01
 """A joint shows tension from this share of the largest tension of a joint on, chosen: glue that
-gives way puts a trace of tension into every hinge."""
+stretches puts a trace of tension into every hinge."""
 
 PASSES = 6
 """Times that all joints are gone through, chosen: two were enough in every case that was tried."""
@@ -77,37 +76,19 @@ class SharpenOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Sharpened(OneLine):
+class Sharpened(ChangedStructure):
     """A structure with wedges in some joints.
 
     Attributes
     ----------
-    before, model
-        The structure without wedges, and with them.
     sharpness : (j,) [degrees]
         Of each interface of ``before``; zero where it stays plane.
-    rounds
-        In which joints were sharpened.
-    result
-        The check of ``model``, or that of the case of the margin in which it falls.
-    stands
-        Whether it stands at the margin.
     least
         Whether every sharpened joint is known to be needed. Not so where it was stopped.
-    message
     """
 
-    before: Model
-    model: Model
     sharpness: Floats
-    rounds: int
-    result: Result
-    stands: bool
     least: bool
-    message: str
-
-    def _summary(self) -> str:
-        return self.message
 
     @property
     def joints(self) -> list[tuple[str, str, float]]:
@@ -120,15 +101,8 @@ class Sharpened(OneLine):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
-        return {
-            "stands": self.stands,
-            "verdict": self.result.verdict.value,
-            "message": self.message,
-            "check": self.result.message,
-            "rounds": self.rounds,
-            "least": self.least,
-            "joints": [{"blocks": [a, b], "sharpness_deg": value} for a, b, value in self.joints],
-        }
+        joints = [{"blocks": [a, b], "sharpness_deg": value} for a, b, value in self.joints]
+        return super().to_dict() | {"least": self.least, "joints": joints}
 
 
 @checked_call
@@ -136,24 +110,23 @@ def sharpen(
     given: Given,
     *,
     options: SharpenOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Sharpened:
     """Make plane joints wedges of two planes where tension appears, until the structure stands.
 
     In each round the joints that would pull if they were glued are made sharper by a step. Once it
     stands, all wedges together and then each one alone are taken back to the least sharpness with
-    which it still stands.
+    which it still stands. Each check needs the one before, so an ``executor`` has nothing to share.
 
     Parameters
     ----------
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     options
-    progress
-    stop
-        Asked between two checks; True ends with what stands by then.
 
     Returns
     -------
@@ -174,35 +147,38 @@ def sharpen(
     >>> found.stands, found.message
     (True, 'it stands already: ask for a margin to make it stand more firmly')
     """
+    del executor  # one chain of checks
     chosen = SharpenOptions.of(options)
+    clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
     keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
     joints = PlaneJoints.of(model, keep)
     none = np.zeros(model.contacts.count)
     first = chosen.margin.holds(model)
     if chosen.margin.meets(first):
-        return Sharpened(model, model, none, 0, first, True, True, stands_already(chosen.margin))
+        words = stands_already(chosen.margin)
+        return Sharpened(model, model, first, True, 0, words, sharpness=none, least=True)
     if not joints.usable.any():
         kept = ", ".join(model.assembly.names[i] for i in sorted(keep))
         what = "no joint may be changed" + (f": the joints of {kept} stay" if kept else "")
         raise InputError(what, remedy="let other blocks change, or try 'drystone mend'")
-    return _Search(joints, chosen, progress, stop).run()
+    return _Sharpening(joints, chosen, progress, clock.late).run()
 
 
-class _Search:
-    """The rounds, and the way back."""
+class _Sharpening:
+    """The rounds, then wedges taken back."""
 
     def __init__(
         self,
         joints: PlaneJoints,
         options: SharpenOptions,
         progress: Progress | None,
-        stop: Callable[[], bool] | None,
+        late: Stop,
     ) -> None:
         self.joints = joints
         self.options = options
         self.progress = progress
-        self.stop = stop
+        self.late = late
         self.limit = np.where(joints.usable, options.most, 0.0)
 
     def run(self) -> Sharpened:
@@ -227,12 +203,9 @@ class _Search:
         model = self.joints.wedged(sharpness)
         result = self.options.margin.holds(model)
         stands = self.options.margin.meets(result)
-        return Sharpened(
-            self.joints.model, model, sharpness, rounds, result, stands, least and stands, words
-        )
-
-    def late(self) -> bool:
-        return self.stop is not None and self.stop()
+        least = least and stands
+        before = self.joints.model
+        return Sharpened(before, model, result, stands, rounds, words, sharpness, least)
 
     def tell(self, stage: str, done: int, total: int) -> None:
         if self.progress is not None:
@@ -299,7 +272,7 @@ class _Search:
             "allow sharper wedges, or try 'drystone mend'"
         )
 
-    # -- the way back ---------------------------------------------------------------------------
+    # -- wedges taken back ----------------------------------------------------------------------
     def lowered(self, sharpness: Floats) -> Floats:
         """All wedges cut down to the least common sharpness with which it stands."""
 

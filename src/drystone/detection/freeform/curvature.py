@@ -78,10 +78,10 @@ def curvature(
     np.maximum.at(bend, here, 0.5 * angle * share)
     if triangle[here].any():
         _turn_to_corners(bend, faces, edges, curved, group, triangle)
-    for way, sign in ((bulges, 1.0), (hollow, -1.0)):
+    for turned, sign in ((bulges, 1.0), (hollow, -1.0)):
         turns = sign * turn[smooth] > TURNS
-        way[here[turns]] = True
-        way[here[way[there]]] = True  # extended to the neighbours
+        turned[here[turns]] = True
+        turned[here[turned[there]]] = True  # extended to the neighbours
     return Curvature(sag, bend, bulges, hollow)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -14,7 +13,9 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints, frozen, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
+from drystone.base.workers import WorkerPool
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.find import find_contacts
 
@@ -82,15 +83,20 @@ class GapSweep(OneLine):
         }
 
 
+@checked_call
 def gap_sweep(
     assembly: Assembly,
     gaps: Sequence[float] | Floats | None = None,
     *,
     options: DetectionOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    executor: Executor | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> GapSweep:
     """Find the contacts with many gap tolerances.
+
+    Ended early, the sweep has the smallest gaps, at least one.
 
     Parameters
     ----------
@@ -99,8 +105,6 @@ def gap_sweep(
         Relative to the block size; 26 from 1e-6 to 0.1 when left out.
     options
         All other tolerances.
-    progress, executor
-        Each gap is one task.
 
     Raises
     ------
@@ -119,14 +123,15 @@ def gap_sweep(
         raise InputError("gaps must be above zero", remedy="give for example 1e-4, 1e-3, 1e-2")
     base = DetectionOptions.of(options)
     count = partial(_counts, assembly, base)
-    results = executor.map(count, tried.tolist()) if executor else map(count, tried.tolist())
-    rows = []
-    for done, row in enumerate(results, start=1):
-        rows.append(row)
-        if progress is not None:
-            progress("gap sweep", done, len(tried))
+    clock = Clock(time_limit_s, stop)
+    rows: list[tuple[int, int, int]] = []
+    with WorkerPool(executor) as pool:
+        for row in pool.answers(count, tried.tolist(), lambda: bool(rows) and clock.late()):
+            rows.append(row)
+            if progress is not None:
+                progress("gap sweep", len(rows), len(tried))
     table = frozen(np.array(rows, dtype=np.intp))
-    return GapSweep(tried, table[:, 0], table[:, 1], table[:, 2])
+    return GapSweep(frozen(tried[: len(rows)]), table[:, 0], table[:, 1], table[:, 2])
 
 
 def _counts(assembly: Assembly, options: DetectionOptions, gap: float) -> tuple[int, int, int]:

@@ -73,7 +73,7 @@ def edge_contacts(
         Pairs that meet only along parallel edges or at corners, where the contact has no defined
         normal.
     """
-    search = _Search(assembly, patches, options)
+    search = _EdgeSearch(assembly, patches, options)
     rows: list[tuple[int, int, _Touch]] = []
     undirected = []
     for a, b in zip(pairs[0].tolist(), pairs[1].tolist(), strict=True):
@@ -108,7 +108,7 @@ def _interfaces(patches: Patches, rows: list[tuple[int, int, _Touch]]) -> Interf
     )
 
 
-class _Search:
+class _EdgeSearch:
     """Search for contacts of the edges and vertices of two blocks."""
 
     def __init__(self, assembly: Assembly, patches: Patches, options: DetectionOptions) -> None:

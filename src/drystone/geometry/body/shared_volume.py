@@ -96,9 +96,14 @@ def shared_volumes(
     some = np.flatnonzero([common.num_tri() > 0 for common in commons])
     row, a, b, commons = row[some], a[some], b[some], [commons[i] for i in some]
     volume = np.array([common.volume() for common in commons])
-    depth = _deepest(bodies, a, b, commons, tolerance[row])
-    for i in np.flatnonzero(convex[a] & convex[b]):
+    depth = np.zeros(len(a))
+    both = convex[a] & convex[b]
+    for i in np.flatnonzero(both):
         depth[i] = _way_out(bodies, a[i], b[i])
+    some = np.flatnonzero(~both)
+    if len(some):
+        solids = [commons[i] for i in some]
+        depth[some] = _deepest(bodies, a[some], b[some], solids, tolerance[row[some]])
     whole = np.array(
         [[bodies.solid(i).volume() for i in pair] for pair in np.stack([a, b], axis=1)]
     ).reshape(-1, 2)

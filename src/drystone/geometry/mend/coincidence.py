@@ -11,6 +11,10 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 
+PAIRED = 48
+"""Up to so many points all pairs are compared first: faster than the grids, measured."""
+ROUNDING = 1e-6
+"""By which a cell is taken to be wider, so that rounding decides nothing."""
 FEW = 200
 """Below so many rows a dictionary finds equal ones faster than sorting does, measured."""
 
@@ -39,12 +43,18 @@ def first_coincident(points: Floats, distance: float | Floats, body: Ints | None
     same = _first_alike([owner, *points.T])
     kept = np.flatnonzero(same == np.arange(count))
     cell = 2.0 * np.broadcast_to(np.asarray(distance, dtype=np.float64), (count,))[kept]
-    if not (cell > 0.0).any():
+    if not (cell > 0.0).any() or (len(kept) <= PAIRED and not _any_near(points[kept], cell)):
         return same
     first = kept[_joined(points[kept], cell, owner[kept])]
     whole = np.arange(count, dtype=np.intp)
     whole[kept] = first
     return whole[same]
+
+
+def _any_near(points: Floats, cell: Floats) -> bool:
+    """Whether two of few points are so near in every coordinate that they could share a cell."""
+    near = (np.abs(points[:, None] - points) <= (1.0 + ROUNDING) * cell.max()).all(axis=2)
+    return int(near.sum()) > len(points)
 
 
 def distinct(points: Floats, distance: float) -> tuple[Ints, Ints]:
@@ -189,11 +199,11 @@ def once(faces: Sequence[Loop]) -> tuple[list[Loop], int]:
     """
     first: dict[Loop, Loop] = {}
     for face in faces:
-        ways = []
+        turns = []
         for loop in (tuple(face), tuple(face)[::-1]):
             least = loop.index(min(loop)) if loop else 0
-            ways.append(loop[least:] + loop[:least])
-        first.setdefault(min(ways), face)
+            turns.append(loop[least:] + loop[:least])
+        first.setdefault(min(turns), face)
     return list(first.values()), len(faces) - len(first)
 
 

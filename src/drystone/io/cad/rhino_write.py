@@ -73,7 +73,7 @@ def attributes_of(block: Block, fixed: bool, layer: int, path: Path) -> Any:
     attributes = rhino3dm.ObjectAttributes()
     if any(character < " " for character in block.name):
         raise FormatError(
-            f"block '{block.name}' has a control character in its name, for which 3dm has no place",
+            f"block '{block.name}' has a control character in its name, which 3dm does not store",
             where=str(path),
             remedy="rename it without tabs and line ends",
         )

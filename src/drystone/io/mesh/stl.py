@@ -45,7 +45,7 @@ def _binary(data: bytes, path: Path) -> Draft:
     count = int.from_bytes(data[80:84], "little") if len(data) >= HEADER else -1
     if len(data) < HEADER + RECORD * max(count, 0) or count < 0:
         raise FormatError(
-            f"announces {max(count, 0)} triangles, but the file ends before"
+            f"says that it has {max(count, 0)} triangles, but the file ends before"
             if count >= 0
             else "is neither text STL nor binary STL",
             where=str(path),
@@ -82,7 +82,7 @@ def _text(text: str, path: Path) -> Draft:
             raise _bad(path, number, line, "facet or endsolid")
     if expected:
         raise FormatError(
-            f"ends where '{expected[0]}' is due", where=str(path), remedy="export it again"
+            f"ends where '{expected[0]}' is expected", where=str(path), remedy="export it again"
         )
     return _named(solids, path)
 
@@ -110,7 +110,7 @@ def _vertex(words: list[str], path: Path, number: int, line: str) -> list[float]
 
 def _bad(path: Path, number: int, line: str, due: str) -> FormatError:
     return FormatError(
-        f"'{line.strip()[:40]}' stands where '{due}' is due",
+        f"'{line.strip()[:40]}' where '{due}' is expected",
         where=f"{path}, line {number}",
         remedy="export it again",
     )

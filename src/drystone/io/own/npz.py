@@ -95,7 +95,9 @@ def resolve(top: Field) -> Field:
     named.only(("file", "sha256"))
     name = named["file"].text()
     if Path(name).name != name or not name.endswith(".npz"):
-        raise named["file"].error("is no plain name of an npz file", "keep both in one folder")
+        raise named["file"].error(
+            "is not the name of an npz file in the same folder", "keep both in one folder"
+        )
     path = top.file.parent / name
     data = read_bytes(path)
     if digest(data) != named["sha256"].text():
@@ -115,7 +117,7 @@ def _load(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
             members = archive.infolist()
             if sum(member.file_size for member in members) > UNPACKED + RATIO * len(data):
                 raise FormatError(
-                    "unpacks to far more than its own size",
+                    "becomes far larger than itself when it is unpacked",
                     where=str(path),
                     remedy="write it again",
                 )
@@ -132,17 +134,21 @@ def _load(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, path: Path) -> NDArray[Any]:
     where = f"{path}, array '{member.filename[:40]}'"
     if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        raise FormatError("is compressed in an unusual way", where=where, remedy="write it again")
+        raise FormatError(
+            "is compressed with an unusual method", where=where, remedy="write it again"
+        )
     with archive.open(member) as file:
         content = file.read(member.file_size + 1)
     match = HEADER.match(content)
     if match is None or match.end() != 10 + int.from_bytes(match[1], "little"):
-        raise FormatError("is no plain array of numbers", where=where, remedy="write it again")
+        raise FormatError("is not an array of numbers", where=where, remedy="write it again")
     dtype = np.dtype(match[2].decode())
     shape = tuple(int(size) for size in match[3].decode().replace(",", " ").split())
     body = content[match.end() :]
     if math.prod(shape) * dtype.itemsize != len(body):
-        raise FormatError("does not hold what it announces", where=where, remedy="write it again")
+        raise FormatError(
+            "does not have the contents that its header says", where=where, remedy="write it again"
+        )
     return np.frombuffer(body, dtype=dtype).reshape(shape)
 
 

@@ -161,11 +161,11 @@ def _moved(result: Result, contacts: Contacts, path: Floats) -> Stage:
 def _carried(model: Model, motion: Floats) -> Contacts:
     """Interfaces moved with both of their blocks by half, to first order."""
     contacts, centroid = model.contacts, model.assembly.centroid
-    way = np.zeros_like(contacts.point)
+    moved = np.zeros_like(contacts.point)
     for block in (contacts.block_a, contacts.block_b):
         of = block[contacts.interface]
-        way += motion[of, :3] + cross(motion[of, 3:], contacts.point - centroid[of])
-    return replace(contacts, point=contacts.point + 0.5 * way)
+        moved += motion[of, :3] + cross(motion[of, 3:], contacts.point - centroid[of])
+    return replace(contacts, point=contacts.point + 0.5 * moved)
 
 
 __all__ = ["at_once", "verdict_of"]

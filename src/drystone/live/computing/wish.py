@@ -170,7 +170,7 @@ def asked(model: Model, wish: Wish) -> Asked:
     gone = np.zeros(len(model), dtype=bool)
     gone[model.assembly.indices(list(wish.removed))] = True
     if gone.all():
-        raise InputError("every block is taken out", remedy="put one back")
+        raise InputError("every block is removed", remedy="put one back")
     kept = np.flatnonzero(~gone)
     for i in model.assembly.indices([block for block, _ in wish.moves]):
         if gone[i] or not model.assembly.fixed[i]:

@@ -98,7 +98,7 @@ class Server(ThreadingHTTPServer):
         """A request has arrived as a whole: its connection may stay open while it is answered."""
         with self._lock:
             if request not in self._open:
-                raise ConnectionAbortedError("it had to give way")
+                raise ConnectionAbortedError("a newer connection took its place")
             self._open[request] = float("inf")
 
     def handle_error(self, request: Any, client_address: Any) -> None:

@@ -83,7 +83,7 @@ def vault(
     require(
         min(span, rise, thickness, length) > 0.0, "a vault without extent", "lengths above zero"
     )
-    require(flare * (rise + thickness) < 0.5 * length, "the ends meet", "flare less")
+    require(flare * (rise + thickness) < 0.5 * length, "the ends meet", "reduce the flare")
     joints = _catenary_joints(span, rise, thickness, courses)
     return _in_courses(joints, 0.5 * length, -flare, blocks, True)
 

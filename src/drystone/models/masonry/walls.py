@@ -113,7 +113,11 @@ def corbelled_wall(
     It overturns when the centroid of the part above a course is beyond the edge of that course: for
     n free courses when ``(n + 1) * corbel > depth``. Parameters as in :func:`wall`.
     """
-    require(abs(corbel) < float(size[1]), "a course misses the one below", "step out less")
+    require(
+        abs(corbel) < float(size[1]),
+        "a course does not rest on the one below",
+        "reduce the step of each course",
+    )
     return wall(courses, length, size, corbel=corbel)
 
 

@@ -12,6 +12,7 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -80,7 +81,7 @@ def find_path(
 
 
 @dataclass(order=True)
-class _Node:
+class _PathNode:
     """A pose that was reached, the steps to it, and its priority."""
 
     cost: tuple[int, float]
@@ -104,6 +105,9 @@ class PathFinder:
         self._solids = Solids(model.assembly)
         self._mover: dict[int, Mover] = {}
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return PathFinder, (self.model, self.options)  # solids do not travel
+
     def path(self, block: int, here: Bools) -> RemovalPath | NoPath:
         """A path of removal for one block.
 
@@ -116,7 +120,7 @@ class PathFinder:
         around = np.array(here)
         around[block] = False
         joints = Joints.of(self.model.contacts, block, around)
-        search = _Search(self, block, joints, np.flatnonzero(around).tolist())
+        search = _PathSearch(self, block, joints, np.flatnonzero(around).tolist())
         return search.run()
 
     def mover(self, block: int) -> Mover:
@@ -127,7 +131,7 @@ class PathFinder:
         return self._mover[block]
 
 
-class _Search:
+class _PathSearch:
     """The search for the path of one block."""
 
     def __init__(
@@ -211,7 +215,7 @@ class _Search:
     def _turning(self, free: Floats) -> RemovalPath | None:
         """Follow free twists until a collision; then try straight paths or further twists."""
         number = itertools.count()
-        queue = [_Node((0, 0.0), next(number), (HERE,))]
+        queue = [_PathNode((0, 0.0), next(number), (HERE,))]
         seen: list[Pose] = []
         while queue and self.around.sweeps < self.finder.options.effort:
             node = heapq.heappop(queue)
@@ -233,7 +237,9 @@ class _Search:
                     end = reached[-1]
                     lifted = float(end.of(self.body.centroid[None])[0] @ self.finder.up)
                     cost = (node.cost[0] + 1, -lifted)
-                    heapq.heappush(queue, _Node(cost, next(number), (*node.poses, *reached[1:])))
+                    heapq.heappush(
+                        queue, _PathNode(cost, next(number), (*node.poses, *reached[1:]))
+                    )
         return None
 
     def _twists(self, pose: Pose, free: Floats) -> Iterator[tuple[Floats, Floats]]:
@@ -364,7 +370,7 @@ class _Search:
         if proved:
             reason = f"its joints block every motion, straight or with rotation: {names}"
         elif self.finder.options.turning:
-            reason = f"paths begin, but all that were tried end at {names}"
+            reason = f"a first step is free, but all paths that were tried end at {names}"
         else:
             reason = f"no straight path is free: {names}"
         return NoPath(self.block, reason, faces, proved)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeAlias, Unpack
 
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
 from drystone.base.table import Table
 from drystone.io.opening import Given, How, as_model
 from drystone.sequence.planner import PlanOptions, plan
@@ -24,18 +25,22 @@ BEST = "best"
 Compared: TypeAlias = tuple[str, Support, Plan, Scaffolding | None]
 
 
+@checked_call
 def compare_scaffolding(
     given: Given,
     kinds: Sequence[Support | str] = tuple(Support),
     orders: Sequence[Order | str] = (Order.TOP, Order.COURSE),
     *,
     options: PlanOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Table:
     """Plan a model with each kind of scaffolding in each order, and compare what it takes.
+
+    Ended early, plans that are missing are rows with a ``message`` only.
 
     Parameters
     ----------
@@ -46,10 +51,6 @@ def compare_scaffolding(
         An order, its name, or ``"best"``: the search goes on until no order has fewer props.
     options
         Of each plan; ``rules.order``, ``scaffold`` and ``patience`` are set here.
-    progress
-    stop
-    time_limit_s
-        For all plans. Plans that are missing then are rows with a ``message`` only.
 
     Returns
     -------
@@ -88,11 +89,23 @@ def compare_scaffolding(
                 patience=float("inf") if best else chosen.patience,
             )
             planned = plan(
-                model, options=one, stop=stop, time_limit_s=clock.left_s, progress=progress
+                model,
+                options=one,
+                executor=executor,
+                progress=progress,
+                stop=stop,
+                time_limit_s=clock.left_s,
             )
             made = None
             if planned.steps:
-                made = scaffolding(planned, kind, options=chosen.scaffold_options)
+                made = scaffolding(
+                    planned,
+                    kind,
+                    options=chosen.scaffold_options,
+                    executor=executor,
+                    stop=clock.late,
+                )
+                made = None if made.stopped else made
             found.append((name, kind, planned, made))
     found.sort(key=_rank)
     return _table(found)

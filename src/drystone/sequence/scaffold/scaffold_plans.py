@@ -8,16 +8,21 @@ with them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from drystone.base.display import OneLine
 from drystone.base.errors import counted
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.settings import checked_call
 from drystone.base.table import Table
+from drystone.base.workers import WorkerPool
+from drystone.results import Result
 from drystone.sequence.plans import Plan
-from drystone.sequence.scaffold.scaffold_items import Clamp
+from drystone.sequence.scaffold.scaffold_items import Clamp, ScaffoldedModel
 from drystone.sequence.scaffold.scaffolded_stages import (
     ScaffoldedStages,
     ScaffoldOptions,
@@ -47,6 +52,8 @@ class Scaffolding(OneLine):
         ``stage_cost * metre_stages + move_cost * moves``.
     failed
         Steps, from 0, that do not stand with it, or overload it.
+    stopped
+        Why later stages were not checked; empty otherwise.
     """
 
     support: Support
@@ -56,11 +63,12 @@ class Scaffolding(OneLine):
     moves: int
     cost: float
     failed: tuple[int, ...]
+    stopped: str = ""
 
     @property
     def works(self) -> bool:
-        """Whether every stage stands within the limits."""
-        return not self.failed
+        """Whether every stage was checked and stands within the limits."""
+        return not (self.failed or self.stopped)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values: what it takes, and the stages."""
@@ -82,13 +90,17 @@ class Scaffolding(OneLine):
         )
 
 
+@checked_call
 def scaffolding(
     plan: Plan,
     support: Support | str = Support.STRUT,
     *,
     options: ScaffoldOptions | None = None,
     check: Check = check_once,
+    executor: Workers | None = None,
     progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> Scaffolding:
     """Check the stages of a plan again, with scaffolding in place of its ideal props.
 
@@ -100,7 +112,6 @@ def scaffolding(
     options
     check
         Tells whether a stage stands.
-    progress
 
     Raises
     ------
@@ -119,32 +130,41 @@ def scaffolding(
     """
     stages = ScaffoldedStages(plan.model.model, support, options, check)
     chosen, names = stages.options, plan.model.assembly.names
+    clock = Clock(time_limit_s, stop)
+    held_before = [frozenset[int](), *(frozenset(step.props) for step in plan.steps)]
+    moves = sum(len(now - before) for before, now in pairwise(held_before))
+    propped = [(number, step) for number, step in enumerate(plan.steps) if step.props]
     rows: list[tuple[object, ...]] = []
-    failed, total, peak, held_before, moves = [], 0.0, 0.0, frozenset[int](), 0
-    for number, step in enumerate(plan.steps):
-        if progress is not None:
-            progress("scaffolding", number, len(plan.steps))
-        held = frozenset(step.props)
-        moves += len(held - held_before)
-        held_before = held
-        if not held:
-            continue
-        whole, result = stages.result(step.placed, mask_of(held))
-        bad = whole.overloaded(result) if result.force is not None else ()
-        largest = float(whole.force(result).max()) if result.force is not None else np.nan
-        length = sum(item.length if not isinstance(item, Clamp) else 1.0 for item in whole.items)
-        total += length
-        peak = max(peak, largest) if largest == largest else peak
-        if not result.stable or bad:
-            failed.append(number)
-        told = ", ".join(names[b] for b in sorted(held))
-        count = len(whole.items)
-        rows.append((number, told, result.verdict.value, count, length, largest, len(bad)))
+    failed: list[int] = []
+    total = peak = 0.0
+    with WorkerPool(executor) as pool:
+        several = [(step.placed, mask_of(step.props)) for _, step in propped]
+        answers = pool.answers(partial(_checked, stages), several, clock.late)
+        for (number, step), (whole, result) in zip(propped, answers, strict=False):
+            bad = whole.overloaded(result) if result.force is not None else ()
+            largest = float(whole.force(result).max()) if result.force is not None else np.nan
+            length = sum(
+                item.length if not isinstance(item, Clamp) else 1.0 for item in whole.items
+            )
+            total += length
+            peak = max(peak, largest) if largest == largest else peak
+            if not result.stable or bad:
+                failed.append(number)
+            told = ", ".join(names[b] for b in sorted(step.props))
+            count = len(whole.items)
+            rows.append((number, told, result.verdict.value, count, length, largest, len(bad)))
+            if progress is not None:
+                progress("scaffolding", len(rows), len(propped))
+    stopped = clock.reason if len(rows) < len(propped) else ""
     keys = ("step", "blocks", "verdict", "items", "length", "peak_force", "overloaded")
     columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
     table = Table("scaffolding", columns, {"length": "m", "peak_force": "N"})
     cost = chosen.stage_cost * total + chosen.move_cost * moves
-    return Scaffolding(stages.support, table, total, peak, moves, cost, tuple(failed))
+    return Scaffolding(stages.support, table, total, peak, moves, cost, tuple(failed), stopped)
+
+
+def _checked(stages: ScaffoldedStages, stage: tuple[int, int]) -> tuple[ScaffoldedModel, Result]:
+    return stages.result(*stage)
 
 
 __all__ = ["Scaffolding", "scaffolding"]

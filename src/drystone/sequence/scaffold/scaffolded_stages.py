@@ -45,7 +45,7 @@ class Support(enum.Enum):
     STRUT = "strut"
     """Struts along the load under the lower face, one near each of its corners."""
     ROPE = "rope"
-    """Ropes along the load from the upper face up to one level."""
+    """Ropes along the load from the upper face up to one height."""
     CLAMP = "clamp"
     """One clamp, or hand, at the centroid."""
     CENTRING = "centring"

@@ -29,7 +29,7 @@ from drystone.sequence.rules import Bound, Order
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.search.hands import can_hold
 from drystone.sequence.search.needs import LocalBalance
-from drystone.sequence.search.states import Cost, Found, Node, SearchOptions
+from drystone.sequence.search.states import Cost, FoundOrder, Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 from drystone.stability import Screening
@@ -48,7 +48,7 @@ NEAR = PATIENT.with_slip_lengths(None, SLIP_LENGTH)
 """Screening of a neighbourhood: both friction laws of a check."""
 
 
-class Search:
+class OrderSearch:
     """One search; see the module docstring.
 
     Parameters
@@ -97,7 +97,7 @@ class Search:
         self.pushed = 0
         self.rounds = 0
 
-    def run(self, root: Node) -> Found:
+    def run(self, root: Node) -> FoundOrder:
         """Search from a stage that stands to the core."""
         closed: dict[tuple[int, int, frozenset[int]], Cost] = {}
         every = self.later_levels == len(self.levels)
@@ -121,7 +121,7 @@ class Search:
                 closed[key] = node.cost
             if stands and not known:
                 if node.placed & ~self.bound.core == 0:
-                    return Found(node.path(), proved)
+                    return FoundOrder(node.path(), proved)
                 if node.placed.bit_count() < best.placed.bit_count():
                     best, waited = node, 0.0
                     self.report(node)
@@ -134,10 +134,10 @@ class Search:
                 waited = 0.0
                 self.report(best)
                 if best.placed & ~self.bound.core == 0:
-                    return Found(best.path(), proved)
+                    return FoundOrder(best.path(), proved)
                 self.queue.clear()
                 self.push(self.removals(best))
-        return Found(best.path(), False)
+        return FoundOrder(best.path(), False)
 
     def report(self, node: Node) -> None:
         """Report the progress of the best stage."""
@@ -247,14 +247,14 @@ class Search:
         return props, together + left
 
     def candidates(self, placed: int) -> Iterator[int]:
-        """Blocks that may and can be removed, in this order; of the highest level only."""
-        rank, level = self.bound.rank, self.bound.level
+        """Blocks that may and can be removed, in this order; of the highest course only."""
+        rank, course = self.bound.rank, self.bound.course
         highest = None
         for block in sorted(members(placed & ~self.bound.core), key=lambda b: int(rank[b])):
-            if highest is not None and level[block] < highest:
+            if highest is not None and course[block] < highest:
                 return
             if self.bound.allows(block, placed) and self.removal.free(block, placed):
-                highest = level[block]
+                highest = course[block]
                 yield block
 
     def removals(self, node: Node) -> list[Node]:
@@ -382,4 +382,4 @@ class Search:
         return replace(node, cost=(props + (node.props & ~given).bit_count(), together))
 
 
-__all__ = ["Search"]
+__all__ = ["OrderSearch"]

@@ -8,8 +8,8 @@ from typing import TypeAlias
 
 from drystone.base.errors import InputError
 from drystone.sequence.rules import Bound
-from drystone.sequence.search.best_first import Search
-from drystone.sequence.search.states import Found, Node
+from drystone.sequence.search.best_first import OrderSearch
+from drystone.sequence.search.states import FoundOrder, Node
 
 LARGEST = 14
 """Largest number of free blocks. The number of stages doubles with every block; more blocks take
@@ -25,7 +25,7 @@ class _State:
     last: int
 
 
-def search_exactly(search: Search, root: Node) -> Found:
+def search_exactly(search: OrderSearch, root: Node) -> FoundOrder:
     """The order with the fewest props, then simultaneous placements, then descent.
 
     Parameters
@@ -61,7 +61,7 @@ def search_exactly(search: Search, root: Node) -> Found:
             continue
         done.add(key)
         if stands and node.placed & ~bound.core == 0:
-            return Found(node.path(), True)
+            return FoundOrder(node.path(), True)
         following = search.removals(node) if stands else search.cures(node, answer)
         for one in following:
             moved = one.group[-1] if one.placed != node.placed else -1
@@ -74,7 +74,7 @@ def search_exactly(search: Search, root: Node) -> Found:
     raise InputError("there is no order of assembly", remedy="allow props")
 
 
-def _rise(search: Search, last: int, block: int) -> float:
+def _rise(search: OrderSearch, last: int, block: int) -> float:
     """Height gained from the block removed before to this one: a descent in assembly."""
     if last < 0:
         return 0.0

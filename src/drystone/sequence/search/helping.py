@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from drystone.sequence.search.best_first import Search
-from drystone.sequence.search.states import Cost, Found, Node
+from drystone.sequence.search.best_first import OrderSearch
+from drystone.sequence.search.states import Cost, FoundOrder, Node
 from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
 
 POLISHED = 8
@@ -49,7 +49,7 @@ class Trimmed:
     spared: bool
 
 
-def trimmed(found: Found, search: Search) -> Trimmed:
+def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
     """The order of a search without its unnecessary help."""
     path = found.path[::-1]
     before = _cost(path, [node.props for node in path])
@@ -70,7 +70,7 @@ def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
     return ever.bit_count(), sum(max(0, len(node.group) - 1) for node in path)
 
 
-def apart(path: Sequence[Node], search: Search) -> list[Node]:
+def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:
     """The same order, with groups divided where the first blocks stand without the others.
 
     Parameters
@@ -93,7 +93,7 @@ def apart(path: Sequence[Node], search: Search) -> list[Node]:
     return out
 
 
-def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
+def props_in_time(path: Sequence[Node], search: OrderSearch) -> list[int]:
     """Props at each stage, from the first to the last stage that needs them."""
     needed = [_needed(node, search) for node in path]
     ever = 0
@@ -119,7 +119,7 @@ def props_in_time(path: Sequence[Node], search: Search) -> list[int]:
     return active
 
 
-def _needed(node: Node, search: Search) -> int:
+def _needed(node: Node, search: OrderSearch) -> int:
     """Props without which a stage falls, tested one by one if there are few."""
     mask = node.props
     certain = mask_of(search.local.unbalanced(mask, node.placed))
@@ -135,7 +135,7 @@ def _needed(node: Node, search: Search) -> int:
     return mask
 
 
-def _spare(path: Sequence[Node], active: list[int], search: Search) -> None:
+def _spare(path: Sequence[Node], active: list[int], search: OrderSearch) -> None:
     """Remove props from their first and last stages while all stages stand."""
     ever = 0
     for mask in active:
@@ -155,7 +155,7 @@ def _spare(path: Sequence[Node], active: list[int], search: Search) -> None:
                 active[i] &= ~bit
 
 
-def _stands(node: Node, search: Search, *, well: bool) -> bool:
+def _stands(node: Node, search: OrderSearch, *, well: bool) -> bool:
     """Whether a stage stands, and hands can hold the blocks placed together until the next one."""
     answer = search.answer(node, sure=True) if well else search.look(node)
     return answer.stands and search.can_hold(node)

@@ -60,7 +60,7 @@ class SearchOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundOrder:
     """Result of a search.
 
     Attributes
@@ -75,4 +75,4 @@ class Found:
     proved: bool
 
 
-__all__ = ["Cost", "Found", "Node", "SearchOptions"]
+__all__ = ["Cost", "FoundOrder", "Node", "SearchOptions"]

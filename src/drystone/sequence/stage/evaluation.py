@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import replace
-from types import TracebackType
 
 import numpy as np
 
@@ -17,12 +16,11 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import DrystoneError
 from drystone.base.files import PathLike, as_path
-from drystone.base.progress import LOST_WORKER
+from drystone.base.workers import LOST_WORKER, ExecutorFactory
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Answer, Stage, members
 from drystone.sequence.stage.structure import Structure
-from drystone.sequence.stage.workers import ExecutorFactory
 from drystone.stability import PATIENT
 
 SAVE_EVERY_S = 10.0
@@ -109,12 +107,7 @@ class Evaluator(OneLine):
     def __enter__(self) -> Evaluator:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self.save()
         if self._factory is not None and self._executor is not None:
             self._executor.shutdown(wait=kind is None, cancel_futures=True)

@@ -72,7 +72,7 @@ def wedge_amount(
         raise InputError(
             f"the wedge {amount[k]:.3g} of a course's height turns blocks inside out",
             where=f"block 'c{int(min(line[k], courses.count - 1)):02d}-b00' and its neighbours",
-            remedy=f"stay within {LARGEST_WEDGE} either way",
+            remedy=f"stay within -{LARGEST_WEDGE} and {LARGEST_WEDGE}",
         )
     return amount
 

@@ -34,7 +34,7 @@ def read_surface(
     """
     chosen = format_of(path)
     if chosen.read is None:
-        raise FormatError(f"{chosen.title} is written, not read", where=str(path))
+        raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
     draft = chosen.read(read_bytes(path), Path(path))
     vertices, faces, offset = [], [], 0
     for shape in draft.shapes:

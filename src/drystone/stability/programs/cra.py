@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Unpack
 
@@ -10,8 +10,9 @@ import numpy as np
 
 from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
+from drystone.base.workers import WorkerPool
 from drystone.checks import check_forces, corner_motion
 from drystone.formulations.coupled import equal_overlap
 from drystone.formulations.improvement import CompatibleState, improve
@@ -24,7 +25,7 @@ from drystone.results import Residuals, Result, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 from drystone.stability.search_starts import SEARCH_LIMIT, StateSearch
 
 
@@ -60,7 +61,7 @@ class CRAOptions(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class _State:
+class _OverlapState:
     force: Floats
     displacement: Floats
     residuals: Residuals
@@ -75,8 +76,9 @@ def solve_cra(
     given: Given,
     *,
     options: CRAOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
@@ -90,11 +92,6 @@ def solve_cra(
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     options
-    progress
-    stop
-        Asked often; True ends the analysis with what is known by then.
-    time_limit_s
-        After it the answer is given from what is known by then.
 
     Returns
     -------
@@ -110,23 +107,18 @@ def solve_cra(
     chosen = CRAOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    problem.model.require_dry("coupled rigid-block analysis")
-    base = Cascade(
-        problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
-    ).run()
-    if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
-        method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
-        return replace(base, method=method, options=chosen, time_s={"solve": clock.elapsed_s})
-    best: _State | None = None
-    if progress is not None:
-        progress("equal overlaps", 0, 1)
-    for state in _states(problem, base, chosen, clock):
-        if best is None or _worst(state, chosen) < _worst(best, chosen):
-            best = state
-        if best.residuals.largest <= chosen.tolerance and best.slide <= chosen.slide_limit:
-            break
-        if clock.late():
-            break
+    problem.model.require_dry(
+        "coupled rigid-block analysis", "eq. 5.6 is for joints that only press and rub"
+    )
+    shimmed = CheckOptions(samples=2, settle=False, search=True)
+    with WorkerPool(executor) as pool:
+        base = Cascade(problem, shimmed, progress, clock, pool.executor).run()
+        if base.verdict is not Verdict.STABLE or problem.statics.free_count == 0:
+            method = "cra" if base.verdict is Verdict.UNSTABLE else "check"
+            return replace(base, method=method, options=chosen, time_s={"solve": clock.elapsed_s})
+        if progress is not None:
+            progress("equal overlaps", 0, 1)
+        best = _best(_states(problem, base, chosen, clock, pool), chosen, clock)
     time_s = {"solve": clock.elapsed_s}
     if best is None or best.residuals.largest > chosen.tolerance:
         left = f" (best: {best.residuals.largest:.1e})" if best is not None else ""
@@ -161,12 +153,29 @@ def solve_cra(
     )
 
 
-def _worst(state: _State, options: CRAOptions) -> tuple[bool, float, float]:
+def _best(
+    states: Iterator[_OverlapState], options: CRAOptions, clock: Clock
+) -> _OverlapState | None:
+    """The first state that meets all conditions; the best one where none does."""
+    best: _OverlapState | None = None
+    for state in states:
+        if best is None or _worst(state, options) < _worst(best, options):
+            best = state
+        if best.residuals.largest <= options.tolerance and best.slide <= options.slide_limit:
+            break
+        if clock.late():
+            break
+    return best
+
+
+def _worst(state: _OverlapState, options: CRAOptions) -> tuple[bool, float, float]:
     met = state.residuals.largest <= options.tolerance
     return (not met, 0.0 if met else state.residuals.largest, state.slide)
 
 
-def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -> Iterator[_State]:
+def _states(
+    problem: Problem, base: Result, options: CRAOptions, clock: Clock, pool: WorkerPool
+) -> Iterator[_OverlapState]:
     """Candidates for eq. 5.6: the equal-overlap path per slip length, convex steps, the search."""
     statics = problem.statics
     loose = RestOptions(ground=1e-8, tolerance=1e-8)
@@ -182,11 +191,11 @@ def _states(problem: Problem, base: Result, options: CRAOptions, clock: Clock) -
         motion = statics.scaled_motion(base.displacement, statics.mean_length)
         found = improve(statics, motion, stop=clock.late)
         yield _examined(problem, found.motion, found.force, found.iterations)
-    for found in StateSearch(problem, clock).equal_overlap_states():
+    for found in StateSearch(problem, clock, pool=pool).equal_overlap_states():
         yield _examined(problem, found.motion, found.force, found.iterations)
 
 
-def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) -> _State:
+def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) -> _OverlapState:
     physical, displacement = problem.force(force), problem.displacement(motion)
     residuals = check_forces(problem.model, physical, displacement)
     moved = corner_motion(problem.model.assembly, problem.model.contacts, displacement)
@@ -197,7 +206,7 @@ def _examined(problem: Problem, motion: Floats, force: Floats, iterations: int) 
     spread = float(np.abs(overlap / mean - 1.0).max(initial=0.0))
     deeper = float((np.maximum(0.0, -moved[:, 0] / mean - 1.0)).max(initial=0.0))
     slide = float(np.abs(moved[problem.corners]).max(initial=0.0)) / mean
-    return _State(
+    return _OverlapState(
         physical,
         displacement,
         replace(residuals, overlap=max(spread, deeper)),

@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
 from drystone.formulations.rest import compliance
@@ -21,7 +21,7 @@ from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import TO_REST
 from drystone.statics import Statics
@@ -59,8 +59,9 @@ def solve_cra_penalty(
     given: Given,
     *,
     options: PenaltyOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
@@ -75,11 +76,6 @@ def solve_cra_penalty(
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     options
-    progress
-    stop
-        Asked often; True ends the analysis with what is known by then.
-    time_limit_s
-        After it the answer is given from what is known by then.
 
     Returns
     -------
@@ -97,10 +93,12 @@ def solve_cra_penalty(
     chosen = PenaltyOptions.of(options)
     clock = Clock(time_limit_s, stop)
     problem = Problem.build(as_model(given, **how))
-    problem.model.require_dry("the penalty form of coupled rigid-block analysis")
-    dry = Cascade(
-        problem, CheckOptions(samples=2, settle=False, search=True), progress, clock
-    ).run()
+    problem.model.require_dry(
+        "the penalty form of coupled rigid-block analysis",
+        "it measures the pull that dry joints lack",
+    )
+    shimmed = CheckOptions(samples=2, settle=False, search=True)
+    dry = Cascade(problem, shimmed, progress, clock, executor).run()
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count
     if dry.stable:

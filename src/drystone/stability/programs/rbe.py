@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Unpack
 
-from drystone.base.progress import Progress
+from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
 from drystone.formulations.corner_forces import FrictionCone, FrictionRule
@@ -22,7 +21,7 @@ from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import ConicProgram
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 from drystone.stability.proofs import found_mechanism, moving_blocks
 from drystone.statics import Statics
 
@@ -155,25 +154,22 @@ def solve_rbe(
     given: Given,
     *,
     options: RBEOptions | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
+    stop: Stop | None = None,
     time_limit_s: float = float("inf"),
     **how: Unpack[How],
 ) -> Result:
     """Do any contact forces balance the loads?
 
     Necessary for standing, not sufficient: the forces may include prestress that nothing causes.
+    It is one program, so an ``executor`` has nothing to share.
 
     Parameters
     ----------
     given
         A model; or an assembly or a file, of which ``how`` makes one.
     options
-    progress
-    stop
-        Asked often; True ends the analysis with what is known by then.
-    time_limit_s
-        After it the answer is given from what is known by then.
 
     Returns
     -------
@@ -193,6 +189,7 @@ def solve_rbe(
     >>> drystone.solve_rbe(h_model(), friction=0.6).verdict
     <Verdict.EQUILIBRIUM_EXISTS: 'equilibrium exists'>
     """
+    del executor  # one program
     chosen = RBEOptions.of(options)
     clock = Clock(min(time_limit_s, chosen.conic.time_limit_s), stop)
     problem = Problem.build(as_model(given, **how))

@@ -17,13 +17,14 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.base.errors import InputError, MissingDependency
+from drystone.base.progress import Clock
 from drystone.checks import check_forces
 from drystone.formulations.compatible import compatible_motion
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
-from drystone.stability.problem import Clock, Problem
+from drystone.stability.problem import Problem
 
 LARGEST = 400
 """Corners of the largest model taken, some 50 blocks: beyond it the solver rarely ends."""
@@ -81,7 +82,7 @@ def solve_cra_reference(
         raise MissingDependency("casadi", extra="reference", purpose="the reference") from error
     clock = Clock(float("inf"))
     problem = Problem.build(as_model(given, **how))
-    problem.model.require_dry("the reference")
+    problem.model.require_dry("the reference", "eq. 5.6 is for joints that only press and rub")
     corners = problem.statics.corner_count
     if corners > LARGEST:
         raise InputError(

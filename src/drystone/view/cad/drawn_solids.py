@@ -61,11 +61,11 @@ def arrow_ends(layer: Layer, scale: float) -> tuple[Floats, Floats]:
     """
     if layer.vector is None:
         return np.zeros((0, 3)), np.zeros((0, 3))
-    way, at = scale * layer.vector, layer.position
+    arrow, at = scale * layer.vector, layer.position
     if layer.single:
-        start, end = at - way, at
+        start, end = at - arrow, at
     else:
-        start, end = np.concatenate([at, at]), np.concatenate([at + 0.5 * way, at - 0.5 * way])
+        start, end = np.concatenate([at, at]), np.concatenate([at + 0.5 * arrow, at - 0.5 * arrow])
     return (end, start) if layer.inward else (start, end)
 
 

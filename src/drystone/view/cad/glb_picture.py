@@ -175,10 +175,10 @@ class _Glb:
         moments = self.numbers(time, bounds=True)
         channels = []
         for i in np.flatnonzero(motion.any(axis=1) & (self.node_of >= 0)).tolist():
-            way = path[:, i]
-            place = (self.scene.assembly.centroid[i] + way[:, :3]) @ Z_UP
+            motion = path[:, i]
+            place = (self.scene.assembly.centroid[i] + motion[:, :3]) @ Z_UP
             channels.append((i, "translation", moments, place, "LINEAR"))
-            channels.append((i, "rotation", moments, quaternions(way[:, 3:] @ Z_UP), "LINEAR"))
+            channels.append((i, "rotation", moments, quaternions(motion[:, 3:] @ Z_UP), "LINEAR"))
         self._play(self.stage.motion_name, channels)
 
     def _assembly(self, stages: list[Stage]) -> None:

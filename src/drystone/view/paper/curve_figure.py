@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.settlement import Drive, End, LargeDisplacement
-from drystone.view.paper.plot_file import save_plot
+from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
@@ -21,33 +20,9 @@ LABELS = {
 }
 
 
-def save_curve(
-    found: LargeDisplacement, path: str | PathLike[str] | None = None, *, title: str = ""
-) -> Figure:
-    """Draw the load against the displacement, with new hinges and slides.
-
-    Parameters
-    ----------
-    found
-    path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
-        out, nothing is written.
-    title
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    FormatError
-        Another suffix, or the file cannot be written.
-    """
-    return save_plot(path, lambda: draw_curve(found, title))
-
-
-def draw_curve(found: LargeDisplacement, title: str) -> Figure:
-    """The plot as a matplotlib figure."""
+@saved_plot
+def save_curve(found: LargeDisplacement, title: str) -> Figure:
+    """Draw the load against the displacement, with new hinges and slides."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     colour = ROLE_COLOUR["light"]

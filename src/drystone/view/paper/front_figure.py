@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.design import Tuned
-from drystone.view.paper.plot_file import save_plot
+from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
@@ -17,31 +16,9 @@ if TYPE_CHECKING:
 UNITS = {"volume": "m3", "height": "m", "reach": "m"}
 
 
-def save_front(found: Tuned, path: str | PathLike[str] | None = None, *, title: str = "") -> Figure:
-    """Draw all trials: the first two goals against each other, or one goal by the trial.
-
-    Parameters
-    ----------
-    found
-    path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
-        out, nothing is written.
-    title
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    FormatError
-        Another suffix, or the file cannot be written.
-    """
-    return save_plot(path, lambda: draw_front(found, title))
-
-
-def draw_front(found: Tuned, title: str = "") -> Figure:
-    """The plot as a matplotlib figure."""
+@saved_plot
+def save_front(found: Tuned, title: str) -> Figure:
+    """Draw all trials: the first two goals against each other, or one goal by the trial."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     colour = ROLE_COLOUR["light"]
@@ -82,4 +59,4 @@ def _label(goal: str) -> str:
     return f"{name}{unit}, {'most' if goal.startswith('-') else 'least'} is best"
 
 
-__all__ = ["draw_front", "save_front"]
+__all__ = ["save_front"]

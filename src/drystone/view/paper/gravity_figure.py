@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.view.paper.plot_file import save_plot
+from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
@@ -20,33 +19,9 @@ INCH = 4.2
 """Width of a disc [inches]. Chosen; the dots of all directions just touch."""
 
 
-def save_gravity(
-    region: GravityRegion, path: str | PathLike[str] | None = None, *, title: str = ""
-) -> Figure:
+@saved_plot
+def save_gravity(region: GravityRegion, title: str) -> Figure:
     """Draw in which directions of gravity an assembly holds, without and with friction.
-
-    Parameters
-    ----------
-    region
-    path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
-        out, nothing is written.
-    title
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    FormatError
-        Another suffix, or the file cannot be written.
-    """
-    return save_plot(path, lambda: draw(region, title))
-
-
-def draw(region: GravityRegion, title: str) -> Figure:
-    """The plot as a matplotlib figure.
 
     The left disc has the directions that point down, straight down at its centre; the right disc
     those that point up. The projection keeps areas (Lambert).

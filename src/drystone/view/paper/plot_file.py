@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import warnings
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, BinaryIO, Protocol, TypeVar
 
 from drystone.base.errors import FormatError
 from drystone.base.files import write_whole
@@ -18,6 +19,52 @@ if TYPE_CHECKING:
 SUFFIXES = ("png", "svg", "pdf")
 DPI = 150.0
 """Default of the pixels per inch of a PNG."""
+
+
+PARAMETERS = """
+
+Parameters
+----------
+subject
+    What is drawn.
+path
+    Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left out,
+    nothing is written.
+title
+
+Returns
+-------
+matplotlib.figure.Figure
+
+Raises
+------
+FormatError
+    Another suffix, or the file cannot be written.
+"""
+
+Subject = TypeVar("Subject", contravariant=True)
+
+
+class SavedPlot(Protocol[Subject]):
+    """A function that draws something, and writes the figure if there is a path."""
+
+    def __call__(
+        self, subject: Subject, path: str | PathLike[str] | None = None, *, title: str = ""
+    ) -> Figure: ...
+
+
+def saved_plot(draw: Callable[[Subject, str], Figure]) -> SavedPlot[Subject]:
+    """A function that draws, as one that also writes its figure if there is a path."""
+
+    def save(
+        subject: Subject, path: str | PathLike[str] | None = None, *, title: str = ""
+    ) -> Figure:
+        return save_plot(path, lambda: draw(subject, title))
+
+    for name in ("__module__", "__name__", "__qualname__"):
+        setattr(save, name, getattr(draw, name))
+    save.__doc__ = inspect.cleandoc(draw.__doc__ or "") + PARAMETERS
+    return save
 
 
 def save_plot(
@@ -57,4 +104,4 @@ def save_plot(
     return drawing
 
 
-__all__ = ["save_plot"]
+__all__ = ["save_plot", "saved_plot"]

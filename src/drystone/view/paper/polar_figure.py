@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.view.paper.plot_file import save_plot
+from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
@@ -17,33 +16,9 @@ if TYPE_CHECKING:
     from drystone.limits import TiltSweep
 
 
-def save_polar(
-    sweep: TiltSweep, path: str | PathLike[str] | None = None, *, title: str = ""
-) -> Figure:
-    """Draw the largest tilt towards every direction, by both definitions.
-
-    Parameters
-    ----------
-    sweep
-    path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
-        out, nothing is written.
-    title
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    FormatError
-        Another suffix, or the file cannot be written.
-    """
-    return save_plot(path, lambda: draw(sweep, title))
-
-
-def draw(sweep: TiltSweep, title: str) -> Figure:
-    """The plot as a matplotlib figure."""
+@saved_plot
+def save_polar(sweep: TiltSweep, title: str) -> Figure:
+    """Draw the largest tilt towards every direction, by both definitions."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     colour = ROLE_COLOUR["light"]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drystone.limits import StandingShare
 from drystone.limits.imperfections import share_interval
-from drystone.view.paper.plot_file import save_plot
+from drystone.view.paper.plot_file import saved_plot
 from drystone.view.style.palette import ROLE_COLOUR
 
 if TYPE_CHECKING:
@@ -18,33 +17,12 @@ if TYPE_CHECKING:
 INKS = ("pressure", "help", "hinge")
 
 
-def save_share(
-    found: StandingShare, path: str | PathLike[str] | None = None, *, title: str = ""
-) -> Figure:
+@saved_plot
+def save_share(found: StandingShare, title: str) -> Figure:
     """Draw the share that stands against the number of draws, with its interval.
 
-    Parameters
-    ----------
-    found
-    path
-        Its suffix says PNG, SVG or PDF. Written to a temporary name beside it and renamed. Left
-        out, nothing is written.
-    title
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-
-    Raises
-    ------
-    FormatError
-        Another suffix, or the file cannot be written.
+    There is a line for each order of loading.
     """
-    return save_plot(path, lambda: draw_share(found, title))
-
-
-def draw_share(found: StandingShare, title: str) -> Figure:
-    """The plot as a matplotlib figure: a line for each order of loading."""
     from matplotlib.figure import Figure  # optional work: plotting is slow to import
 
     colour = ROLE_COLOUR["light"]

@@ -154,7 +154,7 @@ def _sentence(answer: Answer, state: Ints) -> str:
     propped, held = int((state == State.PROPPED).sum()), int((state == State.HELD).sum())
     helped = [counted(propped, "prop")] if propped else []
     helped += [f"a hand on {counted(held, 'block')}"] if held else []
-    return f"Stands with {' and '.join(helped)}" if helped else "Stands by itself"
+    return f"Stands with {' and '.join(helped)}" if helped else "Stands without help"
 
 
 def summary_stage(plan: Plan) -> Stage:
@@ -163,7 +163,7 @@ def summary_stage(plan: Plan) -> Stage:
     impossible = [plan.model.assembly.names[b] for b in plan.impossible]
     message = plan.message
     if impossible:
-        message += f"; cannot be put in: {', '.join(impossible)}"
+        message += f"; cannot be inserted: {', '.join(impossible)}"
     layers = interface_layers(plan.model.contacts)
     verdict = plan.verdict
     up, gravity = directions(plan.model.assembly, plan.model.model.load)

@@ -107,13 +107,13 @@ def _followed(message: str, path: SettlementPath, several: bool) -> Stage:
     falls = path.outcome in (Outcome.FALLS, Outcome.DISPLACED)
     if falls:
         state[list(path.moving)] = State.FALLING
-    way = float(block_speed(assembly, last).max(initial=0.0))
+    moved = float(block_speed(assembly, last).max(initial=0.0))
     seen = PLAYED * float(np.median(assembly.size))
-    factor = max(seen / way, 1.0) if way > 0.0 else 1.0
+    factor = max(seen / moved, 1.0) if moved > 0.0 else 1.0
     many = len(path.positions)
     kept = max(2, min(many, MOST_STATES, MOST_POSITIONS // max(len(assembly), 1)))
     states = path.positions[np.unique(np.linspace(0, many - 1, kept).round().astype(int))]
-    told = f"the longest way of a corner is {way:.3g} m"
+    told = f"the largest displacement of a corner is {moved:.3g} m"
     if factor > 1.0:
         told += f", drawn {factor:.3g} times as long"
     up, gravity = directions(assembly, model.load)
@@ -125,8 +125,8 @@ def _followed(message: str, path: SettlementPath, several: bool) -> Stage:
         f"{message}; {told}",
         state,
         verdict.get(path.outcome, Verdict.UNDECIDED),
-        motion=factor * last if way > 0.0 else None,
-        path=factor * states if way > 0.0 and len(states) > 1 else None,
+        motion=factor * last if moved > 0.0 else None,
+        path=factor * states if moved > 0.0 and len(states) > 1 else None,
         motion_name="Settlement" if factor == 1.0 else "Settlement, enlarged",
         plays=falls,
         up=up,

@@ -1,0 +1,295 @@
+"""Work side by side, on executors: processes of this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import (
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+)
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from itertools import chain, islice
+from multiprocessing.process import BaseProcess
+from typing import Any, TypeAlias, TypeVar
+
+from drystone.base.errors import InputError, MissingDependency
+
+Item = TypeVar("Item")
+Found = TypeVar("Found")
+
+AHEAD = 64
+"""Items that are given to the workers before their answers are asked for: enough for some tens of
+workers, and few enough to be kept in memory."""
+LOST_WORKER = (BrokenExecutor, CancelledError, OSError)
+"""What an answer raises when its worker has died, or the scheduler or the network to it."""
+POLL_S = 0.1
+"""Time between two looks at the clock while an answer is waited for."""
+
+ExecutorFactory: TypeAlias = Callable[[], Executor]
+"""Starts workers; called again when the failure of a worker broke the executor."""
+
+
+@dataclass(frozen=True)
+class LocalWorkers:
+    """Starts worker processes on this machine: an :data:`ExecutorFactory`.
+
+    Attributes
+    ----------
+    count
+    """
+
+    count: int
+
+    def __call__(self) -> Executor:
+        """Start the workers."""
+        # spawned, not forked: a fork does not copy the threads of numerical libraries
+        context = multiprocessing.get_context("spawn")
+        executor = ProcessPoolExecutor(self.count, mp_context=context, initializer=end_with_parent)
+        with _interrupts_ignored():
+            for _ in range(self.count):
+                executor.submit(int)  # starts a process
+        return executor
+
+
+def end_with_parent() -> None:
+    """End this worker process when the process that started it is killed."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
+
+
+def _end_after(parent: BaseProcess) -> None:
+    parent.join()
+    os._exit(1)
+
+
+class WorkerPool:
+    """The workers of one calculation, or this process where there are none.
+
+    Parameters
+    ----------
+    given
+        An executor; or a function that starts one. That one is started again when a worker dies,
+        and is shut down at the end.
+    """
+
+    def __init__(self, given: Executor | ExecutorFactory | None) -> None:
+        executor = isinstance(given, Executor) or hasattr(given, "submit")
+        self._executor: Any = given if executor else None
+        self._factory: Any = None if executor else given
+
+    def __enter__(self) -> WorkerPool:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._end()
+
+    @property
+    def executor(self) -> Executor | None:
+        """The executor, which is started now if it was not yet."""
+        if self._executor is None and self._factory is not None:
+            self._executor = self._factory()
+        return self._executor
+
+    def answers(
+        self,
+        task: Callable[[Item], Found],
+        items: Iterable[Item],
+        late: Callable[[], bool] = bool,
+        *,
+        ahead: int | None = None,
+        failed: Callable[[Item], Found] | None = None,
+    ) -> Iterator[Found]:
+        """The answers of a task in the order of its items.
+
+        Parameters
+        ----------
+        task
+            For worker processes it must be a function that another process can import.
+        items
+        late
+            Called before every answer, and often while one is waited for; True ends the work.
+        ahead
+            Number of items per worker that are taken before their answers are known; 64 items in
+            all when left out.
+        failed
+            The answer of an item that ended its worker twice; an error when left out.
+
+        Raises
+        ------
+        InputError
+            A worker died that cannot be started again, or twice at the same item.
+        """
+        if self._executor is None and self._factory is None:
+            for item in items:
+                if late():
+                    return
+                yield task(item)
+            return
+        window = AHEAD
+        if ahead is not None:
+            window = ahead * int(getattr(self.executor, "_max_workers", None) or 1)
+        left = iter(items)
+        taken: deque[Item] = deque()
+        futures: deque[Future[Found]] = deque()
+        alone, suspect = 0, None
+        try:
+            while not late():
+                try:
+                    for item in islice(left, (1 if alone else window) - len(taken)):
+                        taken.append(item)
+                        futures.append(self._submit(task, item))
+                    if not taken:
+                        return
+                    future = futures[0]
+                    while not future.done() and not late():
+                        with suppress(TimeoutError):
+                            future.result(timeout=POLL_S)
+                    if not future.done():
+                        return
+                    answer = future.result()
+                except LOST_WORKER as error:
+                    self._revive(error)
+                    again = list(taken)
+                    taken.clear()
+                    futures.clear()
+                    if not alone:  # they are asked one by one: which one was it?
+                        alone = len(again)
+                    elif suspect is not again[0]:  # another program may have ended it: once more
+                        suspect = again[0]
+                    else:
+                        alone -= 1
+                        if failed is None:
+                            raise InputError(
+                                "a worker process ended twice at the same part of the work",
+                                remedy="give fewer workers, or none",
+                            ) from error
+                        yield failed(again.pop(0))
+                    left = chain(again, left)
+                else:
+                    taken.popleft()
+                    futures.popleft()
+                    alone = max(alone - 1, 0)
+                    yield answer
+        finally:
+            for future in futures:
+                future.cancel()
+
+    def _submit(self, task: Callable[[Item], Found], item: Item) -> Future[Found]:
+        executor = self.executor
+        assert executor is not None
+        return executor.submit(task, item)
+
+    def _revive(self, error: BaseException) -> None:
+        if self._factory is None:
+            raise InputError(
+                f"a worker died: {' '.join(str(error).split())}",
+                remedy="give LocalWorkers(2), which is started again, and call again to go on",
+            ) from error
+        self._end()
+
+    def _end(self) -> None:
+        if self._factory is not None and self._executor is not None:
+            self._executor.shutdown(wait=False, cancel_futures=True)
+            self._executor = None
+
+
+@contextmanager
+def _interrupts_ignored() -> Iterator[None]:
+    """Processes started meanwhile ignore Ctrl-C, which reaches every process of a terminal.
+
+    Only the main process handles it, so there is one message.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    if before is None or threading.current_thread() is not threading.main_thread():
+        yield  # it cannot be set or restored
+        return
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@dataclass(frozen=True)
+class DaskWorkers:
+    """Uses a running Dask scheduler: an :data:`ExecutorFactory`.
+
+    Attributes
+    ----------
+    address
+        Such as ``tcp://127.0.0.1:8786``.
+    timeout_s
+        Longest time to wait for an answer.
+    """
+
+    address: str
+    timeout_s: float = 5.0
+
+    def __call__(self) -> Executor:
+        """Connect.
+
+        Raises
+        ------
+        MissingDependency
+            Dask is not installed.
+        InputError
+            There is no scheduler at the address.
+        """
+        try:
+            from distributed import Client  # optional: a cluster
+        except ImportError as error:
+            raise MissingDependency("distributed", extra="cluster", purpose="Dask") from error
+        connect: Any = Client
+        try:
+            client = connect(self.address, timeout=self.timeout_s, set_as_default=False)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise InputError(
+                f"no Dask scheduler answers at '{self.address}'",
+                where="dask",
+                remedy="start one with 'dask scheduler'",
+            ) from error
+        if not client.scheduler_info()["workers"]:
+            client.close()
+            raise InputError(
+                f"the Dask scheduler at '{self.address}' has no workers",
+                where="dask",
+                remedy=f"start some with 'dask worker {self.address}'",
+            )
+        return _DaskExecutor(client)
+
+
+class _DaskExecutor(Executor):
+    """A Dask client as an executor; Dask moves the work of a failed worker to another one."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._payload: tuple[bytes, Any] | None = None
+        self._max_workers = max(1, len(client.scheduler_info()["workers"]))
+
+    def submit(  # type: ignore[override]
+        self, function: Callable[..., Any], payload: bytes, /, *arguments: Any
+    ) -> Future[Any]:
+        """Submit one task; a payload is sent once."""
+        if self._payload is None or self._payload[0] is not payload:
+            self._payload = (payload, self._client.scatter(payload, broadcast=True, hash=True))
+        future: Future[Any] = self._client.submit(
+            function, self._payload[1], *arguments, pure=False, retries=3
+        )
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        """Disconnect; the scheduler keeps running."""
+        self._client.close()
+
+
+__all__ = ["LOST_WORKER", "DaskWorkers", "ExecutorFactory", "LocalWorkers", "WorkerPool"]
