@@ -48,7 +48,10 @@ def main() -> int:
             print(f"{done:,} of {chosen.models:,}, {rate:.1f} a second", flush=True)
 
     found = check_many(
-        (random_pile(number, chosen.blocks, chosen.blocks // 3) for number in range(chosen.models)),
+        (
+            random_pile(number, chosen.blocks, chosen.blocks // 3, 5.0)
+            for number in range(chosen.models)
+        ),
         out=chosen.out,
         executor=LocalWorkers(chosen.workers) if chosen.workers > 1 else None,
         progress=progress,

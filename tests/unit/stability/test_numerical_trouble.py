@@ -173,3 +173,11 @@ def test_where_the_iteration_stalls_next_to_rest_convex_steps_end_it(friction, a
     assert found.verdict is Verdict.STABLE
     assert found.residuals is not None
     assert found.residuals.largest < 1e-8
+
+
+@pytest.mark.parametrize(("angle", "verdict"), [(0.14, "stable"), (0.15, "unstable")])
+def test_a_tower_of_four_hundred_cubes_stands_until_it_topples(angle, verdict):
+    # it topples over an edge at atan(1 / 399), 0.1436 degrees
+    tower = models.tower(400)
+    model = Model.of(tower, friction=0.6, load=LoadCase.tilt(tower, X, angle))
+    assert check(model, options=CheckOptions(samples=0, settle=False)).verdict == verdict

@@ -95,7 +95,7 @@ def solve_cra_penalty(
     problem = Problem.build(as_model(given, **how))
     problem.model.require_dry(
         "the penalty form of coupled rigid-block analysis",
-        "it measures the pull that dry joints lack",
+        "it measures the pull that dry joints do not have",
     )
     shimmed = CheckOptions(samples=2, settle=False, search=True)
     dry = Cascade(problem, shimmed, progress, clock, executor).run()
