@@ -9,7 +9,7 @@ from drystone.sequence.plans import Step
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Answer, Stage, mask_of
 
-CHECKED = 500
+CHECKED = 1000
 """Most corners of a connected part with which screened stages of a plan are also checked, and with
 which the complete structure may stand after settling."""
 LISTED = 6

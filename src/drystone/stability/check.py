@@ -67,7 +67,13 @@ def check(
 
 
 def check_near(
-    model: Model, known: Mapping[int, Floats], *, options: CheckOptions
+    model: Model,
+    known: Mapping[int, Floats],
+    *,
+    options: CheckOptions,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
 ) -> tuple[Result, dict[int, Floats]]:
     """The verdict of :func:`check`, begun at the rest states of a similar model.
 
@@ -77,14 +83,16 @@ def check_near(
     known : (n, 6) [m, rad] each
         Displacements of the rest states of a similar model with the same blocks, by the number of
         the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
-    options
+    options, progress, stop, time_limit_s
+        As for :func:`check`.
 
     Returns
     -------
     Result, dict
         The verdict, and the displacements of the rest states that were found.
     """
-    cascade = Cascade(Problem.build(model), options, None, Clock(float("inf")), None, known)
+    clock = Clock(time_limit_s, stop)
+    cascade = Cascade(Problem.build(model), options, progress, clock, None, known)
     return cascade.run(), cascade.rests
 
 

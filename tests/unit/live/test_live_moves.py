@@ -3,6 +3,7 @@
 import base64
 import json
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,11 @@ from drystone.base.errors import InputError
 from drystone.io.jsontext import Field
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
-from drystone.live.computing.snapshot import Found
+from drystone.live.computing.snapshot import Found, snapshot
+from drystone.live.computing.tasks import TASKS, Work
 from drystone.live.computing.wish import Wish, asked
 from drystone.live.serving import Live
-from drystone.models import box, tower
+from drystone.models import arch, box, tower
 from drystone.settlement import (
     End,
     LargeDisplacement,
@@ -153,9 +155,23 @@ def test_load_cases_side_by_side_follow_their_supports(window: Window) -> None:
     assert told[1].startswith("Stands with its supports moved by 20 mm")
 
 
-def test_the_limit_says_that_the_supports_did_not_move(window: Window) -> None:
-    found = window.until("limit", window.task("limit", moves=MOVE))
-    assert "not moved" in found["message"]
+def test_the_limit_is_that_of_the_moved_supports() -> None:
+    model = drystone.Model.of(arch(0.15, 3), friction=0.9)
+    wish = wish_of(moves=[{"block": FOOT, "by": list(AWAY)}])
+    made, nothing = asked(model, wish), Field({}, "", Path("wish"))
+    work = Work(model, wish, made, nothing, lambda: False, lambda *_: None, "arch", print)
+    ((event, found),) = TASKS["limit"](work)
+    assert event == "limit"
+    assert found["stands"] < drystone.limit_tilt(model, (0, 1, 0)).best.stands - 0.3
+    for tilt, verdict in ((found["stands"], "stable"), (found["falls"], "unstable")):
+        tilted = asked(model, replace(wish, tilt=tilt))
+        assert verdict_of(tilted, stop=lambda: False).result.verdict == verdict
+
+
+def test_mends_and_plans_say_that_the_supports_did_not_move(window: Window) -> None:
+    for task in ("mends", "plan"):
+        found = window.until(task, window.task(task, moves=MOVE))
+        assert "not moved" in found.get("plan", found)["message"]
 
 
 def test_a_block_on_one_support_moves_with_it() -> None:
@@ -165,6 +181,22 @@ def test_a_block_on_one_support_moves_with_it() -> None:
     for found in (at_once(made.moving), verdict_of(made, stop=lambda: False)):
         assert found.moved
         np.testing.assert_allclose(found.stage.motion[1], [0, 0, -0.1, 0, 0, 0], atol=1e-4)
+
+
+def test_a_block_that_meets_another_is_shown_with_the_interfaces_of_the_model() -> None:
+    base, top = box((1, 1, 1), name="base"), box((1, 1, 1), (0, 0, 1), name="top")
+    wall = box((1, 1, 2), (1.05, 0, 0.5), name="wall")
+    assembly = drystone.Assembly((base, top, wall)).with_fixed([0, 2])
+    made = asked(
+        drystone.Model.of(assembly, friction=0.9),
+        wish_of(moves=[{"block": "base", "by": [0.2, 0, 0]}]),
+    )
+    seen: list[Found] = []
+    found = verdict_of(made, stop=lambda: False, watch=seen.append)
+    for one in (*seen, found):
+        assert len(one.result.force) == made.part.contacts.corner_count
+        assert snapshot(made, wish_of(), one)["stage"]["moved"]
+    assert found.stage.motion[1, 0] < 0.1  # the wall holds it back
 
 
 def test_of_many_blocks_the_supports_are_shown_at_once() -> None:

@@ -29,8 +29,9 @@ from drystone.live.requests.interface import given_of
 from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.model import Model
+from drystone.results import Result
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability import QUICK, try_rest
+from drystone.stability import QUICK, CheckOptions, check_near, try_rest
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
@@ -51,7 +52,7 @@ class Calculator:
     def __init__(self, pipe: Connection) -> None:
         self.pipe = pipe
         self.models: dict[int, Model] = {}
-        self.starts: OrderedDict[Any, Floats] = OrderedDict()
+        self.starts: OrderedDict[Any, dict[int, Floats]] = OrderedDict()
         self.mends: tuple[str, list[Mend]] = ("", [])
         self.job = 0
         self.cancelled = False
@@ -118,6 +119,15 @@ class Calculator:
         wish = Wish.of(Field(message["wish"], "", Path("wish")))
         return wish, asked(self.models[message["model"]], wish)
 
+    def known(self, message: Mapping[str, Any], wish: Wish) -> dict[int, Floats]:
+        """The last rest states of a window with the same blocks, by the number of the stiffness."""
+        key = (message["window"], message["model"], wish.removed)
+        states = self.starts.setdefault(key, {})
+        self.starts.move_to_end(key)
+        while len(self.starts) > STARTS:
+            self.starts.popitem(last=False)
+        return states
+
     def keep(self, model: Model, number: int, name: str, **more: Any) -> None:
         """Keep a model under a number, and hand it over with its picture."""
         self.models[number] = model
@@ -164,32 +174,41 @@ def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
 
 def _at_rest(self: Calculator, made: Asked, message: Mapping[str, Any], wish: Wish) -> Found:
     """From the last rest state of the window with the same blocks."""
-    key = (message["window"], message["model"], wish.removed)
-    found = try_rest(made.part, screening=QUICK, start=self.starts.get(key), stop=self.stop)
+    known = self.known(message, wish)
+    found = try_rest(made.part, screening=QUICK, start=known.get(0), stop=self.stop)
     self.require()
     if found.stable and found.displacement is not None:
-        self.starts[key] = found.displacement
-        self.starts.move_to_end(key)
-        while len(self.starts) > STARTS:
-            self.starts.popitem(last=False)
+        known[0] = found.displacement
     return Found.at_rest(found, quick=True)
 
 
 def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
-    """The verdict."""
+    """The verdict, from the rest states of the last one where no support moves."""
     began = time.perf_counter()
     wish, made = self.asked(message)
-    key = (message["window"], message["model"], wish.removed)
+    limits: Any = {
+        "stop": self.stop, "progress": self.progress, "time_limit_s": message["seconds"],
+    }  # fmt: skip
 
     def watch(found: Found) -> None:
         _show(self, "following", wish, made, found, began, message["name"])
 
-    found = verdict_of(
-        made, stop=self.stop, progress=self.progress, time_limit_s=message["seconds"],
-        start=self.starts.get(key), watch=watch,
-    )  # fmt: skip
+    if made.motion is not None:
+        found = verdict_of(made, watch=watch, **limits)
+    else:
+        known = self.known(message, wish)
+        result, rests = check_near(made.part, known, options=CheckOptions(), **limits)
+        if known and rests and not _surely(result):  # the start shall not decide
+            result, rests = check_near(made.part, {}, options=CheckOptions(), **limits)
+        known.update(rests)
+        found = Found.at_rest(result)
     self.require()
     _show(self, "whole", wish, made, found, began, message["name"])
+
+
+def _surely(result: Result) -> bool:
+    """Whether it stands for all stiffnesses that were tried."""
+    return result.stable and result.samples.standing == result.samples.tried
 
 
 def _show(

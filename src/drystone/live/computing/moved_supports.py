@@ -69,24 +69,32 @@ def verdict_of(
     stop: Callable[[], bool],
     progress: Progress | None = None,
     time_limit_s: float = float("inf"),
-    start: Floats | None = None,
     watch: Callable[[Found], None] | None = None,
 ) -> Found:
     """The whole verdict of a load case; where supports move, of the blocks that follow them.
 
-    ``start`` is as in :func:`drystone.check`. ``watch`` is given the blocks while they follow.
+    ``watch`` is given the blocks while they follow.
     """
     moves = asked.motion is not None
     found = _followed(asked.moving, progress, stop, time_limit_s, watch) if moves else None
     if found is not None:
         return found
     found = Found.at_rest(
-        check(asked.part, start=start, progress=progress, stop=stop, time_limit_s=time_limit_s)
+        check(asked.part, progress=progress, stop=stop, time_limit_s=time_limit_s)
     )
     if not moves:
         return found
     headline = f"{found.stage.headline}, before the supports move"
     return replace(found, stage=replace(found.stage, headline=headline))
+
+
+def after_moving(
+    model: Model, motion: Floats, stop: Callable[[], bool], seconds: float = float("inf")
+) -> Result:
+    """The verdict on a model whose supports move (n, 6) [m, rad], as a limit asks for it."""
+    moving = model.with_load(replace(model.load, motion=motion))
+    found = _followed(moving, None, stop, seconds, None)
+    return check(model, stop=stop) if found is None else found.result
 
 
 def _followed(
@@ -108,25 +116,36 @@ def _followed(
     last = found.states[-1]
     verdict = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
     message = f"{FORCE}: {found.message}"
+    contacts, force = _of_model(model, last)
     result = Result(
-        "settlement", verdict.get(found.end, Verdict.UNDECIDED), found.model, message,
-        force=last.force, displacement=last.positions, stopped=found.stopped,
+        "settlement", verdict.get(found.end, Verdict.UNDECIDED), model, message,
+        force=force, displacement=last.positions, stopped=found.stopped,
     )  # fmt: skip
     path = np.stack([one.positions for one in found.states])
-    stage = _moved(result, last.contacts, path)
+    stage = _moved(result, contacts, path)
     return Found(result, replace(stage, headline=_headline(found)), moved=True)
 
 
 def _on_the_way(model: Model, state: LargeState) -> Found:
     """The blocks before the supports have moved all their way."""
+    contacts, force = _of_model(model, state)
     result = Result(
         "settlement", Verdict.UNDECIDED, model, "the blocks are being followed",
-        force=state.force, displacement=state.positions,
+        force=force, displacement=state.positions,
     )  # fmt: skip
-    stage = _moved(result, state.contacts, state.positions[None])
+    stage = _moved(result, contacts, state.positions[None])
     far = units.quantity(state.displacement, "m")
     headline = f"Supports moved by {far} so far: the blocks are being followed"
     return Found(result, replace(stage, headline=headline, verdict=None), moved=True)
+
+
+def _of_model(model: Model, state: LargeState) -> tuple[Contacts, Floats]:
+    """The moved interfaces of the model and their forces, without those that blocks met later.
+
+    The page knows the interfaces of the model only, and those that were met come after them.
+    """
+    own = np.arange(state.contacts.count) < model.contacts.count
+    return state.contacts.select(own), state.force[: model.contacts.corner_count]
 
 
 def _headline(found: LargeDisplacement) -> str:
@@ -168,4 +187,4 @@ def _carried(model: Model, motion: Floats) -> Contacts:
     return replace(contacts, point=contacts.point + 0.5 * moved)
 
 
-__all__ = ["at_once", "verdict_of"]
+__all__ = ["after_moving", "at_once", "verdict_of"]

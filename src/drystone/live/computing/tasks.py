@@ -6,6 +6,7 @@ import itertools
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
-from drystone.live.computing.moved_supports import verdict_of
+from drystone.live.computing.moved_supports import after_moving, verdict_of
 from drystone.live.computing.wish import Asked, Wish, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
@@ -78,8 +79,12 @@ def gravity_of(model: Model) -> float:
 
 
 def _limit(work: Work) -> Iterator[Event]:
-    """How far the model can be tilted in the direction of the wish."""
-    found = limit_tilt(work.asked.upright, work.asked.axis, stop=work.stop, progress=work.progress)
+    """How far the model can be tilted in the direction of the wish, supports moved at each tilt."""
+    motion = work.asked.motion
+    check = None if motion is None else partial(after_moving, motion=motion, stop=work.stop)
+    found = limit_tilt(
+        work.asked.upright, work.asked.axis, check=check, stop=work.stop, progress=work.progress
+    )
     best = found.best
     yield (
         "limit",
@@ -87,7 +92,7 @@ def _limit(work: Work) -> Iterator[Event]:
             "direction": work.wish.direction,
             "stands": best.stands,
             "falls": best.falls,
-            "message": work.noted("" if best.falling is None else best.falling.message),
+            "message": "" if best.falling is None else best.falling.message,
             "sensitive": found.is_sensitive,
             "stopped": found.stopped,
         },

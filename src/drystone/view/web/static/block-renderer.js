@@ -131,7 +131,7 @@ class BlockRenderer extends Graphics {
     const at = this.use(this.programs.block, view);
     const solid = view.opacity >= 1;
     gl.uniform3fv(at.uLight, view.light);
-    gl.uniform4fv(at.uEye, view.flat ? [...view.back, 0] : [...view.eye, 1]);
+    this.setEye(at, view);
     gl.uniform3fv(at.uHatch, view.hatch);
     gl.uniform3fv(at.uCutColour, view.cut);
     gl.uniform1f(at.uOpacity, view.opacity);
@@ -147,6 +147,11 @@ class BlockRenderer extends Graphics {
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.disable(gl.CULL_FACE);
     gl.depthMask(true);
+  }
+
+  setEye(at, view) {
+    const far = 4 * vec.length(this.data.half);
+    this.gl.uniform4fv(at.uEye, view.flat ? [...vec.scale(view.back, far), 0] : [...view.eye, 1]);
   }
 
   drawMesh() {
@@ -198,6 +203,7 @@ class BlockRenderer extends Graphics {
     gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
     gl.uniform1f(at.uOpacity, opacity);
     gl.uniform1i(at.uGhost, 0);
+    this.setEye(at, view);
     gl.uniform1f(at.uDash, 0);
     gl.enable(gl.BLEND);
     this.drawSegments(at, this.edges, 6);
@@ -212,6 +218,7 @@ class BlockRenderer extends Graphics {
     gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
     gl.uniform1f(at.uOpacity, 0.7 * Math.sqrt(view.fine));
     gl.uniform1i(at.uGhost, 1);
+    this.setEye(at, view);
     gl.uniform1f(at.uDash, DASH * view.ratio);
     gl.enable(gl.BLEND);
     gl.depthMask(false);

@@ -27,6 +27,7 @@ uniform float uWidth;
 uniform float uOpacity;
 uniform int uSelected;
 uniform int uGhost;       // only blocks that move
+uniform vec4 uEye;        // a place, or a direction where the last number is 0
 flat out vec4 colour;
 out vec3 place;
 out float dash;
@@ -56,6 +57,10 @@ void main() {
   vec2 d = along(a, b);
   dash = END[corner] == 0 ? 0.0 : length(d);
   gl_Position = lost ? NOWHERE : shifted(p, 0.5 * width * SIDE[corner] * across(d));
+  if (lost) return;
+  // A little towards the eye, or sides seen at a low angle would break the line.
+  vec4 nearer = uProjection * vec4(place + 1e-3 * (uEye.xyz - uEye.w * place), 1.0);
+  gl_Position.z = nearer.z / nearer.w * gl_Position.w;
 }`;
 
 const EDGE_FRAGMENT = `#version 300 es

@@ -1,0 +1,66 @@
+"""The verdict of a load case begins at the rest states of the one before."""
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drystone
+from drystone.limits import Tilt
+from drystone.live.computing import calculator
+from drystone.live.computing.calculator import DO, Calculator
+from drystone.models import arch
+from drystone.stability import check_near
+
+
+class Pipe:
+    """Keeps what is told, and cancels nothing."""
+
+    def __init__(self) -> None:
+        self.told: list[dict[str, Any]] = []
+
+    def poll(self) -> bool:
+        return False
+
+    def send(self, event: dict[str, Any]) -> None:
+        self.told.append(event)
+
+
+def test_a_verdict_begins_at_the_rest_states_of_the_one_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    began_at: list[list[int]] = []
+    steps: list[int] = []
+
+    def recorded(model: Any, known: Any, **how: Any) -> Any:
+        began_at.append(sorted(known))
+        found = check_near(model, known, **how)
+        steps.append(found[0].iterations)
+        return found
+
+    monkeypatch.setattr(calculator, "check_near", recorded)
+    model = drystone.Model.of(arch(0.15, 12), friction=0.9)
+    one = Calculator(Pipe())  # type: ignore[arg-type]
+    common = {
+        "blob": pickle.dumps(model),
+        "model": 1,
+        "window": "a",
+        "name": "arch",
+        "seconds": 60.0,
+    }
+    told = {}
+    for tilt in (1.0, 1.2, 30.0, 1.2):
+        for do in ("quick", "whole"):
+            DO[do](one, {**common, "wish": {"tilt": tilt}})
+        told[tilt] = one.pipe.told[-1]["answer"]  # type: ignore[attr-defined]
+    assert began_at[0] == [0]  # the quick answer
+    assert began_at[1] == [0, 1, 2, 3, 4]
+    assert steps[1] < 0.5 * steps[0]
+    assert (told[1.2]["verdict"], told[1.2]["headline"]) == ("stable", "Stands")
+    assert told[30.0]["verdict"] == "unstable"
+    assert told[30.0]["falling"] == list(
+        drystone.check(Tilt(model, np.array((0.0, 1.0, 0.0)))(30.0)).falling_names
+    )
+    DO["whole"](one, {**common, "window": "b", "wish": {"tilt": 1.2}})
+    assert began_at[-1] == []  # another window
