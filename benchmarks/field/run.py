@@ -214,24 +214,24 @@ def rows_of(
 ) -> Iterator[tuple[Row, bool]]:
     """Every state with the answers of the programs, and whether one of them was asked now.
 
-    No state is begun after ``end`` (monotonic) [s]. Answers that were ``told`` before are kept if
-    the program, the task, its limit and the machine are the same.
+    After ``end`` (monotonic) [s] no state is begun; what is known of the others is given. Answers
+    that were ``told`` are kept if the program, the task, its limit and the machine are the same.
     """
     known: dict[tuple[str, str], dict[str, Any]] = {}
     for row in told:
         known |= {(row["asked"], name): answer for name, answer in row["answers"].items()}
     for question in asked:
-        answers, new = {}, False
+        answers, new, late = {}, False, time.monotonic() > end
         digest = _asked(question.task, programs[0].limit)
         for program in programs:
             key = (digest, program.name)
-            if key not in known:
-                if not new and time.monotonic() > end:
-                    return
+            if key not in known and not late:
                 known[key], new = program.ask(question.task), True
-            answers[program.name] = known[key]
+            if key in known:
+                answers[program.name] = known[key]
         row = {"model": question.model, "state": question.state, "asked": digest}
-        yield row | {"answers": answers}, new
+        if answers:
+            yield row | {"answers": answers}, new
 
 
 def _asked(task: dict[str, Any], limit: float) -> str:
