@@ -305,20 +305,24 @@ def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int])
         why = why if quick else result.message
         return (made, result) if bench.margin.meets(result) else None
 
-    value = candidate.value
+    def quickly_then_fully(value: float) -> tuple[Model, Result] | None:
+        quick = changed_and_checked(value, quick=True)
+        return None if quick is None else changed_and_checked(value)
+
+    low = value = candidate.value
     answer = changed_and_checked(value)
-    low = value
     while answer is None and low + candidate.close < candidate.most:
-        high = min(2.0 * low + candidate.close, candidate.most)
-        if changed_and_checked(high, quick=True) is not None:
-            while high - low > candidate.close:
-                middle = 0.5 * (low + high)
-                if changed_and_checked(middle, quick=True) is not None:
-                    high = middle
-                else:
-                    low = middle
-            value, answer = high, changed_and_checked(high)
-        low = high
+        value = min(2.0 * low + candidate.close, candidate.most)
+        answer = quickly_then_fully(value)
+        if answer is None:
+            low = value
+    while answer is not None and value - low > candidate.close > 0.0:
+        middle = 0.5 * (low + value)
+        less = quickly_then_fully(middle)
+        if less is None:
+            low = middle
+        else:
+            value, answer = middle, less
     if answer is None:
         what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"
         bench.tried.append(Tried(candidate.kind, what))
