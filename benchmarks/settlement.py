@@ -47,7 +47,7 @@ MECHANISMS: dict[str, str] = {
     "concave-short y mu 0.10": HOOK.format("6.1"),
     "curve-3-blocks x mu 0.84": "the cradle and the roller slide by 0.8 % along the strips of "
     "their beds and jam. At 25.2 they still rest after 0.035 %. Steps of a quarter of the length "
-    "change neither. With the flush ends of the strips on the resting block they jam up to 24.9 "
+    "change neither. With the flush ends of the strips on the resting block they jam up to 24.8 "
     "only.",
     "cube-curve-short xy mu 0.84": HOOD.format(
         "67.9 at 0.1 of the normal one, 66.5 at 0.15, 64.8 at 0.2, 64.5 at 0.3",
@@ -63,7 +63,7 @@ MECHANISMS: dict[str, str] = {
     "weights of corners as of triangulated strips, equal ones, or scattered by 30 % (64.1 to "
     "64.9).",
     "cube-curve-tall xy mu 0.84": HOOD.format(
-        "beyond 43 at 0.1 of the normal one, 42.5 at 0.15, 40.8 at 0.2, 39.5 at 0.3",
+        "beyond 43 at 0.1 of the normal one, 42.5 at 0.15, 41.0 at 0.2, 39.5 at 0.3",
         "Sofistik: 38.",
     ),
 }

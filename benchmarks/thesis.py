@@ -34,6 +34,9 @@ PAGE = Path(__file__).parents[1] / "docs" / "validation.md"
 
 UNIFORM = CheckOptions(samples=0, settle=False)
 
+BY_HAND = "## Stud-and-tube bricks"
+"""Heading from which on the page is not written here."""
+
 StandsCheck = Callable[[Model], bool]
 
 
@@ -387,6 +390,15 @@ def keep_rows(kept: Path | None, rows: Mapping[str, Row]) -> None:
     draft.replace(kept)
 
 
+def written(text: str) -> None:
+    """Write the page, with what was written by hand at its end."""
+    _, heading, rest = PAGE.read_text(encoding="utf-8").partition(BY_HAND)
+    draft = PAGE.with_suffix(".md.new")
+    draft.write_text(text + "\n" + heading + rest, encoding="utf-8")
+    draft.replace(PAGE)
+    print(f"wrote {PAGE}")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", default="", help="models whose name contains this")
@@ -396,7 +408,7 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.extras:
         before = PAGE.read_text(encoding="utf-8").partition("## At rest")[0]
-        PAGE.write_text(before + extras(), encoding="utf-8")
+        written(before + extras())
         return
     chosen = [study for study in studies() if arguments.only in study.key]
     if arguments.workers > 1:
@@ -406,10 +418,7 @@ def main() -> None:
         rows = run(None, chosen, arguments.rows)
     if arguments.only:
         return
-    draft = PAGE.with_suffix(".md.new")
-    draft.write_text(page(rows, sum(row.seconds for row in rows)), encoding="utf-8")
-    draft.replace(PAGE)
-    print(f"wrote {PAGE}")
+    written(page(rows, sum(row.seconds for row in rows)))
 
 
 if __name__ == "__main__":

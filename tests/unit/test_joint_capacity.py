@@ -10,7 +10,7 @@ from drystone import JointCapacity, Model
 from drystone.base.errors import InputError
 from drystone.cli.application import main
 from drystone.joint_capacity import NO_LIMIT
-from drystone.models import arch, tower
+from drystone.models import arch, h_model, tower
 from drystone.sequence import plan
 
 MODEL = Model.of(tower(4), friction=0.6)
@@ -156,3 +156,15 @@ def test_bad_capacities_on_the_command_line_are_one_line(overhang, capsys, text,
     assert out == ""
     assert err.count("\n") == 1
     assert all(word in err for word in words)
+
+
+@pytest.mark.parametrize("strength", [16e3, 32e3])
+def test_glue_that_is_strong_enough_holds_for_every_contact_stiffness(strength):
+    model = Model.of(h_model(), friction=0.9)
+    contacts = model.contacts
+    one = (contacts.block_a == contacts.block_a[0]) & (contacts.block_b == contacts.block_b[0])
+    glue = np.where(one, strength, 0.0)
+    found = drystone.check(
+        model.with_capacity(JointCapacity.of(contacts, tension=glue, cohesion=glue))
+    )
+    assert found.samples.standing == found.samples.tried == 5

@@ -49,13 +49,6 @@ def test_the_first_blocks_of_the_steep_rings_are_the_held_ones(round_plan):
         assert set(first) == {name for name in held if course(name) == ring}
 
 
-def test_deeper_wedges_need_less_help():
-    shallow, deep = (planned(niche(wedge), VAULT_FRICTION).counts for wedge in (0.1, 0.3))
-    assert shallow["free"] + shallow["held"] + shallow["propped"] == 37
-    assert deep == {"support": 15, "free": 37, "held": 0, "propped": 0, "impossible": 0}
-    assert shallow["free"] < 37
-
-
 @pytest.fixture(scope="module")
 def helped_plan() -> tuple[Plan, list[object]]:
     """A vault that needs props, and the states that were given help without a check.
@@ -75,7 +68,15 @@ def helped_plan() -> tuple[Plan, list[object]]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(OrderSearch, "cures", watched)
-        return plan(niche(0.02), friction=VAULT_FRICTION), unchecked
+        return planned(niche(0.02), VAULT_FRICTION), unchecked
+
+
+def test_deeper_wedges_need_less_help(helped_plan):
+    shallow = helped_plan[0].counts
+    assert shallow["free"] + shallow["held"] + shallow["propped"] == 37
+    assert shallow["free"] < 37
+    deep = planned(niche(0.3), VAULT_FRICTION).counts
+    assert deep == {"support": 15, "free": 37, "held": 0, "propped": 0, "impossible": 0}
 
 
 def test_no_removal_is_called_a_fall_by_screening_alone(helped_plan):

@@ -251,12 +251,13 @@ class _Planner:
                 self.progress("verifying stages", len(steps), len(path) - 1)
         steps.reverse()
         impossible = dict(self.bound.reasons)
+        screened = self.model.screening and self.model.largest[1] > CHECKED
         return Plan(
             self.model,
             complete,
             tuple(steps),
             impossible,
-            _message(complete, steps, impossible),
+            _message(complete, steps, impossible, screened=bool(screened)),
             self.proves(complete, order.proved, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
@@ -299,7 +300,10 @@ def _refusal(complete: Answer, names: Sequence[str]) -> str:
     )
 
 
-def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]) -> str:
+def _message(
+    complete: Answer, steps: Sequence[Step], impossible: dict[int, str], *, screened: bool
+) -> str:
+    """How a plan ended; ``screened`` stages were not checked in full."""
     if not steps:
         return "no block can be removed" if impossible else "there is no block to place"
     unsure = sum(not step.answer.stands for step in steps)
@@ -314,7 +318,10 @@ def _message(complete: Answer, steps: Sequence[Step], impossible: dict[int, str]
     if settled:
         words = words or ["every stage stands"]
         words.append(f"{settled} of {len(steps)} after settling: there the joints decide")
-    return "; ".join(words) or "every stage stands"
+    words = words or ["every stage stands"]
+    if screened:
+        words.append(f"only uniform contact stiffness was tried (more than {CHECKED} corners)")
+    return "; ".join(words)
 
 
 __all__ = ["PlanOptions", "plan"]

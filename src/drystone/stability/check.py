@@ -66,11 +66,13 @@ def check(
     return Cascade(problem, chosen, progress, clock, executor, known).run()
 
 
+@checked_call
 def check_near(
     model: Model,
     known: Mapping[int, Floats],
     *,
     options: CheckOptions,
+    executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
     time_limit_s: float = float("inf"),
@@ -83,8 +85,7 @@ def check_near(
     known : (n, 6) [m, rad] each
         Displacements of the rest states of a similar model with the same blocks, by the number of
         the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
-    options, progress, stop, time_limit_s
-        As for :func:`check`.
+    options
 
     Returns
     -------
@@ -92,7 +93,7 @@ def check_near(
         The verdict, and the displacements of the rest states that were found.
     """
     clock = Clock(time_limit_s, stop)
-    cascade = Cascade(Problem.build(model), options, progress, clock, None, known)
+    cascade = Cascade(Problem.build(model), options, progress, clock, executor, known)
     return cascade.run(), cascade.rests
 
 

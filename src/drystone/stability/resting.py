@@ -1,4 +1,4 @@
-"""A rest state with uniform contact stiffness. Where one is found the model stands."""
+"""Rest states without proofs of falling. Where one is found the model stands."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate
+from drystone.stability.cascade import Cascade
+from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import (
     FALLING_SHARE,
@@ -21,7 +23,7 @@ from drystone.stability.proofs import (
     free_acceleration,
     unpressed,
 )
-from drystone.stability.screening import PATIENT, Screening
+from drystone.stability.screening import PATIENT, SLIP_LENGTH, Screening
 
 
 @checked_call
@@ -104,6 +106,51 @@ def try_rest(
         solver="rest state by interior points",
         iterations=attempts.iterations,
         time_s={"solve": clock.elapsed_s},
+    )
+
+
+@one_blas_thread()
+def stands_for_all(
+    model: Model,
+    *,
+    samples: int | None = None,
+    seed: int = 0,
+    stop: Stop | None = None,
+) -> bool:
+    """Whether a model stands for all contact stiffnesses of a check, for searches.
+
+    True where :func:`drystone.check` finds a rest state with each of them. It ends at the first one
+    without, looks for no proof that the model falls, and does not follow settlement.
+
+    Parameters
+    ----------
+    model
+    samples
+        Number of stiffness distributions besides the uniform one; those of a check when left out.
+    seed
+        Of the random ones.
+    stop
+        Asked often; True ends the analysis, and what is left counts as not found.
+    """
+    count = CheckOptions().samples if samples is None else samples
+    clock = Clock(float("inf"), stop)
+    cascade = Cascade(Problem.build(model), CheckOptions(settle=False), None, clock)
+    problem, attempts = cascade.problem, cascade.attempts
+    statics = problem.statics
+    if statics.free_count == 0:
+        return True
+    if _falls_freely(problem, PATIENT, clock):
+        return False
+    springs = compliance.uniform(statics)
+    found = attempts.attempt(springs, falls=lambda: cascade.collapse is not None)
+    if not found.stands:
+        if attempts.falling or clock.late() or cascade.collapse is not None:
+            return False
+        # as in a check: a smooth law converges more easily
+        found = attempts.attempt(compliance.uniform(statics, slip=SLIP_LENGTH), again=True)
+    rests = (found.displacement,) if statics.dry else ()  # as in a check
+    return found.stands and all(
+        attempts.attempt_from(one, rests).stands for one in compliance.samples(statics, count, seed)
     )
 
 

@@ -1,13 +1,9 @@
 """Pictures of results: self-contained pages, static figures, CAD files."""
 
 from drystone.view.cad.save_cad import save_cad
-from drystone.view.paper.curve_figure import save_curve
 from drystone.view.paper.figure import save_figure
-from drystone.view.paper.front_figure import save_front
-from drystone.view.paper.gravity_figure import save_gravity
-from drystone.view.paper.polar_figure import save_polar
+from drystone.view.paper.plots import save_curve, save_front, save_gravity, save_polar, save_share
 from drystone.view.paper.report import save_report
-from drystone.view.paper.share_figure import save_share
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.mend_scenes import mended_scene
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, Model
+from drystone import Assembly, InputError, LoadCase, Model
 from drystone.cli import main
 from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
 from drystone.design.causes import prop_forces
 from drystone.design.mends import margin
 from drystone.design.surgery import still_edge, turn_joint
-from drystone.models import box, h_model, shelf, tower
+from drystone.models import arch, box, h_model, shelf, tower, wedge
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
 """[degrees] Of the lower joint of block 10 of the shelf."""
@@ -28,8 +28,9 @@ def again(model: Model, folder: Path) -> drystone.Result:
 
 @pytest.fixture(scope="module")
 def fallen() -> Mends:
-    """All that is found for the shelf of the source, in which two pieces fall."""
-    return find_mends(shelf(), friction=0.9)
+    """What is found for the shelf of the source, in which two pieces fall."""
+    kinds = ("support", "prop", "turn", "wedge", "let-in")
+    return find_mends(shelf(), friction=0.9, options=MendOptions(kinds=kinds))
 
 
 @pytest.mark.parametrize(("block", "lower"), [("block-9", "block-5"), ("block-10", "block-8")])
@@ -136,6 +137,18 @@ def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
     assert again(found.model, tmp_path).stable
 
 
+def test_a_thin_arch_is_glued_in_the_joints_that_pull(tmp_path: Path) -> None:
+    model = Model.of(arch(0.06, voussoirs=6), friction=0.5)
+    (found,) = find_mends(model, options=MendOptions(kinds=("glue",))).mends
+    assert found.joints == 5
+    assert found.description.startswith("glue in 5 joints, each of which carries a pull")
+    assert again(found.model, tmp_path).stable
+    options = MendOptions(kinds=("turn", "glue"), keep=("voussoir-02",))
+    (turned, glued) = find_mends(model, options=options).tried
+    for _, one in (turned, glued):
+        assert "may not be changed (kept: 'voussoir-02')" in one.what
+
+
 def test_a_tie_carries_what_keeps_two_blocks_from_turning_apart(tmp_path: Path) -> None:
     """Each block turns about an edge 0.1 m inside its centroid; the tie is 0.25 m above."""
     base = box((1.0, 1.0, 1.0), (0.0, 0.0, -1.0), "base")
@@ -176,13 +189,22 @@ def test_what_stands_already_is_said_to_stand() -> None:
     assert mend(tower(2), friction=0.6).steps == ()
 
 
+def test_what_stands_after_settling_only_is_mended_to_stand_for_all_stiffnesses() -> None:
+    block = wedge("b", longer=0.2)
+    load = LoadCase.tilt(block, (1.0, 0.0, 0.0), 55.0)
+    model = Model.of(block, friction=0.84, load=load)
+    (found,) = find_mends(model, options=MendOptions(kinds=("prop",))).mends
+    assert found.result.stable
+    assert found.result.samples.standing == found.result.samples.tried
+
+
 def test_what_was_tried_is_told_where_nothing_holds() -> None:
     made = mend(h_model(), friction=0.9, options=MendOptions(kinds=("friction", "ballast")))
     assert not made.stands
     assert made.steps == ()
     assert (
-        "no mend of the list holds block: friction: it falls up to a coefficient of 4"
-        in (made.log[-1])
+        "no mend of the list holds block: friction: it falls up to a coefficient of 4 in all its "
+        "joints; 100 % of its load is then still not carried" in made.log[-1]
     )
 
 

@@ -85,10 +85,10 @@ def test_the_overhang_of_a_stack_is_the_harmonic_one() -> None:
     found = shape(
         model,
         block_moves(model, free, (1.0, 0.0, 0.0), 1.5),
-        options=ShapeOptions(aim="reach", block="brick-3"),
+        options=ShapeOptions(aim="reach", block="brick-3", close=1e-4),
     )
     assert found.stands
-    assert found.value - found.first == pytest.approx(0.5 + 0.25 + 1.0 / 6.0, rel=0.005)
+    assert found.value - found.first == pytest.approx(0.5 + 0.25 + 1.0 / 6.0, rel=0.0005)
 
 
 def test_a_thin_arch_is_shaped_until_it_stands_with_its_joints_shared() -> None:
@@ -115,18 +115,17 @@ def test_no_edge_gets_shorter_than_the_least() -> None:
 
 
 def test_a_margin_makes_it_thicker() -> None:
-    def thinnest(margin: DesignMargin) -> float:
-        options = ShapeOptions(aim="volume", margin=margin)
-        found = shape(
-            arch(0.25, 8),
-            lambda model: thickening(model, (0.0, 0.0, 0.0), 0.2),
-            friction=0.8,
-            options=options,
-        )
-        assert found.stands
-        return 0.25 + float(found.x[0])
-
-    assert thinnest(DesignMargin(tilt=3.0)) > thinnest(DesignMargin()) + 0.005
+    margin = DesignMargin(tilt=3.0)
+    found = shape(
+        arch(0.13, 8),
+        lambda model: thickening(model, (0.0, 0.0, 0.0), 0.05),
+        friction=0.8,
+        options=ShapeOptions(aim="volume", margin=margin),
+    )
+    assert found.stands
+    thinner = Model.of(arch(0.98 * (0.13 + float(found.x[0])), 8), friction=0.8)
+    assert drystone.check(thinner).stable
+    assert not margin.stands(thinner)
 
 
 def test_a_family_is_shaped_as_its_vertices_are() -> None:
@@ -149,7 +148,7 @@ def test_a_family_is_shaped_as_its_vertices_are() -> None:
 
 
 def test_the_largest_tilt_of_a_block_is_where_its_width_ends(tmp_path: Path) -> None:
-    """A column 1 m high on a base topples at atan(width / height) in x, up to 1.2 m wide."""
+    """A column 1 m high on a base topples at atan(width / height) in x, up to 0.9 m wide."""
 
     def column(width: float) -> Assembly:
         foot, block = (
@@ -158,12 +157,12 @@ def test_the_largest_tilt_of_a_block_is_where_its_width_ends(tmp_path: Path) -> 
         )
         return Assembly((foot, block)).with_fixed([0])
 
-    moves = FamilyMoves.of(column, {"width": 0.8}, {"width": 0.4})
+    moves = FamilyMoves.of(column, {"width": 0.8}, {"width": 0.1})
     model = Model.of(column(0.8), friction=3.0)
     found = shape(model, moves, options=ShapeOptions(aim="tilt"))
     assert found.stands
     assert found.first == pytest.approx(np.rad2deg(np.arctan(0.8)), abs=0.2)
-    assert found.value == pytest.approx(np.rad2deg(np.arctan(1.2)), abs=0.3)
+    assert found.value == pytest.approx(np.rad2deg(np.arctan(0.9)), abs=0.3)
     path = tmp_path / "wide.json"
     drystone.write(found.model, path)
     again = drystone.read(path)

@@ -18,7 +18,7 @@ THIN = Model.of(arch(0.08, voussoirs=4), friction=0.7)
 """It falls while its joints are plane."""
 
 
-COARSE = SharpenOptions(step=20.0, close=1.0)
+COARSE = SharpenOptions(step=20.0, close=4.0)
 """Quick to search for."""
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase, Model, find_contacts
+from drystone.design.mends.added_mends import tied
 from drystone.design.surgery import (
     cut_block,
     faces_toward,
@@ -26,6 +27,7 @@ from drystone.design.surgery import (
 )
 from drystone.geometry.body.glue import cut_cell, glue
 from drystone.geometry.frames import rotation_about
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.models import arch, box, prism, shelf, tower
 
 CHANGES: list[tuple[Callable[..., Model], tuple[Any, ...], list[float]]] = [
@@ -164,6 +166,55 @@ def test_loads_that_are_no_weight_stay_where_they_act() -> None:
     np.testing.assert_allclose(made.load.wrench[1, 3:], np.cross(arm, [100.0, 0.0, 0.0]), atol=1e-9)
 
 
+def glued_tower() -> Model:
+    """Three unit cubes on one another, glued below and above the middle one."""
+    model = Model.of(tower(3), friction=0.6)
+    return model.with_capacity(JointCapacity.of(model.contacts, tension=100.0, cohesion=40.0))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda model: wedge_joint(model, 0, 20.0),
+        lambda model: turn_joint(model, 1, 10.0),
+        lambda model: merge_blocks(model, "block-1", "block-2"),
+        lambda model: cut_block(model, "block-1", (0.0, 0.0, 1.5), (1.0, 0.0, 1.0)),
+    ],
+)
+def test_glue_stays_in_the_joints_of_blocks_that_are_cut_anew(
+    change: Callable[[Model], Model],
+) -> None:
+    model = glued_tower()
+    made = change(model)
+    contacts = made.contacts
+    assert contacts.capacity is not None
+    below = (contacts.block_a == 0) | (contacts.block_b == 0)
+    assert contacts.capacity.tension[below].sum() == pytest.approx(100.0)
+    assert contacts.capacity.cohesion[below].sum() == pytest.approx(40.0)
+    assert contacts.capacity.shear.min() >= NO_LIMIT
+    assert contacts.friction.tolist() == [0.6] * contacts.count
+
+
+def test_glue_is_weaker_where_less_of_the_joint_is_left() -> None:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.5, 0.0, 1.0), "out")
+    model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
+    model = model.with_capacity(JointCapacity.of(model.contacts, tension=100.0))
+    toward = faces_toward(model.assembly.blocks[1], (-1.0, 0.0, 0.0))[0]
+    shorter = move_face(model, "out", toward, -0.25)
+    assert shorter.contacts.capacity is not None
+    assert shorter.contacts.capacity.tension.sum() == pytest.approx(50.0)
+    with pytest.raises(InputError, match="would no longer be there"):
+        move_face(model, "out", toward, -0.75)
+
+
+def test_a_block_with_a_tie_is_not_changed() -> None:
+    model = tied(Model.of(tower(4), friction=0.6), 3, 2)
+    with pytest.raises(InputError, match="'block-3' and 'block-2': have a tie between them"):
+        wedge_joint(model, 1, 10.0)
+    made = wedge_joint(model, 0, 10.0)
+    assert made.contacts.count == model.contacts.count + 1
+
+
 def test_a_block_that_is_inserted_finds_its_contacts() -> None:
     model = Model.of(tower(2), friction=0.6)
     top = float(model.assembly.bounds[1, 1, 2])
@@ -191,3 +242,19 @@ def test_pieces_of_a_concave_body_are_put_together_again() -> None:
 
 def replace_body(block: Any, piece: Any) -> Any:
     return type(block)(piece[0], tuple(piece[1]), block.name, block.density)
+
+
+def test_blocks_that_would_overlap_are_refused_and_those_that_did_before_are_not() -> None:
+    beside = box((1.0, 1.0, 1.0), (1.2, 0.0, 0.0), "beside")
+    model = Model.of(Assembly((*tower(2).blocks, beside)).with_fixed([0, 2]), friction=0.6)
+    low = model.assembly.bounds[0, 0]
+    toward = faces_toward(model.assembly.blocks[2], (-1.0, 0.0, 0.0))[0]
+    reach = float(1.2 - low[0] - 1.0)
+    assert move_face(model, "beside", toward, 0.9 * reach).contacts.count == 1
+    with pytest.raises(InputError, match="'block-0' and 'beside': would overlap by"):
+        move_face(model, "beside", toward, reach + 0.1)
+    sunk = box((1.0, 1.0, 1.0), (0.0, 0.0, 0.97), "sunk")
+    both = Assembly((box((1.0, 1.0, 1.0), name="base"), sunk)).with_fixed([0])
+    deep = Model.of(both, friction=0.6)
+    upward = faces_toward(sunk, (0.0, 0.0, 1.0))[0]
+    assert move_face(deep, "sunk", upward, 0.1).assembly.volume[1] == pytest.approx(1.1)

@@ -29,6 +29,7 @@ from drystone.stability import (
     solve_cra,
     solve_cra_penalty,
     solve_rbe,
+    stands_for_all,
     try_rest,
 )
 from drystone.stability.problem import Problem
@@ -52,6 +53,33 @@ def test_what_rests_has_forces_and_a_motion_that_pass_the_checks():
     assert found.residuals is not None
     assert found.residuals.largest < 1e-8
     assert found.samples.standing == found.samples.tried == 1
+
+
+def leaning(angle):
+    turned = LoadCase.tilt(models.concave("short"), (0.0, 1.0, 0.0), angle)
+    return Model.of(models.concave("short"), friction=0.84, load=turned)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        Model(ARCH, JOINTS),
+        Model.of(models.arch(0.09, 8), friction=0.7),
+        Model.of(models.h_model(), friction=0.9),
+        Model.of(models.shelf(1), friction=0.9),
+        leaning(30.0),
+        leaning(50.0),
+        leaning(47.0),
+    ],
+    ids=["arch", "thin arch", "H", "shelf", "plank", "wedged plank", "plank between"],
+)
+def test_what_stands_for_all_is_what_a_check_finds_to_stand_for_all(model):
+    found = check(model, options=CheckOptions(settle=False))
+    every = found.stable and found.samples.standing == found.samples.tried
+    assert stands_for_all(model) == every
+    one = check(model, options=CheckOptions(samples=0, settle=False))
+    assert stands_for_all(model, samples=0) == one.stable
+    assert not stands_for_all(model, stop=lambda: True)
 
 
 def test_what_does_not_rest_is_undecided_after_every_law():

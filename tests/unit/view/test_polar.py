@@ -7,7 +7,7 @@ import pytest
 
 from drystone import FormatError
 from drystone.limits import Bracket, Limit, TiltSweep
-from drystone.view.paper.polar_figure import save_polar
+from drystone.view.paper.plots import save_polar
 
 
 def sweep(*stands: float | None) -> TiltSweep:

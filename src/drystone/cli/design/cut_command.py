@@ -97,7 +97,7 @@ def _chosen(assembly: Assembly, name: str | None) -> Block:
         raise InputError(
             f"the file has {counted(len(assembly), 'block')}",
             where="model",
-            remedy="name the one that is cut: --block NAME",
+            remedy="name the one that is cut, --block NAME, or change joints: drystone recut",
         )
     return assembly.blocks[0]
 

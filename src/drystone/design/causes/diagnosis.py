@@ -26,12 +26,15 @@ from drystone.design.causes.missing import (
     one_force,
     pulls_of,
 )
-from drystone.design.causes.prop_forces import QUICK, Stopped, least_prop, quick_check
+from drystone.design.causes.prop_forces import QUICK, Stopped, least_prop, quickly_stands
 from drystone.design.causes.regions import first_motion_of, interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import check, solve_cra_penalty
+from drystone.stability import PenaltyOptions, check, solve_cra_penalty
+
+AS_IT_LIES = PenaltyOptions(search=False)
+"""Joints are as stiff as they are: what shims could hold needs help all the same."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +115,9 @@ def diagnose(
     if answer.stable:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))))
     if answer.prop is None or not answer.falling:
-        answer = solve_cra_penalty(model, stop=clock.late, time_limit_s=clock.left_s)
+        answer = solve_cra_penalty(
+            model, options=AS_IT_LIES, stop=clock.late, time_limit_s=clock.left_s
+        )
     if answer.prop is None or not answer.falling:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))), stopped=clock.reason)
     prop = np.zeros((len(model), 6))
@@ -149,7 +154,7 @@ def _region(
     inside = np.zeros(len(model), dtype=bool)
     inside[list(blocks)] = True
     alone = (
-        solve_cra_penalty(local, stop=late)
+        solve_cra_penalty(local, options=AS_IT_LIES, stop=late)
         if options.needs
         else check(local, options=QUICK, stop=late)
     )
@@ -208,7 +213,7 @@ def _friction_of_all(model: Model, regions: list[Region], late: Callable[[], boo
     most = max(value for value in each if value is not None)
     rough = np.maximum(model.contacts.friction, most)
     with contextlib.suppress(Stopped):
-        return most if quick_check(model.with_friction(rough), late).stable else None
+        return most if quickly_stands(model.with_friction(rough), late) else None
     return None
 
 

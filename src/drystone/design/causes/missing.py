@@ -9,7 +9,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
-from drystone.design.causes.prop_forces import PropForce, quick_check
+from drystone.design.causes.prop_forces import PropForce, quickly_stands
 from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.solid import crossings
 from drystone.geometry.plane.triangulate import triangulate
@@ -27,8 +27,8 @@ CLOSE = 0.01
 """Relative width at which a search for a least value ends."""
 
 SEARCHED = 12
-"""Number of blocks of a region for which props and ballast are tried, those with the largest need
-first."""
+"""Number of blocks of a region for which a prop is tried, those with the largest need first. In a
+region of more blocks no ballast is tried: a weight on one of them hardly ever holds it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ def friction_needed(model: Model, stop: Callable[[], bool] | None = None) -> flo
 
     def stands(value: float) -> bool:
         rough = np.where(model.active, np.maximum(own, value), own)
-        return quick_check(model.with_friction(rough), stop).stable
+        return quickly_stands(model.with_friction(rough), stop)
 
     return least(stands, float(own[model.active].min(initial=0.0)), ROUGHEST)
 
@@ -132,17 +132,20 @@ def friction_needed(model: Model, stop: Callable[[], bool] | None = None) -> flo
 def ballast_needed(
     model: Model, blocks: tuple[int, ...], stop: Callable[[], bool] | None = None
 ) -> Ballast | None:
-    """The least weight at the centroid of one of the blocks at which a model stands."""
+    """The least weight at the centroid of one of the blocks at which a model stands.
+
+    ``None`` if there is none, or for more than :data:`SEARCHED` blocks.
+    """
     down = acceleration_of(model)
     size = float(np.linalg.norm(down))
-    if size == 0.0:
+    if size == 0.0 or len(blocks) > SEARCHED:
         return None
     own = float(model.assembly.mass[list(blocks)].sum()) * size
     best: Ballast | None = None
-    for block in blocks[:SEARCHED]:
+    for block in blocks:
 
         def stands(weight: float, block: int = block) -> bool:
-            return quick_check(ballasted(model, block, weight), stop).stable
+            return quickly_stands(ballasted(model, block, weight), stop)
 
         steps = [share * own for share in (0.1, 0.3, 1.0, 3.0, HEAVIEST)]
         low = 0.0

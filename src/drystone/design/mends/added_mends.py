@@ -11,7 +11,7 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.contacts import Contacts
 from drystone.design.causes.diagnosis_words import names_of, newtons, place
-from drystone.design.causes.missing import HEAVIEST, ballasted
+from drystone.design.causes.missing import HEAVIEST, SEARCHED, ballasted
 from drystone.design.causes.prop_forces import (
     HEAD,
     SHARES,
@@ -19,11 +19,12 @@ from drystone.design.causes.prop_forces import (
     least_prop,
     propped,
     quick_check,
+    quickly_stands,
     seats,
 )
-from drystone.design.mends.bench import MANY, Bench, Candidate
+from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
 from drystone.design.surgery.changed_model import joined_contacts
-from drystone.design.surgery.joint_changes import with_block
+from drystone.design.surgery.joint_changes import Change, with_block
 from drystone.design.surgery.struts import struts
 from drystone.geometry.frames import frames_from_normals
 from drystone.model import Model
@@ -33,10 +34,6 @@ STRUTS = 6
 
 TIES = 6
 """Number of pairs of blocks between which a tie is tried, those that move apart fastest first."""
-
-PROPS = 40
-"""Largest number of blocks of a region that is held by several props, chosen: each prop is checked
-once."""
 
 POINT = 0.01
 """Size of the corners of a tie by its own, chosen."""
@@ -59,8 +56,7 @@ def support_mends(bench: Bench) -> Iterator[Candidate]:
             else:  # it stands on a block that the region does not touch
                 wide = bench.model.subset([*bench.blocks.tolist(), strut.on])
                 wide = wide.with_supports(list(range(len(bench.own), len(wide))))
-                result = bench.holds(with_block(strut.body, wide), quick=True)
-                stands = bench.margin.meets(result)
+                stands = bench.keeps_margin(with_block(strut.body, wide), quick=True)
             if stands:
                 on = names_of(bench.model, [strut.on])
                 size = strut.body.volume
@@ -85,7 +81,8 @@ def prop_mends(bench: Bench) -> Iterator[Candidate]:
         [held[0]] if held is not None else fewest_props(bench.local, bench.own, motion, bench.stop)
     )
     if not chosen:
-        bench.fail("prop", "no prop on a free face holds it, nor one under each of its blocks")
+        more = ", nor one under each of its blocks" if len(bench.own) <= ALL else ""
+        bench.fail("prop", f"no prop on a free face holds it{more}")
         return
     make = partial(_with_props, chosen)
     if not bench.stands(make):
@@ -132,14 +129,14 @@ def fewest_props(
     ------
     Stopped
     """
-    if len(blocks) > PROPS:
+    if len(blocks) > ALL:
         return []
     found = [next(seats(model, int(i), motion[i], SHARES[:1]), None) for i in blocks]
     chosen = [seat for seat in found if seat is not None]
 
     def stands(some: Sequence[PropSeat]) -> bool:
         made = _with_props(some, model, np.arange(len(model)), np.arange(0))
-        return quick_check(made, stop).stable
+        return quickly_stands(made, stop)
 
     if not chosen or not stands(chosen):
         return []
@@ -164,11 +161,13 @@ def tie_mends(bench: Bench) -> Iterator[Candidate]:
             rate = float((other - velocity[i]) @ along / np.linalg.norm(along))
             apart.append((rate, i, j))
     fastest = sorted((one for one in apart if one[0] > 0.0), reverse=True)[:TIES]
+    tried: list[Change] = []
     for _, i, j in fastest:
 
         def make(model: Model, blocks: Ints, _: Ints, one: int = i, other: int = j) -> Model:
             return tied(model, int(blocks[one]), int(blocks[other]))
 
+        tried.append(make)
         if bench.stands(make):
             made = tied(bench.local, i, j)
             force = quick_check(made, bench.stop).resultants.force[made.contacts.count - 1]
@@ -181,7 +180,7 @@ def tie_mends(bench: Bench) -> Iterator[Candidate]:
                 added=1,
             )
             return
-    bench.fail("tie", f"{len(fastest)} pairs of blocks that move apart were tried")
+    bench.fail("tie", f"{len(fastest)} pairs of blocks that move apart were tried", *tried)
 
 
 def tied(model: Model, block: int, other: int) -> Model:
@@ -212,6 +211,8 @@ def ballast_mends(bench: Bench) -> Iterator[Candidate]:
     ballast = bench.region.needs.ballast
     if ballast is None:
         what = f"no weight up to {HEAVIEST:g} times its own on one block holds it"
+        if len(bench.own) > SEARCHED:
+            what = f"not tried on a region of more than {SEARCHED} blocks"
         bench.fail("ballast", what)
         return
     at = bench.region.blocks.index(ballast.block)

@@ -12,18 +12,20 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import names_of
-from drystone.design.causes.prop_forces import Stopped
+from drystone.design.causes.prop_forces import Stopped, quick_check
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
-from drystone.design.surgery.joint_changes import (
-    Change,
-)
+from drystone.design.surgery.joint_changes import Change
 from drystone.model import Model
 from drystone.results import Result
 
 MANY = 4
 """Largest number of blocks of a region with which every joint and every block is tried alone.
 Chosen. In a larger region all joints, or all blocks, are changed together."""
+
+ALL = 40
+"""Largest number of blocks of a region whose joints or blocks are all cut anew together, and that
+is held by several props. Chosen: a cut takes a twentieth of a second, and each prop is checked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,27 +119,43 @@ class Bench:
         self.tried: list[Tried] = []
         self.own = list(range(len(region.blocks)))
 
-    def holds(self, model: Model, *, quick: bool = False) -> Result:
+    def stands(self, make: Change) -> bool:
+        """Whether the local model stands after a change; False if the change is impossible."""
+        try:
+            changed = self.changed(make)
+        except InputError:
+            return False
+        return self.keeps_margin(changed, quick=True)
+
+    def keeps_margin(self, model: Model, *, quick: bool = False) -> bool:
         """Whether a model stands at the margin.
 
         Raises
         ------
         Stopped
-            The search is to end; what the check found by then says nothing.
+            The search is to end; what was found by then says nothing.
         """
-        result = self.margin.holds(model, quick=quick, stop=self.stop)
+        stands = self.margin.stands(model, quick=quick, stop=self.stop)
+        if not stands and self.stop is not None and self.stop():
+            raise Stopped
+        return stands
+
+    def holds(self, model: Model) -> Result:
+        """The check of a model at the margin.
+
+        Raises
+        ------
+        Stopped
+            As above.
+        """
+        result = self.margin.holds(model, self.stop)
         if result.stopped:
             raise Stopped
         return result
 
-    def stands(self, make: Change) -> bool:
-        """Whether the local model stands after a change; False if the change is impossible."""
-        here = np.arange(len(self.blocks)), np.arange(len(self.interfaces))
-        try:
-            changed = make(self.local, *here)
-        except InputError:
-            return False
-        return self.margin.meets(self.holds(changed, quick=True))
+    def changed(self, make: Change) -> Model:
+        """The local model after a change."""
+        return make(self.local, np.arange(len(self.blocks)), np.arange(len(self.interfaces)))
 
     def least(
         self,
@@ -168,6 +186,11 @@ class Bench:
         ends = (contacts.block_a[interface], contacts.block_b[interface])
         return not any(int(self.blocks[end]) in self.keep for end in ends)
 
+    def kept(self, *blocks: Ints) -> str:
+        """The names of those of some blocks of the local model that may not be changed."""
+        some = {int(self.blocks[i]) for group in blocks for i in group} & self.keep
+        return names_of(self.model, sorted(some)) if some else ""
+
     def joint_name(self, interface: int) -> str:
         """A joint as text: lower, upper or inner, and the other block."""
         contacts, count = self.local.contacts, len(self.own)
@@ -178,9 +201,31 @@ class Bench:
         above = contacts.centroid[interface][2] > self.local.assembly.centroid[own][2]
         return f"the {'upper' if above else 'lower'} joint, with {names_of(self.local, [other])},"
 
-    def fail(self, kind: str, what: str) -> None:
-        """Note a kind of mend that does not hold the region, and how far it was tried."""
+    def fail(self, kind: str, what: str, *nearest: Change) -> None:
+        """Note a kind of mend that does not hold the region, and how close it came.
+
+        Parameters
+        ----------
+        kind, what
+        nearest
+            The changes that went farthest.
+        """
+        shares = [share for share in map(self._not_carried, nearest) if share is not None]
+        if shares:
+            what += f"; {100.0 * min(shares):.0f} % of its load is then still not carried"
         self.tried.append(Tried(kind, what))
+
+    def _not_carried(self, make: Change) -> float | None:
+        """Share of the load of the region that nothing carries after a change, if it then falls."""
+        try:
+            changed = self.changed(make)
+        except InputError:
+            return None
+        prop = quick_check(changed, self.stop).prop
+        load = np.linalg.norm(changed.load.wrench[changed.assembly.free, :3], axis=1).sum()
+        if prop is None or load == 0.0:
+            return None
+        return min(float(np.linalg.norm(prop[:, :3], axis=1).sum() / load), 1.0)
 
 
 def volume_changed(before: Model, after: Model) -> float:

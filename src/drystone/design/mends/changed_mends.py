@@ -10,8 +10,8 @@ import numpy as np
 from drystone.base.arrays import Ints
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosis_words import names_of, newtons
-from drystone.design.causes.missing import ROUGHEST
-from drystone.design.mends.bench import MANY, Bench, Candidate
+from drystone.design.causes.missing import CLOSE, ROUGHEST
+from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
 from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import Change, change_of, joint_width, words_of
 from drystone.joint_capacity import JointCapacity
@@ -33,6 +33,9 @@ THICKER = (0.1, 0.3, 1.0)
 
 STRENGTHS = (0.1, 1.0, 10.0)
 """The same for the strength of glue, relative to the weight of the region."""
+
+SHARED = (1.0, 3.0, 10.0)
+"""The same for glue in all joints that pull, relative to the largest pull."""
 
 
 def friction_mends(bench: Bench) -> Iterator[Candidate]:
@@ -56,7 +59,10 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
 
         low = float(own[group].min())
         steps = [x for x in (1.0, 2.0, ROUGHEST) if x > low]
-        value = bench.least(make, steps, 0.01)
+        known = bench.region.needs.friction if len(group) == count else None
+        if known is not None:  # the least one without a margin, to a hundredth
+            low, steps = (1.0 - CLOSE) * known, [known, *(x for x in steps if x > known)]
+        value = bench.least(make, steps, 0.01, low)
         if value is not None:
             found = True
             where = "in all its joints" if len(group) > 1 else f"in {bench.joint_name(group[0])}"
@@ -70,17 +76,23 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
                 close=0.01,
             )
     if not found:
-        bench.fail("friction", f"it falls up to a coefficient of {ROUGHEST:g} in all its joints")
+        bench.fail("friction", f"it falls up to a coefficient of {ROUGHEST:g} in all its joints",
+                   make(ROUGHEST))  # fmt: skip
 
 
 def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
     """Joints rotated, made wedges or let in: each one in a small region, else all together."""
+    if len(bench.own) > ALL:
+        bench.fail(kind, f"not tried on a region of more than {ALL} blocks")
+        return
     count = len(bench.interfaces)
     groups = [[k] for k in range(count)] if len(bench.own) <= MANY else [list(range(count))]
     for group in groups:
         name = bench.joint_name(group[0]) if len(group) == 1 else "all its joints"
         if not all(bench.may_change(k) for k in group):
-            bench.fail(kind, f"{name.rstrip(',')} may not be changed")
+            contacts = bench.local.contacts
+            stay = bench.kept(contacts.block_a[group], contacts.block_b[group])
+            bench.fail(kind, f"{name.rstrip(',')} may not be changed (kept: {stay})")
             continue
         try:
             width = min(joint_width(bench.local, k) for k in group)
@@ -103,7 +115,8 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
                 best = value, make
         most = f"{steps[-1]:g} degrees" if kind != "let-in" else f"{1e3 * steps[-1]:.0f} mm"
         if best is None:
-            bench.fail(kind, f"{name.rstrip(',')} up to {most}")
+            farthest = [change_of(kind, group, side, steps[-1]) for side in (1.0, -1.0)]
+            bench.fail(kind, f"{name.rstrip(',')} up to {most}", *farthest)
             continue
         yield Candidate(
             kind, words_of(kind, name), best[0], best[1], joints=len(group),
@@ -113,8 +126,12 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
 
 def thicker_mends(bench: Bench) -> Iterator[Candidate]:
     """Thicker blocks of the region."""
+    if len(bench.own) > ALL:
+        bench.fail("thicker", f"not tried on a region of more than {ALL} blocks")
+        return
     if any(i in bench.keep for i in bench.region.blocks):
-        bench.fail("thicker", "its blocks may not be changed")
+        stay = bench.kept(np.array(bench.own))
+        bench.fail("thicker", f"its blocks may not be changed (kept: {stay})")
         return
 
     def make(share: float) -> Change:
@@ -125,7 +142,7 @@ def thicker_mends(bench: Bench) -> Iterator[Candidate]:
 
     value = bench.least(make, THICKER, 0.02)
     if value is None:
-        bench.fail("thicker", f"up to {100.0 * THICKER[-1]:g} % more thickness")
+        bench.fail("thicker", f"up to {100.0 * THICKER[-1]:g} % more thickness", make(THICKER[-1]))
         return
     them = names_of(bench.model, bench.region.blocks)
     yield Candidate(
@@ -135,21 +152,25 @@ def thicker_mends(bench: Bench) -> Iterator[Candidate]:
 
 
 def glue_mends(bench: Bench) -> Iterator[Candidate]:
-    """Glue in one joint: the least strength with which the region stands."""
+    """Glue in one joint: the least strength with which the region stands.
+
+    In a larger region, the same glue in all joints that would pull.
+    """
     if len(bench.own) > MANY:
-        bench.fail("glue", f"not tried on a region of more than {MANY} blocks")
+        yield from _glue_in_all(bench)
         return
     contacts = bench.local.contacts
     load = bench.local.load.wrench[bench.own, :3]
     weight = float(np.linalg.norm(load.sum(axis=0)))
     pairs = dict.fromkeys(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
-    found = False
+    found, tried = False, []
     for a, b in pairs:
         if {int(bench.blocks[a]), int(bench.blocks[b])} & bench.keep:
             continue
         own = np.flatnonzero((contacts.block_a == a) & (contacts.block_b == b))
         make = partial(_glued, own)
         steps = [share * weight for share in STRENGTHS]
+        tried.append(make(steps[-1]))
         value = bench.least(make, steps, 0.01 * weight)
         if value is not None:
             found = True
@@ -158,11 +179,42 @@ def glue_mends(bench: Bench) -> Iterator[Candidate]:
                 "glue", partial(_glue_words, where), value, make, joints=len(own),
                 most=steps[-1], close=0.01 * weight,
             )  # fmt: skip
-    if not found:
+    if not tried:
+        stay = bench.kept(contacts.block_a, contacts.block_b)
+        bench.fail("glue", f"its joints may not be changed (kept: {stay})")
+    elif not found:
         bench.fail(
             "glue",
             f"it falls with glue of {STRENGTHS[-1]:g} times its weight in any one of its joints",
+            *tried,
         )
+
+
+def _glue_in_all(bench: Bench) -> Iterator[Candidate]:
+    """Glue in all joints of a region that would pull, with one strength for all of them."""
+    at = {whole: k for k, whole in enumerate(bench.interfaces.tolist())}
+    pulls = [pull for pull in bench.region.needs.pulls if pull.interface in at]
+    joints = [at[pull.interface] for pull in pulls]
+    ends = (bench.local.contacts.block_a[joints], bench.local.contacts.block_b[joints])
+    if not pulls:
+        bench.fail("glue", "none of its joints would pull")
+        return
+    if bench.kept(*ends):
+        bench.fail("glue", f"its joints may not be changed (kept: {bench.kept(*ends)})")
+        return
+    most = max(pull.force for pull in pulls)
+    make, close = partial(_glued, np.array(joints)), 0.02 * most
+    steps = [share * most for share in SHARED]
+    value = bench.least(make, steps, close)
+    if value is None:
+        what = f"it falls with glue of {newtons(steps[-1])} in the {len(joints)} joints that pull"
+        bench.fail("glue", what, make(steps[-1]))
+        return
+    where = f"in {len(joints)} joints, each of which"
+    yield Candidate(
+        "glue", partial(_glue_words, where), value, make, joints=len(joints),
+        most=steps[-1], close=close,
+    )  # fmt: skip
 
 
 def _glued(own: Ints, strength: float) -> Change:
@@ -181,7 +233,8 @@ def _glued(own: Ints, strength: float) -> Change:
 
 
 def _glue_words(where: str, value: float) -> str:
-    return f"glue {where} that carries a pull, and a shear, of {newtons(value)}"
+    carries = "carries" if where.endswith("which") else "that carries"
+    return f"glue {where} {carries} a pull, and a shear, of {newtons(value)}"
 
 
 def merge_mends(bench: Bench) -> Iterator[Candidate]:
@@ -192,7 +245,7 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
     contacts = bench.local.contacts
     pulls = {pull.interface: pull.force for pull in bench.region.needs.pulls}
     pairs = dict.fromkeys(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
-    found = False
+    found, tried = False, []
     for a, b in pairs:
         if {int(bench.blocks[a]), int(bench.blocks[b])} & bench.keep:
             continue
@@ -202,6 +255,7 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
         def make(model: Model, blocks: Ints, _: Ints, one: int = first, two: int = second) -> Model:
             return merge_blocks(model, int(blocks[one]), int(blocks[two]))
 
+        tried.append(make)
         if bench.stands(make):
             found = True
             own = [k for k in range(contacts.count) if {int(contacts.block_a[k]),
@@ -212,8 +266,11 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
                 "merge", f"{names_of(bench.local, [a, b])} made one block{strength}", pull, make,
                 joints=len(own),
             )  # fmt: skip
-    if not found:
-        bench.fail("merge", "it falls with any two of its blocks made one")
+    if not tried:
+        stay = bench.kept(contacts.block_a, contacts.block_b)
+        bench.fail("merge", f"its blocks may not be changed (kept: {stay})")
+    elif not found:
+        bench.fail("merge", "it falls with any two of its blocks made one", *tried)
 
 
 def _friction_words(where: str, value: float) -> str:

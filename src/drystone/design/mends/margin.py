@@ -9,11 +9,10 @@ import numpy as np
 
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.design.causes.prop_forces import QUICK
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import CheckOptions, check
+from drystone.stability import CheckOptions, check, stands_for_all
 
 AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 """The horizontal axes about which a structure is tilted."""
@@ -63,19 +62,19 @@ class DesignMargin(Options):
         return cases
 
     def holds(
-        self, model: Model, *, quick: bool = False, stop: Callable[[], bool] | None = None
+        self, model: Model, stop: Callable[[], bool] | None = None, *, settle: bool = True
     ) -> Result:
         """The check of the model, or of the first case in which it does not stand.
 
         Parameters
         ----------
         model
-        quick
-            Try one stiffness only, for searches: if a model stands with it, it stands.
         stop
-            Called often; True ends the check with what is known by then.
+            Asked often; True ends a check with what is known.
+        settle
+            Follow settlement also where it cannot make the structure meet the margin.
         """
-        options = QUICK if quick else CheckOptions()
+        options = CheckOptions(settle=settle or not self.robust)
         first = check(model, options=options, stop=stop)
         if not self.meets(first):
             return first
@@ -85,18 +84,25 @@ class DesignMargin(Options):
                 return result
         return first
 
-    def stands(self, model: Model) -> bool:
+    def stands(
+        self, model: Model, *, quick: bool = False, stop: Callable[[], bool] | None = None
+    ) -> bool:
         """Whether a model stands at the margin, for searches: the first case that falls ends it.
 
-        Settlement is followed only where it counts.
+        Parameters
+        ----------
+        model
+        quick
+            Try one stiffness only, and do not follow settlement.
+        stop
+            Asked often; once it is True, nothing is found to stand.
         """
-        options = CheckOptions(settle=not self.robust)
-        for case in (model, *self.cases(model)):
-            if self.robust and not check(case, options=QUICK).stable:
-                return False
-            if not self.meets(check(case, options=options)):
-                return False
-        return True
+        cases = (model, *self.cases(model))
+        if quick:
+            return all(stands_for_all(case, samples=0, stop=stop) for case in cases)
+        if self.robust:
+            return all(stands_for_all(case, stop=stop) for case in cases)
+        return all(check(case, stop=stop).stable for case in cases)
 
     def meets(self, result: Result) -> bool:
         """Whether a result is good enough."""

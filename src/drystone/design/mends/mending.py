@@ -105,7 +105,7 @@ def _mended(
     steps: list[Mend] = []
     log: list[str] = []
     while True:
-        result = chosen.margin.holds(model)
+        result = chosen.margin.holds(model, clock.late)
         stands = chosen.margin.meets(result)
         if stands:
             log.append(f"it stands: {result.message}" if steps else stands_already(chosen.margin))

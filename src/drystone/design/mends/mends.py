@@ -18,13 +18,14 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import diagnose
-from drystone.design.causes.prop_forces import Stopped
+from drystone.design.causes.prop_forces import QUICK, Stopped
 from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mend_kinds import KINDS, MAKERS
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
+from drystone.stability import check
 
 JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
 """Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
@@ -219,14 +220,19 @@ def find_mends(
     clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
     keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
-    first = chosen.margin.holds(model, stop=clock.late)
+    first = chosen.margin.holds(model, clock.late)
     if chosen.margin.meets(first):
         return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
+    # what stands for some stiffnesses only is mended as it falls with the uniform one
+    falls = check(first.model, options=QUICK, stop=clock.late) if first.stable else first
     found = diagnose(
-        first.model, result=first, executor=executor, progress=progress, stop=clock.late
+        first.model, result=falls, executor=executor, progress=progress, stop=clock.late
     )
     if not found.regions:
-        return Mends(found, (), message=found.sentences[0])
+        told = found.sentences[0]
+        if first.stable:
+            told = f"{first.message}: no mend makes it stand for all; 'sensitive' accepts it"
+        return Mends(found, (), message=told)
     mends: list[Mend] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
     looked = found.regions if regions is None else found.regions[:regions]
@@ -291,7 +297,8 @@ def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int])
 
     why = ""
 
-    def changed_and_checked(value: float, *, quick: bool = False) -> tuple[Model, Result] | None:
+    def changed_whole(value: float) -> tuple[Model, Model] | None:
+        """The whole model with the change, and the same with other regions held."""
         nonlocal why
         try:
             made = candidate.make(value)(model, bench.blocks, bench.interfaces)
@@ -300,25 +307,35 @@ def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int])
             return None
         still = [names[i] for i in held if names[i] in made.assembly]
         fixed = [made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)]
-        asked = made.with_supports([*fixed, *still]) if still else made
-        result = bench.holds(asked, quick=quick)
-        why = why if quick else result.message
-        return (made, result) if bench.margin.meets(result) else None
+        return made, made.with_supports([*fixed, *still]) if still else made
+
+    def stands(value: float) -> bool:
+        both = changed_whole(value)
+        return both is not None and bench.keeps_margin(both[1])
+
+    def checked(value: float) -> tuple[Model, Result] | None:
+        nonlocal why
+        both = changed_whole(value)
+        if both is None:
+            return None
+        result = bench.holds(both[1])
+        why = result.message
+        return (both[0], result) if bench.margin.meets(result) else None
 
     value = candidate.value
-    answer = changed_and_checked(value)
+    answer = checked(value)
     low = value
     while answer is None and low + candidate.close < candidate.most:
-        high = min(2.0 * low + candidate.close, candidate.most)
-        if changed_and_checked(high, quick=True) is not None:
+        high = top = min(2.0 * low + candidate.close, candidate.most)
+        if stands(high):
             while high - low > candidate.close:
                 middle = 0.5 * (low + high)
-                if changed_and_checked(middle, quick=True) is not None:
+                if stands(middle):
                     high = middle
                 else:
                     low = middle
-            value, answer = high, changed_and_checked(high)
-        low = high
+            value, answer = high, checked(high)
+        low = top
     if answer is None:
         what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"
         bench.tried.append(Tried(candidate.kind, what))

@@ -9,6 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly, replace_block
 from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import InputError
+from drystone.geometry.body.selfcontact import self_contacts
 
 
 def vertices_of(assembly: Assembly) -> Floats:
@@ -67,9 +68,10 @@ class Bodies:
         Raises
         ------
         InputError
-            A block would be turned inside out.
+            A block would be turned inside out, or its surface would cross itself.
         """
         blocks = list(self.assembly.blocks)
+        moved = []
         for i, block in enumerate(blocks):
             own = vertex[self.start[i] : self.start[i + 1]]
             if not np.array_equal(own, block.vertices):
@@ -80,6 +82,13 @@ class Bodies:
                         where=f"block '{block.name}'",
                         remedy="allow smaller moves",
                     )
+                moved.append(blocks[i])
+        for fault in self_contacts([one.vertices for one in moved], [one.faces for one in moved]):
+            raise InputError(
+                f"its surface {fault.what}",
+                where=f"block '{moved[fault.body].name}'",
+                remedy="allow smaller moves",
+            )
         return Assembly(tuple(blocks), self.assembly.fixed)
 
     def measures(self, vertex: Floats) -> tuple[Floats, Floats]:

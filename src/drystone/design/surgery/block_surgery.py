@@ -10,7 +10,7 @@ from drystone.assembly import Block
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed, fresh_name
-from drystone.design.surgery.joint_cut import (
+from drystone.design.surgery.joint_plane import (
     block_with,
     body_of,
     joint_plane,
@@ -40,7 +40,7 @@ def cut_block(model: Model, block: int | str, point: Floats, normal: Floats) -> 
         name = fresh_name(model, f"{body.name}-part", [one.name for one in added])
         added.append(part.renamed(name))
     fixed = [bool(model.assembly.fixed[i])] * len(added)
-    return changed(model, {i: blocks[0]}, added=added, fixed=fixed)
+    return changed(model, {i: blocks[0]}, added=added, fixed=fixed, parts_of=i)
 
 
 def merge_blocks(model: Model, one: int | str, other: int | str) -> Model:
@@ -73,7 +73,7 @@ def merge_blocks(model: Model, one: int | str, other: int | str) -> Model:
     if len(merged) != 1:
         raise InputError("do not touch along a face", where=where, remedy="merge others")
     fixed = bool(model.assembly.fixed[i] or model.assembly.fixed[j])
-    made = changed(model, {i: block_with(first, merged[0])}, removed=[j])
+    made = changed(model, {i: block_with(first, merged[0])}, removed=[j], heirs={j: i})
     if fixed and not model.assembly.fixed[i]:
         at = made.assembly.index(first.name)
         return made.with_supports([*np.flatnonzero(made.assembly.fixed).tolist(), at])

@@ -13,11 +13,14 @@ from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
-from drystone.detection import find_contacts
-from drystone.joint_capacity import JointCapacity
+from drystone.detection import find_contacts, find_overlaps
+from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result
+
+AT_CENTROID = 1e-6
+"""An interface nearer to the centroid of a block than this share of its size is a tie: rounding."""
 
 
 def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
@@ -58,12 +61,15 @@ def changed(
     added: Sequence[Block] = (),
     fixed: Sequence[bool] = (),
     removed: Sequence[int] = (),
+    parts_of: int = -1,
+    heirs: Mapping[int, int] | None = None,
     contacts: Contacts | None = None,
 ) -> Model:
     """The model with other blocks in some places, more blocks at the end, or fewer.
 
     Interfaces between unchanged blocks are kept. All others are searched again. They have the
-    friction of the same two blocks before, else the median of the model.
+    friction and the capacity of the same two blocks before, less capacity where their area is less;
+    those of two blocks that did not touch have the median friction of the model and are dry.
 
     Parameters
     ----------
@@ -75,9 +81,19 @@ def changed(
         Whether each added block is fixed.
     removed
         Positions of blocks that are left out.
+    parts_of
+        All added blocks are parts of this one and have its joints; -1 where they are new.
+    heirs
+        The blocks that take over the joints of blocks that are left out.
     contacts
         Interfaces of the changed and added blocks, numbered as in the new model, if known; searched
         when left out.
+
+    Raises
+    ------
+    InputError
+        A joint with a capacity is no longer there, a block with a tie would change, or two blocks
+        would overlap.
     """
     blocks = dict(blocks or {})
     before = len(model)
@@ -96,7 +112,13 @@ def changed(
     stays = (a >= 0) & (b >= 0) & ~touched[a] & ~touched[b]
     unchanged = old.select(stays, new)
     if contacts is None:
-        contacts = _found(model, assembly, touched, new)
+        _refuse_ties(model, ~stays)
+        origin = np.arange(before)
+        for left, heir in (heirs or {}).items():
+            origin[left] = heir
+        after = np.concatenate([origin[kept], np.full(len(added), parts_of, dtype=np.intp)])
+        origin[np.setdiff1d(np.asarray(removed, dtype=np.intp), list(heirs or {}))] = -1
+        contacts = _as_before(model, _found(model, assembly, touched, after), origin, after)
     return Model(
         assembly,
         joined_contacts(unchanged, contacts),
@@ -105,8 +127,16 @@ def changed(
     )
 
 
-def _found(model: Model, assembly: Assembly, touched: Bools, new: Ints) -> Contacts:
-    """The interfaces of blocks that changed, found among them and those near them."""
+def _found(model: Model, assembly: Assembly, touched: Bools, after: Ints) -> Contacts:
+    """The interfaces of blocks that changed, found among them and those near them.
+
+    ``after`` are the blocks (n,) of the model that they were; -1 where they are new.
+
+    Raises
+    ------
+    InputError
+        Two of them overlap, and did not before.
+    """
     if not touched.any():
         return Contacts.empty()
     margin = 0.01 * assembly.size.max()
@@ -115,30 +145,93 @@ def _found(model: Model, assembly: Assembly, touched: Bools, new: Ints) -> Conta
     for i in np.flatnonzero(touched):
         near |= (low <= high[i]).all(axis=1) & (low[i] <= high).all(axis=1)
     chosen = np.flatnonzero(near)
-    found = find_contacts(assembly.subset(chosen.tolist())).contacts
+    detected = find_contacts(assembly.subset(chosen.tolist()))
+    for one in detected.report.overlaps:
+        pair = [int(chosen[i]) for i in (one.block_a, one.block_b)]
+        were = after[pair]
+        if not touched[pair].any() or (
+            were.min() >= 0 and find_overlaps(model.assembly.subset(sorted(set(were.tolist()))))
+        ):
+            continue
+        names = [assembly.names[i] for i in pair]
+        raise InputError(
+            f"would overlap by {1e3 * one.depth:.3g} mm",
+            where=f"the blocks '{names[0]}' and '{names[1]}'",
+            remedy="make the change smaller",
+        )
+    found = detected.contacts
     a, b = chosen[found.block_a], chosen[found.block_b]
     mine = touched[a] | touched[b]
     back = np.full(len(chosen), -1, dtype=np.intp)
     back[:] = chosen
-    part = found.select(mine, back)
-    return part.with_friction(_friction(model, part, new))
+    return found.select(mine, back)
 
 
-def _friction(model: Model, part: Contacts, new: Ints) -> Floats:
-    """Friction of interfaces: that of the same two blocks before, else the median."""
-    usual = usual_friction(model)
-    before: dict[tuple[int, int], float] = {}
-    for i in range(model.contacts.count):
-        pair = sorted((int(new[model.contacts.block_a[i]]), int(new[model.contacts.block_b[i]])))
-        value = float(model.contacts.friction[i])
-        before[pair[0], pair[1]] = min(value, before.get((pair[0], pair[1]), np.inf))
-    return np.array(
-        [
-            before.get((min(a, b), max(a, b)), usual)
-            for a, b in zip(part.block_a.tolist(), part.block_b.tolist(), strict=True)
-        ],
-        dtype=np.float64,
-    )
+def _as_before(model: Model, part: Contacts, before: Ints, after: Ints) -> Contacts:
+    """New interfaces with the friction and the capacity of the joints in whose place they are.
+
+    A joint has one key before and after: the origins of its two blocks. Its friction is the least
+    one before. Its strength is spread over its area, and less where the area is less.
+
+    Raises
+    ------
+    InputError
+        A joint that carries a pull or cohesion is no longer there.
+    """
+    old = model.contacts
+    keys = _keys(before, old.block_a, old.block_b), _keys(after, part.block_a, part.block_b)
+    friction = np.full(part.count, usual_friction(model))
+    strength = np.zeros((3, part.count))
+    strength[2] = NO_LIMIT
+    capacity = old.capacity or JointCapacity.of(old)
+    for key in dict.fromkeys(map(tuple, keys[1].tolist())):
+        was, now = ((one == key).all(axis=1) for one in keys)
+        if min(key) < 0 or key[0] == key[1] or not was.any():
+            continue
+        friction[now] = old.friction[was].min()
+        area, left = float(old.area[was].sum()), part.area[now]
+        share = left / left.sum() if left.sum() > 0.0 else np.full(now.sum(), 1.0 / now.sum())
+        share = share * (min(1.0, float(left.sum()) / area) if area > 0.0 else 1.0)
+        for row, value in enumerate((capacity.tension, capacity.cohesion, capacity.shear)):
+            total = float(value[was].sum())
+            strength[row, now] = NO_LIMIT if total >= NO_LIMIT else total * share
+    _refuse_lost(model, capacity, *keys)
+    part = part.with_friction(friction)
+    return part if old.capacity is None else part.with_capacity(JointCapacity(*strength))
+
+
+def _refuse_lost(model: Model, capacity: JointCapacity, before: Ints, after: Ints) -> None:
+    """Refuse a change with which a joint with strength disappears."""
+    there = set(map(tuple, after.tolist()))
+    for k in np.flatnonzero((capacity.tension > 0.0) | (capacity.cohesion > 0.0)):
+        key = tuple(before[k].tolist())
+        if min(key) >= 0 and key[0] != key[1] and key not in there:
+            names = [model.assembly.names[i] for i in key]
+            raise InputError(
+                "carries a pull or cohesion, and would no longer be there",
+                where=f"the joint of '{names[0]}' and '{names[1]}'",
+                remedy="change another joint, or take its capacity away first",
+            )
+
+
+def _refuse_ties(model: Model, gone: Bools) -> None:
+    """Refuse to change a block with a tie: an interface at a centroid, which no search finds."""
+    contacts, assembly = model.contacts, model.assembly
+    ends = contacts.block_a, contacts.block_b
+    for block, other in (ends, ends[::-1]):
+        away = np.linalg.norm(contacts.centroid - assembly.centroid[block], axis=1)
+        for k in np.flatnonzero(gone & (away < AT_CENTROID * assembly.size[block])).tolist():
+            names = [assembly.names[i] for i in (block[k], other[k])]
+            raise InputError(
+                "have a tie between them, which would be lost",
+                where=f"the blocks '{names[0]}' and '{names[1]}'",
+                remedy="change other blocks, or add the tie afterwards",
+            )
+
+
+def _keys(origin: Ints, block_a: Ints, block_b: Ints) -> Ints:
+    """Origins (m, 2) of the blocks of interfaces, the lower one first."""
+    return np.sort(np.stack([origin[block_a], origin[block_b]], axis=1), axis=1)
 
 
 def usual_friction(model: Model) -> float:

@@ -11,7 +11,7 @@ from drystone.assembly import Block
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.design.surgery.block_surgery import insert_block
-from drystone.design.surgery.joint_cut import joint_plane
+from drystone.design.surgery.joint_plane import joint_plane
 from drystone.design.surgery.joint_surgery import move_joint, still_edge, turn_joint, wedge_joint
 from drystone.model import Model
 

@@ -8,60 +8,26 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from drystone.assembly import Block, replace_block
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed
+from drystone.design.surgery.joint_plane import (
+    ON,
+    JointPlane,
+    block_with,
+    body_of,
+    covers_face,
+    faces_at,
+    snapped,
+)
 from drystone.geometry.body.glue import cut_cell, glue
-from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.body.split import Piece
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
 
-WHOLE = 0.999
-"""A block ends at a joint when the joint covers at least this share of its face, chosen."""
-
-ON = 1e-4
-"""A vertex is on the plane of a joint when it is nearer than this share of the size of the block,
-chosen: contacts are found within a gap of 5e-3, files give coordinates to 1e-6."""
-
 KEPT = 1e-9
 """Volumes below this share of the block are rounding."""
-
-
-@dataclass(frozen=True, eq=False)
-class JointPlane(OneLine):
-    """One plane joint between two blocks, with the data for new cuts.
-
-    Attributes
-    ----------
-    interface
-    block_a, block_b
-    frame : (3, 3)
-        Rows n, u, v; n from block a to block b; u is horizontal where the joint allows it.
-    centre : (3,) [m]
-    outline : (c, 2) [m]
-        Convex, counter-clockwise, in u and v about the centre.
-    """
-
-    interface: int
-    block_a: int
-    block_b: int
-    frame: Floats
-    centre: Floats
-    outline: Floats
-
-    @property
-    def normal(self) -> Floats:
-        """(3,) unit, from block a to block b."""
-        normal: Floats = self.frame[0]
-        return normal
-
-    def reach(self, direction: Floats) -> tuple[float, float]:
-        """Extent of the outline backward and forward along a direction (3,) [m]."""
-        along = self.outline @ (self.frame[1:] @ direction)
-        return float(along.min()), float(along.max())
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,36 +61,60 @@ class Cell(OneLine):
         return bool((points @ self.normal.T <= self.offset + near).all())
 
 
-def joint_plane(model: Model, interface: int, first: int | None = None) -> JointPlane:
-    """The joint at an interface.
+@dataclass(frozen=True, eq=False)
+class JointCut:
+    """The parts that two blocks exchange at a joint.
 
-    Parameters
+    Attributes
     ----------
-    model
-    interface
-    first
-        Which of the two blocks is block a; left out, that of the contacts.
-
-    Raises
-    ------
-    InputError
-        It is a line, a point, or not convex.
+    joint
+    to_a, to_b
+        Cells of the parts; those of one block do not overlap.
+    walls_a, walls_b
+        How far the parts of block a, and of block b, reach to the sides; ``None`` where the block
+        ends at the joint.
     """
-    contacts = model.contacts
-    found = contacts[interface]
-    a, b = found.blocks
-    frame = found.frame
-    if first is not None and first != a:
-        a, b, frame = b, a, frame * np.array([[-1.0], [-1.0], [1.0]])
-    where = f"the joint of '{model.assembly.names[a]}' and '{model.assembly.names[b]}'"
-    if len(found.corners) < 3 or found.area <= 0.0:
-        raise InputError("has no area", where=where, remedy="choose a joint of two faces")
-    flat = (found.corners - contacts.centroid[interface]) @ frame[1:].T
-    hull = shapely.MultiPoint(flat).convex_hull
-    if hull.area > found.area / WHOLE:
-        raise InputError("is not convex", where=where, remedy="cut one of the blocks first")
-    ring = np.array(shapely.geometry.polygon.orient(hull).exterior.coords)[:-1]
-    return JointPlane(int(interface), a, b, frame, contacts.centroid[interface], frozen(ring))
+
+    joint: JointPlane
+    to_a: tuple[Cell, ...]
+    to_b: tuple[Cell, ...]
+    walls_a: Cell | None
+    walls_b: Cell | None
+
+    @classmethod
+    def of(
+        cls, joint: JointPlane, one: Piece, other: Piece, to_a: Sequence[Cell], to_b: Sequence[Cell]
+    ) -> JointCut:
+        """The cut of the bodies of block a and of block b, as they are before it."""
+        ends = covers_face(one, joint), covers_face(other, joint)
+        walls_a = None if ends[0] else _walls(joint, other if ends[1] else None)
+        walls_b = None if ends[1] else _walls(joint, one if ends[0] else None)
+        return cls(joint, tuple(to_a), tuple(to_b), walls_a, walls_b)
+
+    def from_a(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
+        """What block b takes of the pieces of block a, and what is left of them."""
+        return _taken(pieces, self.to_b, self.walls_a, self.joint, -1.0)
+
+    def from_b(self, pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
+        """What block a takes of the pieces of block b, and what is left of them."""
+        return _taken(pieces, self.to_a, self.walls_b, self.joint, 1.0)
+
+    def refuse_swallowed(
+        self, one: Piece, other: Piece, taken: list[Piece], given: list[Piece], where: str
+    ) -> None:
+        """Refuse a cut that removes a whole face of one of the two bodies."""
+        for body, parts, cells in ((other, given, self.to_a), (one, taken, self.to_b)):
+            _refuse_swallowed(body, parts, cells, self.joint, where)
+
+
+def one_body(pieces: Sequence[Piece], where: str, name: str) -> Piece:
+    """The union of pieces, refused where it is not one body."""
+    bodies = glue(pieces)
+    if len(bodies) != 1:
+        raise InputError(
+            f"would cut '{name}' into {len(bodies)} parts", where=where, remedy="make it smaller"
+        )
+    return bodies[0]
 
 
 def recut(
@@ -154,70 +144,15 @@ def recut(
     names = model.assembly.names
     where = f"{what} of the joint of '{names[a]}' and '{names[b]}'"
     one, other = (snapped(body_of(model.assembly.blocks[i]), joint) for i in (a, b))
-    ends = _ends(one, joint), _ends(other, joint)
-    walls_b = _walls(joint, one if ends[0] else None)
-    walls_a = _walls(joint, other if ends[1] else None)
-    given, kept_b = _taken(other, to_a, None if ends[1] else walls_b, joint, 1.0)
-    taken, kept_a = _taken(one, to_b, None if ends[0] else walls_a, joint, -1.0)
-    for block, parts, cells in ((other, given, to_a), (one, taken, to_b)):
-        _refuse_swallowed(block, parts, cells, joint, where)
-    new: dict[int, Block] = {}
-    for i, pieces in ((a, [*kept_a, *given]), (b, [*kept_b, *taken])):
-        bodies = glue(pieces)
-        if len(bodies) != 1:
-            raise InputError(
-                f"would cut '{names[i]}' into {len(bodies)} parts",
-                where=where,
-                remedy="make it smaller",
-            )
-        new[i] = block_with(model.assembly.blocks[i], bodies[0])
+    cut = JointCut.of(joint, one, other, to_a, to_b)
+    given, kept_b = cut.from_b([other])
+    taken, kept_a = cut.from_a([one])
+    cut.refuse_swallowed(one, other, taken, given, where)
+    new = {
+        i: block_with(model.assembly.blocks[i], one_body(pieces, where, names[i]))
+        for i, pieces in ((a, [*kept_a, *given]), (b, [*kept_b, *taken]))
+    }
     return changed(model, new)
-
-
-def block_with(block: Block, body: Piece) -> Block:
-    """A block with another body and the same name, density and metadata."""
-    return replace_block(block, vertices=body[0], faces=tuple(body[1]), repairs=())
-
-
-def body_of(block: Block) -> Piece:
-    """The vertices and faces of a block."""
-    return np.array(block.vertices), list(block.faces)
-
-
-def snapped(body: Piece, joint: JointPlane) -> Piece:
-    """A body with its face at the joint exactly in the plane of the joint."""
-    vertices = np.array(body[0])
-    for loop in _joint_faces(body, joint):
-        some = list(loop)
-        height = (vertices[some] - joint.centre) @ joint.normal
-        vertices[some] -= height[:, None] * joint.normal
-    return vertices, body[1]
-
-
-def _joint_faces(body: Piece, joint: JointPlane) -> list[Loop]:
-    """The faces of a body that lie in the plane of a joint."""
-    vertices, faces = body
-    near = ON * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    on = np.abs((vertices - joint.centre) @ joint.normal) <= near
-    return [face for face in faces if on[list(face)].all()]
-
-
-def ends_of(model: Model, joint: JointPlane) -> tuple[bool, bool]:
-    """Whether block a, and whether block b, ends at a joint: it covers the whole face."""
-    one, other = (
-        snapped(body_of(model.assembly.blocks[i]), joint) for i in (joint.block_a, joint.block_b)
-    )
-    return _ends(one, joint), _ends(other, joint)
-
-
-def _ends(body: Piece, joint: JointPlane) -> bool:
-    """Whether the joint covers the whole face of a body."""
-    own = sum(_area(body[0][list(face)]) for face in _joint_faces(body, joint))
-    return bool(shapely.Polygon(joint.outline).area >= WHOLE * own)
-
-
-def _area(corner: Floats) -> float:
-    return float(np.linalg.norm(area_vectors(corner, np.array([0, len(corner)]))[0]))
 
 
 def _walls(joint: JointPlane, ending: Piece | None) -> Cell:
@@ -269,19 +204,22 @@ def _touches(corner: Floats, start: Floats, end: Floats, near: float) -> bool:
 
 
 def _taken(
-    body: Piece, cells: Sequence[Cell], walls: Cell | None, joint: JointPlane, onward: float
-) -> tuple[list[Piece], list[Piece]]:
+    pieces: Sequence[Piece], cells: Sequence[Cell], walls: Cell | None, joint: JointPlane,
+    onward: float,
+) -> tuple[list[Piece], list[Piece]]:  # fmt: skip
     """The parts of a body in cells that touch the joint, and the rest.
 
     Parameters
     ----------
-    body, cells, walls, joint
+    pieces
+        Of the body.
+    cells, walls, joint
     onward
         1 where the body lies along n, -1 against it.
     """
     beyond = Cell.below(-onward * joint.normal[None], joint.centre[None])
     taken: list[Piece] = []
-    kept: list[Piece] = [body]
+    kept: list[Piece] = list(pieces)
     for cell in cells:
         whole = cell.within(beyond) if walls is None else cell.within(beyond).within(walls)
         inside, kept = cut_cell(kept, whole.normal, whole.offset)
@@ -293,7 +231,7 @@ def _taken(
 def _joint_faces_over(piece: Piece, joint: JointPlane) -> bool:
     """Whether a piece has a face on the joint itself."""
     outline = shapely.Polygon(joint.outline)
-    for face in _joint_faces(piece, joint):
+    for face in faces_at(piece, joint):
         flat = (piece[0][list(face)] - joint.centre) @ joint.frame[1:].T
         if shapely.intersection(shapely.Polygon(flat).buffer(0.0), outline).area > 0.0:
             return True
@@ -308,7 +246,7 @@ def _refuse_swallowed(
         return
     vertices, faces = body
     near = KEPT * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    own = _joint_faces(body, joint)
+    own = faces_at(body, joint)
     low = np.min([piece[0].min(axis=0) for piece in parts], axis=0) - near
     high = np.max([piece[0].max(axis=0) for piece in parts], axis=0) + near
     for face in faces:
@@ -319,13 +257,4 @@ def _refuse_swallowed(
             raise InputError("would remove a whole face", where=where, remedy="make it smaller")
 
 
-__all__ = [
-    "Cell",
-    "JointPlane",
-    "block_with",
-    "body_of",
-    "ends_of",
-    "joint_plane",
-    "recut",
-    "snapped",
-]
+__all__ = ["Cell", "JointCut", "one_body", "recut"]

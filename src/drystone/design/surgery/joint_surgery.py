@@ -6,13 +6,8 @@ import numpy as np
 
 from drystone.base.arrays import Floats, number
 from drystone.base.errors import InputError
-from drystone.design.surgery.joint_cut import (
-    Cell,
-    JointPlane,
-    ends_of,
-    joint_plane,
-    recut,
-)
+from drystone.design.surgery.joint_cut import Cell, recut
+from drystone.design.surgery.joint_plane import JointPlane, ends_of, joint_plane
 from drystone.geometry.frames import rotation_about, unit
 from drystone.model import Model
 
@@ -64,7 +59,8 @@ def turn_joint(
     low, high = joint.reach(across)
     at = joint.centre + (high if pivot > 0.0 else -low) * pivot * across
     normal = rotation_about(along, angle) @ joint.normal
-    return _with_planes(model, joint, normal[None], at[None], True, f"a turn by {angle:g} degrees")
+    cells = _cells(normal[None], at[None], True)
+    return recut(model, joint, *cells, f"a turn by {angle:g} degrees")
 
 
 def still_edge(model: Model, interface: int, side: float, first: int | None = None) -> float:
@@ -92,9 +88,8 @@ def move_joint(model: Model, interface: int, distance: float, first: int | None 
     """
     joint = joint_plane(model, interface, first)
     at = joint.centre + number(distance, "the distance") * joint.normal
-    return _with_planes(
-        model, joint, joint.normal[None], at[None], True, f"a move by {distance:g} m"
-    )
+    cells = _cells(joint.normal[None], at[None], True)
+    return recut(model, joint, *cells, f"a move by {distance:g} m")
 
 
 def wedge_joint(
@@ -124,6 +119,18 @@ def wedge_joint(
     exchange about equal volumes.
     """
     joint = joint_plane(model, interface, first)
+    return recut(model, joint, *wedge_cells(joint, sharpness, axis), wedge_words(sharpness))
+
+
+def wedge_words(sharpness: float) -> str:
+    """A wedge in words, for errors."""
+    return f"a wedge of {sharpness:g} degrees"
+
+
+def wedge_cells(
+    joint: JointPlane, sharpness: float, axis: Floats | None = None
+) -> tuple[list[Cell], list[Cell]]:
+    """The cells that block a, and that block b, takes with :func:`wedge_joint`."""
     along = _axis(joint, axis)
     if not abs(number(sharpness, "the sharpness")) < STEEPEST:
         raise InputError(
@@ -135,8 +142,7 @@ def wedge_joint(
     middle = joint.centre + 0.5 * (low + high) * across
     ridge = middle + 0.5 * half * np.tan(np.deg2rad(sharpness)) * joint.normal
     normals = np.array([rotation_about(along, s * sharpness) @ joint.normal for s in (-1.0, 1.0)])
-    what = f"a wedge of {sharpness:g} degrees"
-    return _with_planes(model, joint, normals, np.array([ridge, ridge]), sharpness > 0.0, what)
+    return _cells(normals, np.array([ridge, ridge]), sharpness > 0.0)
 
 
 def key_joint(
@@ -214,19 +220,15 @@ def _strip(
     return recut(model, joint, [cell], [], what)
 
 
-def _with_planes(
-    model: Model, joint: JointPlane, normals: Floats, points: Floats, a_convex: bool, what: str
-) -> Model:
-    """The joint cut by planes: block a is behind all of them, or behind any."""
+def _cells(normals: Floats, points: Floats, a_convex: bool) -> tuple[list[Cell], list[Cell]]:
+    """The cells of block a, behind all of some planes or behind any, and those of block b."""
     behind = [Cell.below(n[None], p[None]) for n, p in zip(normals, points, strict=True)]
     before = [Cell.below(-n[None], p[None]) for n, p in zip(normals, points, strict=True)]
     if len(behind) == 1:
-        return recut(model, joint, behind, before, what)
+        return behind, before
     if a_convex:
-        both = behind[0].within(behind[1])
-        return recut(model, joint, [both], [before[0], before[1]], what)
-    both = before[0].within(before[1])
-    return recut(model, joint, [behind[0], behind[1]], [both], what)
+        return [behind[0].within(behind[1])], before
+    return behind, [before[0].within(before[1])]
 
 
 def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
@@ -241,4 +243,13 @@ def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
     return unit(flat, "axis")
 
 
-__all__ = ["hook_joint", "key_joint", "move_joint", "still_edge", "turn_joint", "wedge_joint"]
+__all__ = [
+    "hook_joint",
+    "key_joint",
+    "move_joint",
+    "still_edge",
+    "turn_joint",
+    "wedge_cells",
+    "wedge_joint",
+    "wedge_words",
+]

@@ -59,7 +59,7 @@ def outcome_of(
     """Build one structure, check it, and plan it where that is asked for."""
     try:
         model = model_of(build(**values), how)
-        result = wanted.margin.holds(model)
+        result = wanted.margin.holds(model, settle=False)
     except InputError as error:
         return (), False, str(error)
     good = wanted.margin.meets(result)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -98,8 +99,12 @@ class Tuned(OneLine):
     trials: tuple[TuneTrial, ...]
 
     def _summary(self) -> str:
-        some = counted(sum(trial.stands for trial in self.trials), "structure")
-        return f"{counted(len(self.trials), 'trial')}, {some} that stand"
+        standing = sum(trial.stands for trial in self.trials)
+        tried = counted(len(self.trials), "trial")
+        if standing or not self.trials:
+            return f"{tried}, {counted(standing, 'structure')} that stand"
+        why = Counter(trial.message for trial in self.trials).most_common(1)[0][0]
+        return f"{tried}, none of which stands: {why}; widen the bounds"
 
     @property
     def front(self) -> tuple[TuneTrial, ...]:

@@ -14,8 +14,10 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed
 from drystone.design.surgery.joint_changes import interface_near
-from drystone.design.surgery.joint_cut import joint_plane
-from drystone.design.surgery.joint_surgery import wedge_joint
+from drystone.design.surgery.joint_cut import JointCut, one_body
+from drystone.design.surgery.joint_plane import block_with, body_of, joint_plane, snapped
+from drystone.design.surgery.joint_surgery import wedge_cells, wedge_words
+from drystone.geometry.body.split import Piece
 from drystone.model import Model
 from drystone.stability.problem import Problem
 from drystone.stability.programs.penalty import glued_state
@@ -82,8 +84,7 @@ class PlaneJoints(OneLine):
         blocks: dict[int, Block] = {}
         for i in touched.tolist():
             own = np.flatnonzero(sharp & ((contacts.block_a == i) | (contacts.block_b == i)))
-            wedges = tuple((k, float(sharpness[k])) for k in own.tolist())
-            blocks[i] = self._part_of(i, wedges).assembly.blocks[0]
+            blocks[i] = self._made(i, tuple((k, float(sharpness[k])) for k in own.tolist()))
         before, after = (
             float(assembly.volume[touched].sum()),
             sum(block.volume for block in blocks.values()),
@@ -95,24 +96,54 @@ class PlaneJoints(OneLine):
         return changed(self.model, blocks)
 
     @cached_property
-    def _part_of(self) -> Callable[[int, tuple[tuple[int, float], ...]], Model]:
-        """A block, the first one, and its neighbours, with wedges in some of its joints."""
+    def _made(self) -> Callable[[int, tuple[tuple[int, float], ...]], Block]:
+        """A block with wedges in some of its joints."""
+        blocks, contacts = self.model.assembly.blocks, self.model.contacts
+
+        @lru_cache(maxsize=REMEMBERED)
+        def made(i: int, wedges: tuple[tuple[int, float], ...]) -> Block:
+            pieces = [self._body(i)]
+            for k, sharpness in wedges:
+                cut = self._exchange(k, sharpness)[0]
+                pieces = (cut.from_a if contacts.block_a[k] == i else cut.from_b)(pieces)[1]
+            for k, sharpness in wedges:
+                _, given, taken = self._exchange(k, sharpness)
+                pieces += given if contacts.block_a[k] == i else taken
+            return block_with(blocks[i], one_body(pieces, "the wedges", blocks[i].name))
+
+        return made
+
+    @cached_property
+    def _exchange(self) -> Callable[[int, float], tuple[JointCut, list[Piece], list[Piece]]]:
+        """The cut of one joint, and what block a and block b take at it from each other."""
+
+        @lru_cache(maxsize=REMEMBERED)
+        def exchange(k: int, sharpness: float) -> tuple[JointCut, list[Piece], list[Piece]]:
+            joint = joint_plane(self.model, k)
+            one, other = self._body(joint.block_a), self._body(joint.block_b)
+            cut = JointCut.of(joint, one, other, *wedge_cells(joint, sharpness))
+            given, taken = cut.from_b([other])[0], cut.from_a([one])[0]
+            names = [self.model.assembly.names[i] for i in (joint.block_a, joint.block_b)]
+            where = f"{wedge_words(sharpness)} of the joint of '{names[0]}' and '{names[1]}'"
+            cut.refuse_swallowed(one, other, taken, given, where)
+            return cut, given, taken
+
+        return exchange
+
+    @cached_property
+    def _body(self) -> Callable[[int], Piece]:
+        """The body of a block as it was, its joints exactly plane."""
         contacts = self.model.contacts
 
         @lru_cache(maxsize=REMEMBERED)
-        def part_of(block: int, wedges: tuple[tuple[int, float], ...]) -> Model:
-            own = (contacts.block_a == block) | (contacts.block_b == block)
-            around = np.union1d(contacts.block_a[own], contacts.block_b[own])
-            order = [block, *around[around != block].tolist()]
-            if not wedges:
-                return self.model.subset(order)
-            k, sharpness = wedges[-1]
-            a, b = order.index(contacts.block_a[k]), order.index(contacts.block_b[k])
-            part = part_of(block, wedges[:-1])
-            near = interface_near(part, a, b, contacts.centroid[k])
-            return wedge_joint(part, near, sharpness, first=a)
+        def body(i: int) -> Piece:
+            found = body_of(self.model.assembly.blocks[i])
+            own = self.usable & ((contacts.block_a == i) | (contacts.block_b == i))
+            for k in np.flatnonzero(own).tolist():
+                found = snapped(found, joint_plane(self.model, k))
+            return found
 
-        return part_of
+        return body
 
     def tension(self, model: Model) -> Floats:
         """Tension (j,) [N] of each joint if all joints of a model with wedges were weakly glued.

@@ -22,7 +22,7 @@ rigid-block analysis, Kao et al. 2022, eq. 5.6.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,14 +76,29 @@ def find_rest(
     chosen = options if options is not None else RestOptions()
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         # a diverging trial step overflows and is rejected by the merit function
-        return _Path(system, compliance, chosen).follow(start, stop)
+        state = _Path(system, compliance, chosen).follow(start, stop)
+        late = stop is not None and stop()
+        if compliance.tension is not None and not state.converged and not late:
+            # joints that pull more at first can lead away from the rest state
+            other = _Path(system, compliance, chosen, harder=False).follow(start, stop)
+            steps = state.iterations + other.iterations
+            state = replace(other if other.converged else state, iterations=steps)
+        return state
 
 
 class _Path:
     """One run of the primal-dual iteration, with the data that do not change."""
 
-    def __init__(self, system: TangentSystem, compliance: Compliance, options: RestOptions) -> None:
+    def __init__(
+        self,
+        system: TangentSystem,
+        compliance: Compliance,
+        options: RestOptions,
+        *,
+        harder: bool = True,
+    ) -> None:
         self.system = system
+        self.harder = harder and compliance.tension is not None
         self.statics = statics = system.statics
         self.law = compliance.friction
         self.compliance = compliance
@@ -180,7 +195,7 @@ class _Path:
         pull hardens by the share sqrt(tau) of the stiffness, which vanishes at the end of the path.
         """
         held, slope = self.compliance.pull(opening)
-        if self.compliance.tension is None or tau == 0.0:
+        if not self.harder or tau == 0.0:
             return held, slope
         harder = np.sqrt(tau) * self.kn
         return held + harder * opening, slope + harder

@@ -9,6 +9,7 @@ import shapely
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
+from drystone.geometry.body.halved import halved
 from drystone.geometry.body.polyhedron import Loop, edge_defects
 from drystone.geometry.body.split import (
     Piece,
@@ -99,6 +100,9 @@ def _cut(piece: Piece, normal: Floats, offset: float) -> tuple[list[Piece], list
         return [piece], []
     if height.min() >= 0.0:
         return [], [piece]
+    simple = halved(vertices, faces, height, TOUCH * extent)
+    if simple is not None:
+        return [simple[0]], [simple[1]]
     below: list[Floats] = []
     above: list[Floats] = []
     for face in faces:

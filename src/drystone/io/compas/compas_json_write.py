@@ -24,7 +24,6 @@ from drystone.results import Result
 NAMESPACE = uuid.UUID("5f0d1c80-9f0c-5d7e-8a51-3c1b6a1b7c55")
 """Namespace of the identifiers that COMPAS needs. They are made from names, so the same model gives
 the same file."""
-IDENTITY = np.eye(4).tolist()
 
 
 def write_assembly(model: Contents, path: Path) -> None:

@@ -43,9 +43,12 @@ class PenaltyOptions(Options):
     ----------
     ground
         Stiffness of the ground, far below that of the glue: it carries what glue cannot.
+    search
+        Whether a structure that could stand with shims (:func:`drystone.could_hold`) needs no help.
     """
 
     ground: float = 1e-8
+    search: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -97,7 +100,7 @@ def solve_cra_penalty(
         "the penalty form of coupled rigid-block analysis",
         "it measures the pull that dry joints do not have",
     )
-    shimmed = CheckOptions(samples=2, settle=False, search=True)
+    shimmed = CheckOptions(samples=2, settle=False, search=chosen.search)
     dry = Cascade(problem, shimmed, progress, clock, executor).run()
     assembly = problem.model.assembly
     corners = problem.model.contacts.corner_count

@@ -61,7 +61,8 @@ function isDrawn(layer, time) {
   if (stage().moved) {
     if (page.time < 1) return false;
   } else if (time > 0) return layer.kind === "markers";
-  return !hurried || data.count < MANY || layer.kind === "polygons";
+  if (!hurried) return true;
+  return layer.kind === "polygons" ? !bare : data.count < MANY;
 }
 
 // What lies between the plane and the eye is not drawn; the side is that of the eye at first.

@@ -94,7 +94,9 @@ function showHeader(data, stage) {
   headline.textContent = stage.headline || data.title;
   headline.className = stage.verdict ?? "";
   const facts = [...new Map([...data.facts, ...stage.facts])];
-  document.getElementById("asked").textContent = stage.asked.replaceAll(" \u00b7", "\u00a0\u00b7"); // no line begins with a dot
+  // No line begins with a dot, and no date is broken.
+  document.getElementById("asked").textContent = stage.asked.replaceAll(" \u00b7", "\u00a0\u00b7")
+    .replace(/(\d{4})-(\d\d)-(\d\d)/, "$1\u2011$2\u2011$3");
   document.getElementById("message").textContent = stage.message;
   const list = document.getElementById("facts");
   list.replaceChildren();

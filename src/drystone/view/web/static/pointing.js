@@ -27,7 +27,7 @@ function jointNear(x, y, view) {
     if (page.hidden.has(a[i]) || page.hidden.has(b[i])) continue;
     const p = vec.add(centroid.subarray(3 * i, 3 * i + 3), awayOf(data, view, a[i], b[i]));
     const at = projected(view.projection, p, size.width, size.height);
-    if (!at) continue;
+    if (!at || isBeyond(view.section, p)) continue;
     const distance = (at.x - x) ** 2 + (at.y - y) ** 2;
     if (distance < best) [best, joint] = [distance, i];
   }
@@ -47,7 +47,7 @@ function hovered(event) {
   const found = event ? under(event) : {};
   const before = page.hovered;
   page.hovered = found.block ?? -1;
-  if (before !== page.hovered) redraw();
+  if (before !== page.hovered && cost < VERY_SLOW) redraw(); // else the tip alone tells
   tip.hidden = found.block === undefined && found.joint === undefined;
   if (tip.hidden) return;
   tip.textContent = tipText(found);

@@ -1,6 +1,7 @@
 // What the page shows: its data, its state, and when it is drawn anew.
 
 const SLOW = 100; // [ms] that a picture takes, or waits: what moves is drawn coarsely
+const VERY_SLOW = 300; // [ms] that a coarse picture takes: without joints
 const SETTLE = 250; // [ms] without a change: draw everything
 const narrow = matchMedia("(max-width: 720px)");
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -23,6 +24,7 @@ let cost = 0; // [ms] that the last whole picture took
 let pictures = 0; // drawn so far
 let fence = null; // tells when the picture that is timed is done
 let hurried = false; // pictures come slowly
+let bare = false; // coarse pictures come slowly, too
 let settling = 0;
 let animation = null; // { kind, start }
 let renderer = null;
@@ -68,6 +70,7 @@ function follow(picture, began) {
     }
     gl.deleteSync(fence);
     fence = null;
+    bare ||= hurried && performance.now() - began > VERY_SLOW;
     if (picture !== pictures) follow(pictures, performance.now());
     else if (hurried) settling = setTimeout(settle, SETTLE);
     else cost = performance.now() - began;

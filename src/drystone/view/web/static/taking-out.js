@@ -7,8 +7,11 @@ function pictureOf(ratio) {
   [sheet.width, sheet.height] = [width * ratio, height * ratio];
   const pen = sheet.getContext("2d");
   [canvas.width, canvas.height] = [width * ratio, height * ratio];
+  const coarse = hurried;
+  hurried = false;
   const view = currentView(ratio);
-  renderer.draw({ ...view, showEdges: shownLayers.get("edges") });
+  hurried = coarse;
+  renderer.draw(view);
   pen.drawImage(canvas, 0, 0);
   const marks = element("canvas");
   [marks.width, marks.height] = [sheet.width, sheet.height];
