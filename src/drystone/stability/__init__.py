@@ -9,7 +9,7 @@ from drystone.stability.check_options import CheckOptions
 from drystone.stability.programs.cra import CRAOptions, solve_cra
 from drystone.stability.programs.penalty import PenaltyOptions, solve_cra_penalty
 from drystone.stability.programs.rbe import RBEOptions, build_rbe, build_rbe_penalty, solve_rbe
-from drystone.stability.resting import stands_for_all, try_rest
+from drystone.stability.resting import try_rest
 from drystone.stability.screening import PATIENT, QUICK, SMOOTH, Screening
 
 __all__ = [
@@ -35,6 +35,5 @@ __all__ = [
     "solve_cra",
     "solve_cra_penalty",
     "solve_rbe",
-    "stands_for_all",
     "try_rest",
 ]

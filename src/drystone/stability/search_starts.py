@@ -212,7 +212,9 @@ class StateSearch:
                 yield motion
 
     def _balanced(self, corners: Bools) -> Floats | None:
-        """Least forces at some of the corners that balance the loads."""
+        """Least forces at some of the corners that balance the loads; None where none do."""
+        if not corners.any():
+            return None
         statics = self.problem.statics
         part = solve_equilibrium(
             statics.at_corners(corners),

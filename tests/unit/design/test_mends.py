@@ -58,7 +58,7 @@ def test_every_mend_of_the_shelf_stands_when_it_is_read_from_its_file(
         assert result.samples.standing == result.samples.tried, one.description
 
 
-@pytest.mark.parametrize(("patience", "kinds"), [(600, []), (1300, ["prop"])])
+@pytest.mark.parametrize(("patience", "kinds"), [(600, []), (1800, ["prop"])])
 def test_a_search_that_is_stopped_ends_within_the_check_that_is_under_way(
     monkeypatch: pytest.MonkeyPatch, patience: int, kinds: list[str]
 ) -> None:
@@ -79,7 +79,8 @@ def test_a_search_that_is_stopped_ends_within_the_check_that_is_under_way(
     found = find_mends(h_model(), friction=0.9, stop=stop)
     assert patience < asked < patience + 50
     assert after == 0
-    assert [one.kind for one in found.mends] == kinds
+    assert {*kinds} <= {one.kind for one in found.mends}
+    assert bool(kinds) == bool(found.mends)
 
 
 def test_the_least_turn_is_that_of_a_scan_and_that_of_the_friction_angle(fallen: Mends) -> None:

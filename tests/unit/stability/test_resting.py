@@ -29,11 +29,11 @@ from drystone.stability import (
     solve_cra,
     solve_cra_penalty,
     solve_rbe,
-    stands_for_all,
     try_rest,
 )
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import checked_mechanism, first_motion
+from drystone.stability.resting import stands_for_all
 from drystone.stability.screening import (
     NEAREST,
     PATIENT,

@@ -70,6 +70,11 @@ def test_what_is_followed_into_a_fall_is_unstable_though_it_could_be_wedged() ->
     assert could_hold(model).verdict is Verdict.STABLE
 
 
+def test_a_search_in_which_no_corner_is_pressed_ends_without_a_state() -> None:
+    few = CheckOptions(search_tries=1)
+    assert could_hold(tilted(wedge("a"), X, 85.0), options=few).verdict is Verdict.UNSTABLE
+
+
 def test_flush_ends_leave_it_undecided_with_both_motions_and_longer_grooves_do_not() -> None:
     flush = tilted(wedge("c"), X, 40.0)
     found = check(flush)

@@ -17,7 +17,8 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import CheckOptions, check, stands_for_all
+from drystone.stability import CheckOptions, check
+from drystone.stability.resting import stands_for_all
 
 HEAD = 0.1
 """Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""

@@ -12,7 +12,8 @@ from drystone.base.settings import Options
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import CheckOptions, check, stands_for_all
+from drystone.stability import CheckOptions, check
+from drystone.stability.resting import stands_for_all
 
 AXES = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 """The horizontal axes about which a structure is tilted."""
