@@ -32,8 +32,8 @@ from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.search.nearest import uncovered
 from drystone.detection.search.patches import Patches, patches_of
 from drystone.detection.search.planes import planes_between, widths
-from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.mend.coincidence import duplicates
+from drystone.geometry.mend.parts import separate_parts
 
 SAME = 1e-6
 """Blocks whose vertices agree within this share of their size are duplicates."""

@@ -15,8 +15,8 @@ from drystone.base.arrays import Floats, frozen_floats
 from drystone.base.errors import FormatError, InputError, Kind, counted
 from drystone.base.units import UNITS, mass, scale_of
 from drystone.geometry.body import polyhedron, selfcontact
-from drystone.geometry.body.parts import separate_parts
 from drystone.geometry.mend import coincidence
+from drystone.geometry.mend.parts import separate_parts
 from drystone.io.draft import Contents, Draft, Shape
 from drystone.io.wording import printable
 

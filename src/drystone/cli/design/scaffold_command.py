@@ -22,8 +22,8 @@ FEW = 14
 
 
 @command(
-    "drystone scaffold arch.json --with clamp --order course --time-limit 5",
-    "drystone scaffold arch.json --with clamp --with strut --time-limit 5 --csv compared.csv",
+    "drystone scaffold arch.json --with clamp --order course --time-limit 2",
+    "drystone scaffold arch.json --with clamp --with strut --time-limit 2 --csv compared.csv",
 )
 def scaffold(
     *,

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @command(
-    "drystone tune arch --vary thickness_ratio=0.05:0.3 --friction 0.8",
+    "drystone tune arch --vary thickness_ratio=0.05:0.3 --friction 0.8 --trials 40",
     "drystone tune tower --vary edge=0.5:2 --vary count=2:6 --least volume --most height",
 )
 def tune(
