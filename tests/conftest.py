@@ -13,13 +13,31 @@ SLOW = {"benchmarks", "cli", "compat", "design", "fall", "limits", "live", "mcp"
 SLOW |= {"sequence", "settlement", "shells", "view", "test_benchmark_speed.py", "test_display.py"}
 SLOW |= {"test_documentation.py", "test_freeform.py", "test_numerical_trouble.py"}
 SLOW |= {"test_public_api.py", "test_stopping.py", "test_settled_verdicts.py", "test_curved.py"}
-SLOW |= {"test_check_many.py", "test_hostile.py", "test_rhino.py"}
+SLOW |= {
+    "test_check_many.py",
+    "test_hostile.py",
+    "test_long_work.py",
+    "test_resting.py",
+    "test_rhino.py",
+}
 """Of tests/unit: what takes longer than the quick look of ``pytest -m fast`` may."""
+
+
+def is_fast(path: Path) -> bool:
+    """Whether a file or folder of tests may hold what a person runs while writing."""
+    unit = Path(__file__).parent / "unit"
+    return path == unit or (unit in path.parents and SLOW.isdisjoint(path.relative_to(unit).parts))
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Files that ``pytest -m fast`` does not run are not even read: that took half of its time."""
+    inside = Path(__file__).parent in collection_path.parents
+    skipped = config.option.markexpr == "fast" and inside and not is_fast(collection_path)
+    return True if skipped else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark the tests that a person runs while writing: ``pytest -m fast``."""
-    unit = Path(__file__).parent / "unit"
     for item in items:
-        if unit in item.path.parents and SLOW.isdisjoint(item.path.relative_to(unit).parts):
+        if is_fast(item.path):
             item.add_marker(pytest.mark.fast)
