@@ -6,11 +6,13 @@ import dataclasses
 import enum
 import html
 import reprlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 LONGEST = 180
 """Largest number of characters of the line. Chosen: at most two lines on a wide terminal."""
+NAMED = 3
+"""Names of equal things that are said; of more, how many there are."""
 
 
 class OneLine:
@@ -82,6 +84,18 @@ def shortened(text: str, longest: int = LONGEST, end: str = "...") -> str:
     return line if len(line) <= longest else line[: longest - len(end)] + end
 
 
+def named(names: Sequence[str], most: int = NAMED) -> str:
+    """The first names, and how many more there are.
+
+    Examples
+    --------
+    >>> named(["a", "b", "c", "d", "e"])
+    'a, b, c and 2 more'
+    """
+    rest = len(names) - most
+    return ", ".join(names[:most]) + (f" and {rest} more" if rest > 0 else "")
+
+
 def _plainly_equal(value: object, default: object) -> bool:
     """Whether a value equals a default that is no array."""
     return type(value) is type(default) and not hasattr(value, "shape") and value == default
@@ -114,4 +128,4 @@ _SHORT = _Short()
 _DRAWN_BY: list[Callable[[object], str]] = []
 """The function that makes pictures, set by the package: this layer does not import drawing."""
 
-__all__ = ["Card", "OneLine", "draw_with", "picture_of", "shortened"]
+__all__ = ["Card", "OneLine", "draw_with", "named", "picture_of", "shortened"]

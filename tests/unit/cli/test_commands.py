@@ -381,3 +381,10 @@ def test_an_answer_is_written_for_cad_programs(
     for command in ("check", "plan"):
         assert main([command, model, "--cad", str(tmp_path / "answer.3dm")]) == 3
         assert "rhino3dm" in capsys.readouterr().err
+
+
+def test_of_many_blocks_that_need_help_the_first_are_named(tmp_path: Path, capsys: Capsys) -> None:
+    model = file(tmp_path, arch(0.15, 6))
+    for more in ((), ("--auto",)):
+        main(["mend", model, "--friction", "0.1", "--only", "friction", *more])
+        assert "voussoir-02 and 3 more: friction of" in capsys.readouterr().out

@@ -6,10 +6,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from drystone.base.display import named
 from drystone.cli.base import kinds
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
-from drystone.cli.base.output import LISTED, Screen, listed
+from drystone.cli.base.output import LISTED, Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import apart
 from drystone.cli.inputs import loading, options
@@ -93,5 +94,5 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
     screen.line(str(data["model"]), "FILM", "bold")
     screen.line(data["message"])
     if data["fell"]:
-        screen.line(f"fell: {listed(data['fell'], LISTED)}")
+        screen.line(f"fell: {named(data['fell'], LISTED)}")
     screen.line(f"simulated by {data['engine']}; no verdict")

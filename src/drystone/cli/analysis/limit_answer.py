@@ -8,8 +8,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from drystone.base.display import named
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.output import LISTED, Screen, listed
+from drystone.cli.base.output import LISTED, Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 
@@ -92,7 +93,7 @@ def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> No
     for low, high in data["islands"]:
         screen.line(f"it stands again from {low:.6g} to {high:.6g}", "island:", "yellow", " ")
     if data["falling"]:
-        screen.line(f"falls: {listed(data['falling'], LISTED)}")
+        screen.line(f"falls: {named(data['falling'], LISTED)}")
         screen.line(data["message"])
     _show_stopped(data, screen)
 

@@ -9,14 +9,13 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from drystone.base.display import named
 from drystone.base.errors import InputError, MissingDependency
 
 BAD_INPUT, MISSING, FAULT = 2, 3, 70
 """Exit codes of errors."""
 LISTED = 12
 """Rows of a table that are printed; --json has all."""
-NAMED = 3
-"""Names that are printed of equal rows."""
 
 
 class UsageFault(InputError):
@@ -84,19 +83,7 @@ def grouped(rows: Sequence[Sequence[str]]) -> list[list[str]]:
     names: dict[tuple[str, ...], list[str]] = {}
     for first, *others in rows:
         names.setdefault(tuple(others), []).append(first)
-    return [[listed(firsts), *others] for others, firsts in names.items()]
-
-
-def listed(names: Sequence[str], most: int = NAMED) -> str:
-    """The first names, and how many more there are.
-
-    Examples
-    --------
-    >>> listed(["a", "b", "c", "d", "e"])
-    'a, b, c and 2 more'
-    """
-    rest = len(names) - most
-    return ", ".join(names[:most]) + (f" and {rest} more" if rest > 0 else "")
+    return [[named(firsts), *others] for others, firsts in names.items()]
 
 
 def say(text: str) -> None:

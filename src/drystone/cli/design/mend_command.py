@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
+from drystone.base.display import named
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
@@ -283,11 +284,11 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
     if data.get("mending"):
         screen.line(data["mending"])
     for number, one in enumerate(data.get("mends", ()), 1):
-        blocks = ", ".join(one["blocks"])
+        blocks = named(one["blocks"])
         told = f"mend {number}, of {blocks}: {one['description']} (cost {one['cost']:.3g})"
         screen.line(told)
     for one in data.get("tried", ()):
-        screen.line(f"no solution for {', '.join(one['blocks'])}: {one['kind']}: {one['what']}")
+        screen.line(f"no solution for {named(one['blocks'])}: {one['kind']}: {one['what']}")
     if "applied" in data:
         one = data["applied"]
         screen.line(f"{one['description']}: the whole is {one['verdict']}", "MENDED", "bold")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Unpack
 
-from drystone.base.display import OneLine
+from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -127,7 +127,7 @@ def _mended(
         best = found.mends[0]
         steps.append(best)
         model = best.model
-        log.append(f"{', '.join(best.blocks)}: {best.description} (cost {best.cost:.3g})")
+        log.append(f"{named(best.blocks)}: {best.description} (cost {best.cost:.3g})")
     return Mending(tuple(steps), model, result, stands, tuple(log))
 
 
