@@ -4,7 +4,7 @@ import asyncio
 import json
 import os
 import sys
-from collections.abc import Coroutine, Iterator
+from collections.abc import Coroutine, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +12,11 @@ import pytest
 
 import drystone
 from drystone import io
+from drystone.assembly import Block
 from drystone.cli import main
 from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
-from drystone.models import arch, shelf, tower, vault
+from drystone.models import arch, box, shelf, tower, vault
 
 pytest.importorskip("mcp")
 from mcp import Client, StdioServerParameters
@@ -110,7 +111,11 @@ def session(folder: Path) -> Iterator[Session]:
 
 def content(count: int) -> dict[str, Any]:
     """A tower as the object that a program writes."""
-    blocks = tower(count).blocks
+    return content_of(tower(count).blocks)
+
+
+def content_of(blocks: Iterable[Block]) -> dict[str, Any]:
+    """Blocks as the object that a program writes."""
     return {
         "blocks": [
             {
@@ -125,7 +130,7 @@ def content(count: int) -> dict[str, Any]:
 
 def test_the_tools_say_what_they_are_for(session: Session) -> None:
     tools = {tool.name: tool for tool in session.run(session.client.list_tools()).tools}
-    assert set(tools) >= {"files", "inspect", "check", "diagnose", "limit", "plan"}
+    assert set(tools) >= {"files", "inspect", "check", "diagnose", "limit", "mend", "plan"}
     assert all(tool.description and tool.annotations.read_only_hint for tool in tools.values())
     assert session.client.server_info.version == drystone.__version__
     assert "newtons" in (session.client.instructions or "")
@@ -154,6 +159,17 @@ def test_why_a_shelf_falls_and_what_force_is_missing(session: Session) -> None:
     assert force > 0.0
     assert len(told["sentences"]) >= len(told["regions"])
     assert session.answer("diagnose", model={"file": "nested/tower.json"})["regions"] == []
+
+
+def test_a_block_that_touches_nothing_is_propped_and_not_held_by_friction(session: Session) -> None:
+    blocks = [box((1, 1, 1), name="post"), box((3, 1, 0.5), (1.1, 0, 0.75), name="beam")]
+    model = {"content": content_of(blocks), "supports": "post", "friction": 0.9}
+    told = session.answer("mend", model=model, kinds=["prop"])
+    (mend,) = told["mends"]
+    assert (mend["kind"], mend["verdict"], mend["blocks"]["first"]) == ("prop", "stable", ["beam"])
+    told = session.answer("mend", model=model, kinds=["friction"])
+    assert told["mends"] == []
+    assert [one["what"] for one in told["tried"]] == ["it touches no other block"]
 
 
 def test_an_inline_tower_carries_its_weight(session: Session) -> None:

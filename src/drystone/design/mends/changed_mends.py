@@ -42,6 +42,9 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
     """The least friction of one joint, else of all."""
     own = bench.local.contacts.friction
     count = len(own)
+    if count == 0:
+        bench.fail("friction", "it touches no other block")
+        return
     groups = [[k] for k in range(count)] if len(bench.own) <= MANY else []
     found = False
     for group in [*groups, *([list(range(count))] if groups != [[0]] else [])]:
