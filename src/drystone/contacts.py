@@ -324,3 +324,36 @@ def check_friction(friction: Any, count: int) -> Floats:
         bad = single[~(np.isfinite(single) & (single >= 0.0))].ravel()[0]
         raise InputError(f"friction is {bad}", remedy="give a coefficient of zero or more")
     return frozen(values.copy())
+
+
+def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
+    """The interfaces of both, those of the first one first."""
+    if not len(other):
+        return one
+
+    def both(name: str) -> Any:
+        return np.concatenate([getattr(one, name), getattr(other, name)])
+
+    return Contacts(
+        both("block_a"),
+        both("block_b"),
+        both("frame"),
+        both("area"),
+        both("friction"),
+        both("point"),
+        np.concatenate([one.interface, other.interface + one.count]),
+        _joined_capacity(one, other),
+    )
+
+
+def _joined_capacity(one: Contacts, other: Contacts) -> JointCapacity | None:
+    if one.capacity is None and other.capacity is None:
+        return None
+    parts = [
+        c.capacity or JointCapacity(np.zeros(c.count), np.zeros(c.count)) for c in (one, other)
+    ]
+    tension, cohesion, shear = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("tension", "cohesion", "shear")
+    )
+    return JointCapacity(tension, cohesion, shear)

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.contacts import Contacts
+from drystone.contacts import Contacts, joined_contacts
 from drystone.design.causes.diagnosis_words import names_of, newtons, place
 from drystone.design.causes.missing import HEAVIEST, SEARCHED, ballasted
 from drystone.design.causes.prop_forces import (
@@ -23,7 +23,6 @@ from drystone.design.causes.prop_forces import (
     seats,
 )
 from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
-from drystone.design.surgery.changed_model import joined_contacts
 from drystone.design.surgery.joint_changes import Change, with_block
 from drystone.design.surgery.struts import struts
 from drystone.geometry.frames import frames_from_normals

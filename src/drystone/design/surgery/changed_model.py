@@ -12,7 +12,7 @@ from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.contacts import Contacts
+from drystone.contacts import Contacts, joined_contacts
 from drystone.detection import find_contacts, find_overlaps
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.loads import LoadCase
@@ -21,37 +21,6 @@ from drystone.results import Result
 
 AT_CENTROID = 1e-6
 """An interface nearer to the centroid of a block than this share of its size is a tie: rounding."""
-
-
-def joined_contacts(one: Contacts, other: Contacts) -> Contacts:
-    """The interfaces of both, those of the first one first."""
-
-    def both(name: str) -> Any:
-        return np.concatenate([getattr(one, name), getattr(other, name)])
-
-    return Contacts(
-        both("block_a"),
-        both("block_b"),
-        both("frame"),
-        both("area"),
-        both("friction"),
-        both("point"),
-        np.concatenate([one.interface, other.interface + one.count]),
-        _joined_capacity(one, other),
-    )
-
-
-def _joined_capacity(one: Contacts, other: Contacts) -> JointCapacity | None:
-    if one.capacity is None and other.capacity is None:
-        return None
-    parts = [
-        c.capacity or JointCapacity(np.zeros(c.count), np.zeros(c.count)) for c in (one, other)
-    ]
-    tension, cohesion, shear = (
-        np.concatenate([getattr(part, name) for part in parts])
-        for name in ("tension", "cohesion", "shear")
-    )
-    return JointCapacity(tension, cohesion, shear)
 
 
 def changed(
@@ -334,6 +303,5 @@ __all__ = [
     "carried_load",
     "changed",
     "fresh_name",
-    "joined_contacts",
     "usual_friction",
 ]

@@ -7,13 +7,13 @@ have a gap. It carries nothing until the gap closes.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints, frozen
-from drystone.contacts import DEFAULT_FRICTION, Contacts
+from drystone.contacts import DEFAULT_FRICTION, Contacts, joined_contacts
 from drystone.detection import DetectionOptions, EdgeContacts, find_contacts
 from drystone.detection.detection_options import LARGEST
 from drystone.model import Model
@@ -138,7 +138,7 @@ def followed_model(model: Model, apart: Apart) -> tuple[Model, Floats]:
     """The model with the interfaces that a free block takes part in or may meet, and their gaps."""
     joints = model.contacts.select(model.active)
     gap = np.concatenate([np.zeros((joints.corner_count, 2)), apart.gap])
-    return model.with_contacts(_with_apart(joints, apart.contacts)), gap
+    return model.with_contacts(joined_contacts(joints, apart.contacts)), gap
 
 
 def model_with_met(model: Model, apart: Apart, met: Bools) -> tuple[Model, Bools, Bools]:
@@ -163,28 +163,9 @@ def model_with_met(model: Model, apart: Apart, met: Bools) -> tuple[Model, Bools
     later = apart.contacts.interface[met[len(followed) :]]
     joints = np.bincount(later, minlength=len(apart.contacts)) > 0
     mine = joints[apart.contacts.interface]
-    whole = model.with_contacts(_with_apart(model.contacts, apart.contacts.select(joints)))
+    whole = model.with_contacts(joined_contacts(model.contacts, apart.contacts.select(joints)))
     ones = np.ones(int(mine.sum()), dtype=bool)
     return whole, np.concatenate([own, ones]), np.concatenate([followed, mine])
-
-
-def _with_apart(contacts: Contacts, apart: Contacts) -> Contacts:
-    """The interfaces of a model, and after them those that are open at the beginning."""
-    if not len(apart):
-        return contacts
-
-    def both(name: str) -> Any:
-        return np.concatenate([getattr(contacts, name), getattr(apart, name)])
-
-    return Contacts(
-        both("block_a"),
-        both("block_b"),
-        both("frame"),
-        both("area"),
-        both("friction"),
-        both("point"),
-        np.concatenate([contacts.interface, apart.interface + len(contacts)]),
-    )
 
 
 __all__ = ["FARTHEST", "Apart", "faces_apart", "followed_model", "model_with_met"]
