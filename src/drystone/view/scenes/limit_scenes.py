@@ -10,6 +10,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.limits import Evaluation, Limit, TiltSweep
+from drystone.limits.limit_families import Shrunk
 from drystone.results import Result, Verdict
 from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import UP, Scene, Stage
@@ -129,6 +130,8 @@ def quantity_text(limit: Limit, value: float, state: Result) -> str:
     """
     if limit.parameter == "tilt":
         return f"{value:.3g} degrees{_about(state)}"
+    if limit.parameter == Shrunk.parameter:
+        return f"{value:.4g} of the {limit.parameter}"
     unit = f" {limit.unit}" if limit.unit else ""
     return f"{_name(limit)} {value:.4g}{unit}"
 
