@@ -65,7 +65,7 @@ def moved_headline(found: LargeDisplacement) -> str:
     --------
     >>> from drystone.models import tower
     >>> from drystone.settlement import move_supports
-    >>> moved_headline(move_supports(tower(2), {"base": (0.0, 0.0, -0.1)}))
+    >>> moved_headline(move_supports(tower(2), {0: (0.0, 0.0, -0.1)}))
     'Stands with its supports moved by 100 mm'
     """
     last = found.states[-1]
