@@ -1,8 +1,8 @@
 """How large a page is, how long it takes to open and to draw: ``python -m benchmarks.page``.
 
 Needs a Chromium. It draws without a graphics card (SwiftShader), which is the slow end. Triangles
-and calls of a picture say what a card has to do. The time of the script of a picture, with calls that
-draw nothing, says what is left for the processor. Interfaces carry made-up forces, so that nothing is
+and calls of a picture say what a card has to do. The time of its script, with calls that draw
+nothing, says what is left for the processor. Interfaces carry made-up forces, so that nothing is
 solved.
 """
 
