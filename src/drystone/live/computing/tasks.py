@@ -22,10 +22,10 @@ from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
 from drystone.live.computing.moved_supports import after_moving, verdict_of
-from drystone.live.computing.wish import Asked, Wish, asked
+from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
-from drystone.sequence import Order, PlanOptions, Rules, plan
+from drystone.sequence import CutOptions, Order, PlanOptions, Rules, cut_until_free, plan
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
@@ -59,7 +59,7 @@ class Work:
 
     model: Model
     wish: Wish
-    asked: Asked
+    asked: WishedModel
     extra: Field
     stop: Callable[[], bool]
     progress: Progress
@@ -171,11 +171,20 @@ def _cut(work: Work) -> Iterator[Event]:
 
 
 def _recut(work: Work) -> Iterator[Event]:
-    """The model with joints changed until every block is placed without help."""
-    found = recut_joints(work.asked.part, stop=work.stop, progress=work.progress)
-    message = work.noted(found.message)
-    if found.changes:
-        yield "model", _made(work, found.model, message)
+    """The model with joints changed, or its only block cut, until all is placed without help."""
+    part = work.asked.part
+    if len(part.assembly) == 1:
+        friction = work.wish.friction
+        options = CutOptions() if friction is None else CutOptions(friction=friction)
+        cut = cut_until_free(
+            part.assembly.blocks[0], options=options, stop=work.stop, progress=work.progress
+        )
+        message, made = work.noted(cut.message), cut.plan and cut.plan.model.model
+    else:
+        found = recut_joints(part, stop=work.stop, progress=work.progress)
+        message, made = work.noted(found.message), found.model if found.changes else None
+    if made is not None:
+        yield "model", _made(work, made, message)
     else:
         yield "unchanged", {"message": message}
 
