@@ -162,7 +162,7 @@ class Cascade:
             # a start is scaled as if forces were in proportion to the motion
             samples.append((sample, rests if statics.dry else ()))
         self.answers.report("stiffness samples", 2)
-        task = partial(attempt_sample, self.problem, self.clock)
+        task = partial(attempt_sample, self.problem, self.clock, self.options.uniform)
         tried = self.pool.answers(task, samples, self.clock.late)
         for number, record in enumerate(tried, start=1):
             attempts.add(record)

@@ -88,9 +88,10 @@ def check_near(
         the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
     options
     within
-        Where the model is a part of a structure: the number (m,) of each interface in the
-        structure, and how many interfaces that has. An interface then has the same random stiffness
-        in every part, so a rest state of one part is near that of the next.
+        Where the model is a part of a structure: the number (m,) of each interface among those of
+        the structure that a free block takes part in, and how many these are. An interface then has
+        the same random stiffness in every part, so a rest state of one part is near that of the
+        next.
 
     Returns
     -------

@@ -179,7 +179,8 @@ def _recut(work: Work) -> Iterator[Event]:
         cut = cut_until_free(
             part.assembly.blocks[0], options=options, stop=work.stop, progress=work.progress
         )
-        message, made = work.noted(cut.message), cut.plan and cut.plan.model.model
+        message = work.noted(cut.message)
+        made = None if cut.plan is None else cut.plan.model.model
     else:
         found = recut_joints(part, stop=work.stop, progress=work.progress)
         message, made = work.noted(found.message), found.model if found.changes else None
