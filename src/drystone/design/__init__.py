@@ -16,14 +16,20 @@ from drystone.design.building.joint_recuts import (
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose
 from drystone.design.causes.joint_motion import JointMotion, JointState
-from drystone.design.causes.missing import Ballast, Needs, Pull
+from drystone.design.causes.missing import Ballast, Needs, Pull, Turn
 from drystone.design.causes.prop_forces import PropForce
 from drystone.design.mends.bench import Tried
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mending import Mending, mend
 from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends
-from drystone.design.shaping.free_moves import Moves, block_moves, free_vertices, thickening
-from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
+from drystone.design.shaping.free_moves import (
+    Moves,
+    block_moves,
+    free_vertices,
+    joint_moves,
+    thickening,
+)
+from drystone.design.shaping.shape_options import HelpMeasure, ShapeAim, Shaped, ShapeOptions
 from drystone.design.shaping.shaping import shape
 from drystone.design.shaping.variables import FamilyMoves
 from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
@@ -39,6 +45,7 @@ __all__ = [
     "Diagnosis",
     "DiagnosisOptions",
     "FamilyMoves",
+    "HelpMeasure",
     "JointMotion",
     "JointState",
     "Mend",
@@ -64,10 +71,12 @@ __all__ = [
     "TuneOptions",
     "TuneTrial",
     "Tuned",
+    "Turn",
     "block_moves",
     "diagnose",
     "find_mends",
     "free_vertices",
+    "joint_moves",
     "make_buildable",
     "mend",
     "recut_joints",

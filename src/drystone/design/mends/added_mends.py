@@ -16,7 +16,6 @@ from drystone.design.causes.prop_forces import (
     HEAD,
     SHARES,
     PropSeat,
-    least_prop,
     propped,
     quick_check,
     quickly_stands,
@@ -74,11 +73,12 @@ def support_mends(bench: Bench) -> Iterator[Candidate]:
 
 def prop_mends(bench: Bench) -> Iterator[Candidate]:
     """One prop on a free face, with the least force; else the fewest props that hold the region."""
-    motion = bench.motion[bench.blocks]
-    held = least_prop(bench.local, bench.own[:MANY], motion, bench.stop)
-    chosen = (
-        [held[0]] if held is not None else fewest_props(bench.local, bench.own, motion, bench.stop)
-    )
+    held = bench.region.needs.support
+    if held is not None:
+        chosen = [replace(held.seat, block=bench.region.blocks.index(held.block))]
+    else:
+        motion = bench.motion[bench.blocks]
+        chosen = fewest_props(bench.local, bench.own, motion, bench.stop)
     if not chosen:
         more = ", nor one under each of its blocks" if len(bench.own) <= ALL else ""
         bench.fail("prop", f"no prop on a free face holds it{more}")

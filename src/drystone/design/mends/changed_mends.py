@@ -10,19 +10,16 @@ import numpy as np
 from drystone.base.arrays import Ints
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosis_words import names_of, newtons
-from drystone.design.causes.missing import CLOSE, ROUGHEST
+from drystone.design.causes.missing import CLOSE, ROUGHEST, TURNED, TURNS
 from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
 from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import Change, change_of, joint_width, words_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 
-TURNS = (5.0, 15.0, 35.0)
-"""[degrees] Rotations that are tried before the least one is searched."""
-
 SHARPNESSES = (5.0, 10.0, 25.0, 45.0)
-"""[degrees] The same for wedges. A very small wedge locks rigid blocks, but not real ones, so none
-below the first value is tried."""
+"""[degrees] Wedges that are tried before the least one is searched. A very small wedge locks rigid
+blocks, but not real ones, so none below the first value is tried."""
 
 DEPTHS = (0.1, 0.25, 0.5, 1.0)
 """The same for blocks that are let into each other, relative to the width of the joint; none below
@@ -103,7 +100,7 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
             bench.fail(kind, str(error))
             continue
         steps, close = {
-            "turn": (TURNS, 0.05),
+            "turn": (TURNS, TURNED),
             "wedge": (SHARPNESSES, 0.25),
             "let-in": (tuple(share * width for share in DEPTHS), 0.01 * width),
         }[kind]
@@ -206,7 +203,8 @@ def _glue_in_all(bench: Bench) -> Iterator[Candidate]:
         bench.fail("glue", f"its joints may not be changed (kept: {bench.kept(*ends)})")
         return
     most = max(pull.force for pull in pulls)
-    make, close = partial(_glued, np.array(joints)), 0.02 * most
+    width = 0.1 if len(bench.own) > ALL else 0.02
+    make, close = partial(_glued, np.array(joints)), width * most
     steps = [share * most for share in SHARED]
     value = bench.least(make, steps, close)
     if value is None:
