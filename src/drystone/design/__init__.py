@@ -16,7 +16,7 @@ from drystone.design.building.joint_recuts import (
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import DiagnosisOptions, diagnose
 from drystone.design.causes.joint_motion import JointMotion, JointState
-from drystone.design.causes.missing import Ballast, Needs, Pull, Turn
+from drystone.design.causes.missing import Ballast, JointTurn, Needs, Pull
 from drystone.design.causes.prop_forces import PropForce
 from drystone.design.mends.bench import Tried
 from drystone.design.mends.margin import DesignMargin
@@ -48,6 +48,7 @@ __all__ = [
     "HelpMeasure",
     "JointMotion",
     "JointState",
+    "JointTurn",
     "Mend",
     "MendOptions",
     "Mending",
@@ -71,7 +72,6 @@ __all__ = [
     "TuneOptions",
     "TuneTrial",
     "Tuned",
-    "Turn",
     "block_moves",
     "diagnose",
     "find_mends",

@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, frozen
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.causes import diagnosis_words
@@ -32,7 +32,6 @@ from drystone.design.causes.prop_forces import (
     QUICK,
     SHARES,
     SMALL_REGION,
-    Stopped,
     least_prop,
     quickly_stands,
 )

@@ -76,7 +76,7 @@ class Ballast(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Turn(OneLine):
+class JointTurn(OneLine):
     """A turn of a joint plane that makes a region stand.
 
     Attributes
@@ -123,7 +123,7 @@ class Needs(OneLine):
     glue_holds: bool
     friction: float | None
     ballast: Ballast | None
-    turn: Turn | None = None
+    turn: JointTurn | None = None
 
 
 def least(
@@ -201,9 +201,9 @@ def ballasted(model: Model, block: int, weight: float) -> Model:
     return model.with_load(replace(model.load, wrench=wrench, name=name))
 
 
-def turn_needed(model: Model, stop: Callable[[], bool] | None = None) -> Turn | None:
+def turn_needed(model: Model, stop: Callable[[], bool] | None = None) -> JointTurn | None:
     """The least turn of one joint plane, about one of its edges, with which a model stands."""
-    best: Turn | None = None
+    best: JointTurn | None = None
     every = np.arange(model.contacts.count)
     for interface in every.tolist():
         for side in (1.0, -1.0):
@@ -220,7 +220,7 @@ def turn_needed(model: Model, stop: Callable[[], bool] | None = None) -> Turn | 
                 most = high if best is None else min(high, best.angle)
                 found = least(stands, low, most, TURNED) if most > low else None
                 if found is not None:
-                    best = Turn(interface, found)
+                    best = JointTurn(interface, found)
                     break
                 low = high
     return best
@@ -291,9 +291,9 @@ def _entry(
 
 __all__ = [
     "Ballast",
+    "JointTurn",
     "Needs",
     "Pull",
-    "Turn",
     "ballast_needed",
     "ballasted",
     "friction_needed",

@@ -11,9 +11,10 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.base.progress import Stopped
 from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import joint_name, names_of
-from drystone.design.causes.prop_forces import LARGE_REGION, Stopped, quick_check
+from drystone.design.causes.prop_forces import LARGE_REGION, quick_check
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.surgery.joint_changes import Change
@@ -34,7 +35,7 @@ Near: TypeAlias = list[dict[int, Floats]] | None
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate(OneLine):
+class MendCandidate(OneLine):
     """A change that holds a region in its local model.
 
     Attributes
@@ -68,7 +69,7 @@ class Candidate(OneLine):
     @classmethod
     def single(
         cls, kind: str, words: str, value: float, make: Change, joints: int = 0, added: int = 0
-    ) -> Candidate:
+    ) -> MendCandidate:
         """A change with nothing to vary."""
         return cls(kind, lambda _: words, value, lambda _: make, joints, added)
 
@@ -241,4 +242,4 @@ def volume_changed(before: Model, after: Model) -> float:
     return float(sum(abs(new.get(name, 0.0) - old.get(name, 0.0)) for name in names))
 
 
-__all__ = ["MANY", "Bench", "Candidate", "Tried", "volume_changed"]
+__all__ = ["MANY", "Bench", "MendCandidate", "Tried", "volume_changed"]

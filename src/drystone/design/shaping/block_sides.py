@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
-from drystone.design.shaping.vertex_measures import Bodies, owners_of
+from drystone.design.shaping.vertex_measures import BlockVertices, owners_of
 from drystone.design.shaping.vertex_places import Places, axis_of
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
@@ -39,7 +39,7 @@ def on_side(model: Model, side: str, along: str | None) -> Bools:
     if not feet.any():
         raise InputError("nothing stands on supports", remedy="fix the blocks that it stands on")
     middle = contacts.centroid[feet].mean(axis=0)
-    start = Bodies.of(assembly).start
+    start = BlockVertices.of(assembly).start
     found = np.zeros(int(start[-1]), dtype=bool)
     for i in np.flatnonzero(~fixed).tolist():
         block = assembly.blocks[i]
@@ -73,7 +73,7 @@ def slides(model: Model, places: Places) -> list[Floats]:
         No joint has such ends.
     """
     edges: list[set[tuple[int, int]]] = [set() for _ in range(len(model))]
-    start = Bodies.of(model.assembly).start
+    start = BlockVertices.of(model.assembly).start
     for i, block in enumerate(model.assembly.blocks):
         for loop in block.faces:
             ring = places.group[int(start[i]) + np.array([*loop, loop[0]])].tolist()

@@ -28,7 +28,7 @@ import numpy as np
 from drystone.base.arrays import Floats, cross
 from drystone.base.errors import SolverError
 from drystone.design.shaping.corner_following import Corners
-from drystone.design.shaping.vertex_measures import Bodies
+from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.design.surgery.changed_model import acceleration_of
 from drystone.formulations.equilibrium import project_on_mechanisms
 from drystone.formulations.rest.compliance import Compliance, uniform
@@ -69,7 +69,7 @@ class Form:
     """
 
     model: Model
-    bodies: Bodies
+    bodies: BlockVertices
     corners: Corners
     statics: Statics
     springs: Compliance
@@ -91,7 +91,7 @@ class Form:
             model.contacts.select(model.active)
         )  # fmt: skip
         statics = Problem.build(model).statics
-        bodies = Bodies.of(model.assembly)
+        bodies = BlockVertices.of(model.assembly)
         acceleration = acceleration_of(model)
         extra = np.array(model.load.wrench)
         extra[:, :3] -= model.assembly.mass[:, None] * acceleration

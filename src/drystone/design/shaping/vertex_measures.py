@@ -24,7 +24,7 @@ def owners_of(assembly: Assembly) -> Ints:
 
 
 @dataclass(frozen=True, eq=False)
-class Bodies:
+class BlockVertices:
     """The blocks of an assembly as one array of vertices.
 
     Attributes
@@ -45,7 +45,7 @@ class Bodies:
     triangle_owner: Ints
 
     @classmethod
-    def of(cls, assembly: Assembly) -> Bodies:
+    def of(cls, assembly: Assembly) -> BlockVertices:
         """The vertices and triangles of an assembly."""
         counts = [len(block.vertices) for block in assembly.blocks]
         start = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
@@ -133,4 +133,4 @@ class Bodies:
         return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
 
 
-__all__ = ["Bodies", "owners_of", "vertices_of"]
+__all__ = ["BlockVertices", "owners_of", "vertices_of"]

@@ -167,7 +167,7 @@ def _images(place: Floats, axis: int, near: float) -> tuple[Ints, Floats]:
     middle = 0.5 * (place[:, axis].min() + place[:, axis].max())
     other = place.copy()
     other[:, axis] = 2.0 * middle - other[:, axis]
-    away, image = cKDTree(other).query(place)
+    away, image = map(np.asarray, cKDTree(other).query(place))
     if away.max() > 10.0 * near:
         raise InputError("the model is not its own mirror image", remedy="leave the mirror out")
     sign = np.ones((len(place), 3))
