@@ -197,7 +197,7 @@ def _region(
             ballast = ballast_needed(local, own, late)
             if ballast is not None:
                 ballast = replace(ballast, block=blocks[ballast.block])
-            if len(blocks) <= SMALL_REGION and local.contacts.count == len(between):
+            if len(blocks) <= SMALL_REGION:
                 turn = turn_needed(local, late)
             if turn is not None:
                 turn = replace(turn, interface=int(between[turn.interface]))

@@ -104,13 +104,21 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[MendCandidate]:
             "wedge": (SHARPNESSES, 0.25),
             "let-in": (tuple(share * width for share in DEPTHS), 0.01 * width),
         }[kind]
+        low = steps[0] if kind != "turn" else 0.0
+        hopeless = False
+        if kind == "turn" and len(bench.own) <= MANY:  # the least one without a margin is known
+            known = bench.region.needs.turn
+            hopeless = known is None
+            if known is not None:
+                low = known.angle - close
+                steps = (known.angle, *(x for x in TURNS if x > known.angle))
         best: tuple[float, Callable[[float], Change]] | None = None
-        for side in (1.0, -1.0):
+        for side in () if hopeless else (1.0, -1.0):
             make = partial(change_of, kind, group, side)
             within = [x for x in steps if best is None or x < best[0]]
             if best is not None:
                 within.append(best[0] - close)
-            value = bench.least(make, within, close, steps[0] if kind != "turn" else 0.0)
+            value = bench.least(make, within, close, low)
             if value is not None:
                 best = value, make
         most = f"{steps[-1]:g} degrees" if kind != "let-in" else f"{1e3 * steps[-1]:.0f} mm"
