@@ -341,7 +341,7 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
 
     value: float | None = candidate.value
     # cheap first: what falls with uniform stiffness does not stand for all
-    if bench.margin.robust and not stands(candidate.value, quick=True):
+    if sieved and not stands(candidate.value, quick=True):
         value = larger(candidate.value, quick=True)
     answer = None if value is None else checked(value)
     if answer is None and value is not None:
