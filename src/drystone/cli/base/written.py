@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.limits import Limit
+    from drystone.model import Model
     from drystone.results import Result
     from drystone.sequence import Plan
     from drystone.settlement import SupportResponse
@@ -48,6 +49,18 @@ class Pictures:
             raise InputError(
                 "has no picture to cut", where="--section", remedy="add --html or --png"
             )
+
+    def require_through(self, model: Model) -> None:
+        """Refuse a section beside the model, before any work.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.section is not None:
+            from drystone.view.scenes.section import section_through  # as below
+
+            section_through(model.assembly, self.section)
 
     def cut(self, scene: Scene) -> Scene:
         """A scene with the section that is asked for."""

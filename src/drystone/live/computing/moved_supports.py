@@ -20,11 +20,13 @@ from drystone.settlement import (
     End,
     LargeDisplacement,
     LargeState,
+    SettlementOptions,
     move_supports,
     support_response,
 )
 from drystone.stability import check
 from drystone.view import LayerKind, SceneStage, stage_of
+from drystone.view.scenes.large_scenes import moved_headline
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
 MOST_AT_ONCE = 50
@@ -97,6 +99,26 @@ def after_moving(
     return check(model, stop=stop) if found is None else found.result
 
 
+def follow(
+    model: Model,
+    *,
+    stop: Callable[[], bool] | None,
+    progress: Progress | None = None,
+    seconds: float = float("inf"),
+    watch: Callable[[LargeState], None] | None = None,
+    pace: float = 1.0,
+) -> LargeDisplacement | None:
+    """Blocks that follow the motion in the load; None where they do not stand before.
+
+    ``pace`` is the length of the increments, 1 by default.
+    """
+    found = move_supports(
+        model, options=SettlementOptions(pace=pace), watch=watch, progress=progress, stop=stop,
+        time_limit_s=seconds,
+    )  # fmt: skip
+    return None if len(found.displacement) < 2 and found.end is not End.STOPPED else found
+
+
 def _followed(
     model: Model,
     progress: Progress | None,
@@ -110,8 +132,8 @@ def _followed(
         if watch is not None:
             watch(_on_the_way(model, state))
 
-    found = move_supports(model, watch=seen, progress=progress, stop=stop, time_limit_s=seconds)
-    if len(found.displacement) < 2 and found.end is not End.STOPPED:
+    found = follow(model, watch=seen, progress=progress, stop=stop, seconds=seconds)
+    if found is None:
         return None
     last = found.states[-1]
     verdict = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
@@ -123,7 +145,7 @@ def _followed(
     )  # fmt: skip
     path = np.stack([one.positions for one in found.states])
     stage = _moved(result, contacts, path)
-    return Found(result, replace(stage, headline=_headline(found)), moved=True)
+    return Found(result, replace(stage, headline=moved_headline(found)), moved=True)
 
 
 def _on_the_way(model: Model, state: LargeState) -> Found:
@@ -146,18 +168,6 @@ def _of_model(model: Model, state: LargeState) -> tuple[Contacts, Floats]:
     """
     own = np.arange(state.contacts.count) < model.contacts.count
     return state.contacts.select(own), state.force[: model.contacts.corner_count]
-
-
-def _headline(found: LargeDisplacement) -> str:
-    last = found.states[-1]
-    far = units.quantity(float(found.displacement[-1]), "m")
-    if found.end is End.FALLS:
-        return f"Falls when the supports have moved by {far}"
-    if found.end is End.REACHED:
-        slides = f" and {counted(len(last.sliding), 'sliding joint')}" if last.sliding else ""
-        hinges = counted(len(last.hinges), "hinge")
-        return f"Stands with its supports moved by {far}: {hinges}{slides}"
-    return f"Not decided: followed until the supports had moved by {far}"
 
 
 def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
@@ -187,4 +197,4 @@ def _carried(model: Model, motion: Floats) -> Contacts:
     return replace(contacts, point=contacts.point + 0.5 * moved)
 
 
-__all__ = ["after_moving", "at_once", "verdict_of"]
+__all__ = ["after_moving", "at_once", "follow", "verdict_of"]
