@@ -124,6 +124,10 @@ class Bench:
         self.stop = stop
         self.tried: list[Tried] = []
         self.own = list(range(len(region.blocks)))
+        before = region.local
+        self.as_diagnosed = before.contacts.count == self.local.contacts.count and np.array_equal(
+            before.assembly.centroid, self.local.assembly.centroid
+        )  # where supports have moved, blocks are diagnosed where they fall
 
     def nearby(self) -> Near:
         """Rest states for a search over one value; none in a small region."""

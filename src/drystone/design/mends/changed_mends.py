@@ -106,7 +106,8 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[MendCandidate]:
         }[kind]
         low = steps[0] if kind != "turn" else 0.0
         hopeless = False
-        if kind == "turn" and len(bench.own) <= MANY:  # the least one without a margin is known
+        if kind == "turn" and len(bench.own) <= MANY and bench.as_diagnosed:
+            # the least one without a margin is known
             known = bench.region.needs.turn
             hopeless = known is None
             if known is not None:
