@@ -11,7 +11,7 @@ import pytest
 import drystone
 from drystone.base.errors import InputError
 from drystone.cli import main
-from drystone.cli.base import written
+from drystone.cli.base import verdict, written
 from drystone.models import arch, tower
 from drystone.results import Result
 from drystone.view import LayerKind, save_figure, save_page, scene_of
@@ -106,7 +106,7 @@ def test_the_command_line_cuts_both_pictures(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "command", [["check"], ["limit", "tilt"], ["push"], ["mend", "--diagnose"]]
+    "command", [["check"], ["limit", "tilt"], ["push"], ["mend", "--diagnose"], ["inspect"]]
 )
 def test_a_section_beside_the_model_is_refused_before_any_work(
     command, capsys, tmp_path, monkeypatch
@@ -114,6 +114,7 @@ def test_a_section_beside_the_model_is_refused_before_any_work(
     model = tmp_path / "tower.json"
     drystone.write(drystone.Model.of(tower(2)), model)
     monkeypatch.setattr(written.Pictures, "of", None)  # no picture is begun
+    monkeypatch.setattr(verdict, "solve", None)
     page = tmp_path / "a.html"
     assert main([*command, str(model), "--section", "z=9", "--html", str(page)]) == 2
     told = capsys.readouterr().err

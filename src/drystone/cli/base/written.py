@@ -16,10 +16,10 @@ from drystone.cli.base.command import OUTPUT, Option
 from drystone.cli.inputs import options
 
 if TYPE_CHECKING:
+    from drystone.assembly import Assembly
     from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.limits import Limit
-    from drystone.model import Model
     from drystone.results import Result
     from drystone.sequence import Plan
     from drystone.settlement import SupportResponse
@@ -50,7 +50,7 @@ class Pictures:
                 "has no picture to cut", where="--section", remedy="add --html or --png"
             )
 
-    def require_through(self, model: Model) -> None:
+    def require_through(self, assembly: Assembly) -> None:
         """Refuse a section beside the model, before any work.
 
         Raises
@@ -60,7 +60,7 @@ class Pictures:
         if self.section is not None:
             from drystone.view.scenes.section import section_through  # as below
 
-            section_through(model.assembly, self.section)
+            section_through(assembly, self.section)
 
     def cut(self, scene: Scene) -> Scene:
         """A scene with the section that is asked for."""

@@ -110,7 +110,7 @@ def mend(
         )
     asked = margins(margin)
     model = subject.prepared(waiting, finding, seismic)
-    wanted.require_through(model)
+    wanted.require_through(model.assembly)
     from drystone import design  # work is imported when there is some
 
     waiting.stage("diagnose", "diagnosing")

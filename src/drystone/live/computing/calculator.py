@@ -40,6 +40,8 @@ from drystone.view.web.encode import encode, to_text
 
 STARTS = 16
 """Rest states that are kept to start from, of as many windows and sets of blocks."""
+REST, FOLLOWED = "rest", "followed"
+"""What is kept of a window: rest states, and where blocks were that followed supports."""
 OFTEN = 0.2
 """[s] between two reports of progress."""
 SMALLER = "give a smaller model"
@@ -108,9 +110,12 @@ class Calculator:
         wish = Wish.of(Field(message["wish"], "", Path("wish")))
         return wish, asked(self.models[message["model"]], wish)
 
-    def known(self, message: Mapping[str, Any], wish: Wish) -> dict[int, Floats]:
-        """The last rest states of a window with the same blocks, by the number of the stiffness."""
-        key = (message["window"], message["model"], wish.removed)
+    def known(self, message: Mapping[str, Any], wish: Wish, what: str = REST) -> dict[int, Floats]:
+        """The last rest states of a window with the same blocks, by the number of the stiffness.
+
+        Of blocks that followed there is one, with the number 0.
+        """
+        key = (what, message["window"], message["model"], wish.removed)
         states = self.starts.setdefault(key, {})
         self.starts.move_to_end(key)
         while len(self.starts) > STARTS:
@@ -156,7 +161,10 @@ def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
     began = time.perf_counter()
     wish, made = self.asked(message)
     with one_blas_thread():
-        found = _at_rest(self, made, message, wish) if made.motion is None else at_once(made.moving)
+        if made.motion is None:
+            found = _at_rest(self, made, message, wish)
+        else:
+            found = at_once(made.moving, self.known(message, wish, FOLLOWED).get(0))
     self.require()
     _show(self, "quick", wish, made, found, began, message["name"])
 
@@ -180,10 +188,14 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
     }  # fmt: skip
 
     def watch(found: Found) -> None:
+        if found.result.displacement is not None:
+            self.known(message, wish, FOLLOWED)[0] = found.result.displacement
         _show(self, "following", wish, made, found, began, message["name"])
 
     if made.motion is not None:
         found = verdict_of(made, watch=watch, **limits)
+        if found.moved and found.result.displacement is not None:
+            self.known(message, wish, FOLLOWED)[0] = found.result.displacement
     else:
         known = self.known(message, wish)
         result, rests = check_near(made.part, known, options=CheckOptions(), **limits)

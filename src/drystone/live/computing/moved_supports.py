@@ -36,13 +36,18 @@ MOTION = "Motion of the supports"
 FORCE = "force of the blocks on the moving supports, along their motion"
 
 
-def at_once(model: Model) -> Found:
-    """The answer to first order; of many blocks, where the supports are.
+def at_once(model: Model, before: Floats | None = None) -> Found:
+    """The answer to first order; of many blocks, where they are in proportion to what was before.
 
-    The load of the model moves supports.
+    Parameters
+    ----------
+    model
+        Its load moves supports.
+    before : (n, 6) [m, rad]
+        Motion of supports and blocks when they were followed last.
     """
     if len(model) > MOST_AT_ONCE:
-        return _supports_alone(model)
+        return _in_proportion(model, before)
     found = support_response(model)
     result, size = found.result, units.quantity(found.size, "m")
     if result.displacement is None:
@@ -55,9 +60,15 @@ def at_once(model: Model) -> Found:
     return Found(result, replace(made, headline=headline, verdict=None), moved=True)
 
 
-def _supports_alone(model: Model) -> Found:
-    motion = np.zeros((len(model), 6)) if model.load.motion is None else model.load.motion
+def _in_proportion(model: Model, before: Floats | None) -> Found:
+    """Blocks as if they went on as they went before; where that is not known, supports alone."""
+    motion = np.zeros((len(model), 6)) if model.load.motion is None else model.load.motion.copy()
     size = units.quantity(float(np.linalg.norm(motion[:, :3], axis=1).max()), "m")
+    if before is not None:
+        fixed = model.assembly.fixed
+        old, new = before[fixed].ravel(), motion[fixed].ravel()
+        share = float(old @ new) / max(float(old @ old), 1e-300)
+        motion[~fixed] = share * before[~fixed]
     result = Result("settlement", Verdict.UNDECIDED, model, "the blocks are being followed")
     headline = f"Supports moved by {size}: the blocks are being followed"
     stage = replace(stage_of(result, "live"), headline=headline, verdict=None, motion=motion,

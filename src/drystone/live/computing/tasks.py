@@ -78,7 +78,7 @@ class Work:
         """
         if self.asked.motion is not None:
             raise InputError(
-                f"{what} while nothing has moved yet, and this load case moves supports",
+                f"{what} needs supports that have not moved, and this load case moves them",
                 remedy="take the motion of the supports back first",
             )
 
@@ -191,7 +191,7 @@ def _cut(work: Work) -> Iterator[Event]:
 
 def _recut(work: Work) -> Iterator[Event]:
     """The model with joints changed, or its only block cut, until all is placed without help."""
-    work.require_still("joints are changed so that every block can be placed")
+    work.require_still("a change of joints for the assembly")
     part = work.asked.part
     if len(part.assembly) == 1:
         friction = work.wish.friction
@@ -228,7 +228,7 @@ def _untilted(base: Model, made: Model) -> LoadCase:
 
 def _plan(work: Work) -> Iterator[Event]:
     """An order of assembly, or what becomes of a given one, as the data of a page."""
-    work.require_still("blocks are placed")
+    work.require_still("an order of assembly")
     given = work.extra["order"] if work.extra.has("order") else None
     order = [] if given is None else [one.text() for one in given.elements()]
     rules = Rules(order=order or Order.TOP, before=list(itertools.pairwise(order)))

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from drystone.base import units
 from drystone.base.arrays import Floats
 from drystone.base.errors import counted
+from drystone.checks import block_speed
 from drystone.fall import Film
 from drystone.settlement import Drive, End, LargeDisplacement, LargeState
 from drystone.view.scenes.header import directions, facts_of
@@ -22,12 +23,14 @@ LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
 """Size [px] of the drawing, and of its margins."""
 SECONDS = 6.0
 """Time in which the page plays the states. Chosen."""
+FALLS = 0.1
+"""Of the largest motion of a block that falls: those that move more fall with it. Chosen."""
 NO_VERDICT = "a simulated fall: no verdict"
 NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
 
 
 def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
-    """A scene that plays the states from first to last.
+    """A scene that plays the states from first to last, and the fall where there is one.
 
     Examples
     --------
@@ -44,10 +47,14 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     moves = found.drive is Drive.SUPPORTS
     headline = moved_headline(found) if moves else f"{name}: {found.message}"
     last = found.states[-1]
-    path = np.stack([one.positions for one in found.states])
+    seen = (*found.states, *([] if found.fallen is None else [found.fallen]))
+    path = np.stack([one.positions for one in seen])
+    if found.fallen is not None:
+        gone = block_speed(assembly, found.fallen.positions - last.positions)
+        state[~assembly.fixed & (gone > FALLS * gone.max())] = State.FALLING
     message = "; ".join([found.message, *model.notes])
     whole = SceneStage(
-        "all states", headline, message, state, motion=last.positions, motion_name=name,
+        "all states", headline, message, state, motion=path[-1], motion_name=name,
         path=path if len(path) > 1 else None, seconds=SECONDS, plays=True, up=up, gravity=gravity,
         layers=(*interface_layers(contacts), *_marks(found, last)),
     )  # fmt: skip
