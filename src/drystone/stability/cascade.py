@@ -21,7 +21,7 @@ from drystone.results import Result, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import CLEARLY, MUCH, Candidate, attempt_sample
+from drystone.stability.attempts import CLEARLY, MUCH, Candidate, Rest, attempt_sample
 from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
@@ -148,11 +148,11 @@ class Cascade:
         if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
         springs = compliance.samples(statics, self.options.samples, self.options.seed)
-        samples: list[tuple[Compliance, Sequence[Floats]]] = []
+        samples: list[tuple[Compliance, Sequence[Rest]]] = []
         for number, sample in enumerate(springs, start=1):
-            rests = [self.known[number]] if number in self.known else []
+            rests = [Rest(self.known[number], True)] if number in self.known else []
             if uniform.stands:
-                rests.append(uniform.displacement)
+                rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
             # a start is scaled as if forces were in proportion to the motion
             samples.append((sample, rests if statics.dry else ()))
         self.answers.report("stiffness samples", 2)

@@ -100,6 +100,11 @@ def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
             yield Compliance(normal, law, tension=tension)
 
 
+def is_even(statics: Statics, springs: Compliance) -> bool:
+    """Whether the normal stiffness is the uniform one."""
+    return np.array_equal(springs.normal, normal_stiffness(statics))
+
+
 def _bound(statics: Statics) -> Bound:
     return Bound(statics.friction, statics.cohesion, statics.shear)
 

@@ -42,10 +42,12 @@ from drystone.formulations.rest.tangent import TangentSystem
 SHORTEST_STEP = 2e-3
 """Smallest share of a Newton step: rounding makes a shorter one meaningless."""
 
-POLISH_FROM = 1e-7
-"""Relative tau at which the unrelaxed law is tried first."""
+POLISH_FROM = 1e-3
+"""Relative tau at which the unrelaxed law is tried first. Measured: walls, vaults and domes at rest
+take 9 to 14 factorisations where from 1e-7 on they took 11 to 22; random stiffnesses take two more.
+"""
 
-POLISH_AGAIN = 1e-6
+POLISH_AGAIN = 1e-4
 """Share of tau after which it is tried again."""
 
 POLISH_STEPS = 6
