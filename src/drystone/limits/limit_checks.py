@@ -20,7 +20,7 @@ SEARCHED = 500
 ones are made instead."""
 
 ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
-STIFFNESSES = stability.CheckOptions(settle=False)
+STIFFNESSES = stability.CheckOptions(settle=False, uniform=True)
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 """Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
@@ -35,11 +35,17 @@ def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
 
 
 def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
-    """Whether it stands with every contact stiffness that is tried: robust."""
+    """Whether it stands with every contact stiffness that is tried: robust.
+
+    It ends with the first stiffness that does not hold it, and then is undecided.
+    """
     found = stability.check(model, options=STIFFNESSES, stop=stop)
-    if found.stable and found.samples.standing < found.samples.tried:
+    if not found.stable:
+        return found
+    if found.samples.standing < found.samples.tried:
         return replace(found, verdict=Verdict.UNDECIDED)
-    return found
+    # robust: the answer of the check with default options
+    return replace(found, options=stability.CheckOptions())
 
 
 def verdict(model: Model, *, stop: Stop | None = None) -> Result:

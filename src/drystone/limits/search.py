@@ -151,7 +151,8 @@ class VerdictSearch:
     ) -> FoundBracket:
         """Bracket the change of the verdict by growing steps from two guesses.
 
-        No value far from the change is tried: a check that falls is slow.
+        No value far from the change is tried: a check that falls is slow. Nor is any between a guess
+        that stands and a known fall that is near enough.
 
         Parameters
         ----------
@@ -169,7 +170,9 @@ class VerdictSearch:
         """
         start, end = span
         self._walk(near, start, width, True)
-        if self.stands(near) is not False:
+        known = None if beyond is None else beyond.falls
+        closed = known is not None and abs(known - near) <= width
+        if self.stands(near) is not False and not closed:
             self._walk(far, end, width, False)
         bracket = self.so_far(start, beyond).bracket
         inside, outside = bracket.stands, bracket.falls

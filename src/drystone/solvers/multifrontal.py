@@ -46,14 +46,6 @@ class _Run(NamedTuple):
     there: slice | Ints
 
 
-class _Entries(NamedTuple):
-    """Matrix blocks (e,) that enter one part of a front, and their place in it."""
-
-    entry: Ints
-    row: Ints
-    column: Ints
-
-
 @dataclass(frozen=True, eq=False)
 class _Front:
     """One dense step of the elimination.
@@ -62,17 +54,12 @@ class _Front:
     ----------
     pivots, boundary
         Nodes eliminated here, and later nodes that they are coupled with.
-    first, right, below
-        Matrix blocks that enter here: pivots by pivots, pivots by boundary, boundary by pivots.
     children
         Earlier fronts, with the place of their boundary in this front.
     """
 
     pivots: Ints
     boundary: Ints
-    first: _Entries
-    right: _Entries
-    below: _Entries
     children: tuple[tuple[int, tuple[_Run, ...]], ...]
 
 
@@ -91,11 +78,12 @@ class BlockOrdering:
         self.count = len(position)
         self.width = width
         if self.count <= LEAF:
-            self.fronts = _one_front(self.count, row, column)
+            self.fronts = _one_front(self.count)
         else:
             neighbours = _adjacency(self.count, row, column)
             tree = _dissect(position, neighbours)
-            self.fronts = _fronts(tree, neighbours, self.count, row, column, width)
+            self.fronts = _fronts(tree, neighbours, self.count, width)
+        self.entry, self.size = _places(self.fronts, self.count, row, column, width)
 
     def factorise(self, blocks: Floats) -> BlockFactor:
         """Factors of the matrix with the given blocks (e, w, w), in the order of row and column.
@@ -108,19 +96,20 @@ class BlockOrdering:
         w = self.width
         schur: dict[int, Floats] = {}
         factors = []
-        turned = blocks.transpose(0, 2, 1)
+        parts = np.zeros(self.size)
+        parts[self.entry] = blocks
+        at = 0
         for number, front in enumerate(self.fronts):
             p, b = len(front.pivots), len(front.boundary)
-            # all parts lie column by column in memory, as LAPACK takes them
-            first = _entered(turned, front.first, p, p)
-            right, below = _entered(turned, front.right, p, b), _entered(turned, front.below, b, p)
+            first, right, below = _parts(parts, at, p * w, b * w)
+            at += (p + 2 * b) * p * w * w
             rest = np.zeros((b * w, b * w))
-            parts = ((rest, right), (below, first))
+            quarter = ((rest, right), (below, first))
             for child, runs in front.children:
                 update = schur.pop(child).T
                 for of in runs:
                     for by in runs:
-                        target = parts[of.inner][by.inner]
+                        target = quarter[of.inner][by.inner]
                         if isinstance(of.there, slice) or isinstance(by.there, slice):
                             target[of.there, by.there] += update[of.here, by.here]
                         else:
@@ -161,12 +150,17 @@ class BlockFactor:
         return x
 
 
-def _entered(turned: Floats, entries: _Entries, rows: int, columns: int) -> Floats:
-    """The transpose (c w, r w) of a part of a front, with its matrix blocks."""
-    w = turned.shape[1]
-    part = np.zeros((columns, w, rows, w))
-    part[entries.column, :, entries.row, :] = turned[entries.entry]
-    return part.reshape(columns * w, rows * w)
+def _parts(parts: Floats, at: int, p: int, b: int) -> tuple[Floats, Floats, Floats]:
+    """Pivots by pivots, pivots by boundary and boundary by pivots of a front, from one place on.
+
+    They are transposed: column by column in memory, as LAPACK takes them.
+    """
+    right, below, end = at + p * p, at + (p + b) * p, at + (p + 2 * b) * p
+    return (
+        parts[at:right].reshape(p, p),
+        parts[right:below].reshape(b, p),
+        parts[below:end].reshape(p, b),
+    )
 
 
 def _from_right(lu: Floats, pivots: Ints, rows: Floats) -> Floats:
@@ -177,19 +171,15 @@ def _from_right(lu: Floats, pivots: Ints, rows: Floats) -> Floats:
     solved = dtrsm(1.0, lu, rows, side=1, overwrite_b=True)
     solved = dtrsm(1.0, lu, solved, side=1, lower=1, diag=1, overwrite_b=True)
     swapped = dlaswp(np.arange(float(len(pivots)))[:, None], pivots)[:, 0].astype(np.intp)
-    out = np.empty_like(solved.T)
-    out[swapped] = solved.T
-    return out.T
+    solved.T[swapped] = solved.T.copy()
+    return solved
 
 
-def _one_front(count: int, row: Ints, column: Ints) -> list[_Front]:
+def _one_front(count: int) -> list[_Front]:
     """A matrix of few nodes as one front."""
     if not count:
         return []
-    none = np.zeros(0, dtype=np.intp)
-    empty = _Entries(none, none, none)
-    whole = _Entries(np.arange(len(row)), row, column)
-    return [_Front(np.arange(count), none, whole, empty, empty, ())]
+    return [_Front(np.arange(count), np.zeros(0, dtype=np.intp), ())]
 
 
 def _adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
@@ -246,24 +236,16 @@ def _dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints
 
 
 def _fronts(
-    tree: list[tuple[Ints, list[int]]],
-    neighbours: tuple[Ints, Ints],
-    count: int,
-    row: Ints,
-    column: Ints,
-    width: int,
+    tree: list[tuple[Ints, list[int]]], neighbours: tuple[Ints, Ints], count: int, width: int
 ) -> list[_Front]:
+    start, other = neighbours
     front_of = np.empty(count, dtype=np.intp)
     for number, (nodes, _) in enumerate(tree):
         front_of[nodes] = number
     rank = _ranks(front_of, neighbours)
-    first = np.minimum(front_of[row], front_of[column])
-    by_front = np.argsort(first, kind="stable")
-    bounds = np.searchsorted(first[by_front], np.arange(len(tree) + 1))
     place = np.empty(count, dtype=np.intp)
     boundaries: list[Ints] = []
     fronts = []
-    start, other = neighbours
     for number, (nodes, children) in enumerate(tree):
         pivots = nodes[np.argsort(rank[nodes])]
         later = [boundaries[c] for c in children]
@@ -273,24 +255,43 @@ def _fronts(
         boundary = boundary[np.argsort(rank[boundary])]
         boundaries.append(boundary)
         place[pivots], place[boundary] = np.arange(len(pivots)), np.arange(len(boundary))
-        entry = by_front[bounds[number] : bounds[number + 1]]
-        inner_row, inner_column = front_of[row[entry]] == number, front_of[column[entry]] == number
-        parts = (
-            _Entries(chosen, place[row[chosen]], place[column[chosen]])
-            for chosen in (
-                entry[inner_row & inner_column],
-                entry[inner_row & ~inner_column],
-                entry[~inner_row],
-            )
-        )
         # a front without a boundary is a separate part
         moved = tuple(
             (c, _runs(place[boundaries[c]], front_of[boundaries[c]] == number, width))
             for c in children
             if len(boundaries[c])
         )
-        fronts.append(_Front(pivots, boundary, *parts, moved))
+        fronts.append(_Front(pivots, boundary, moved))
     return fronts
+
+
+def _places(
+    fronts: list[_Front], count: int, row: Ints, column: Ints, width: int
+) -> tuple[Ints, int]:
+    """The place (e, w, w) of the matrix blocks in the parts of all fronts, and their size."""
+    front_of = np.empty(count, dtype=np.intp)
+    for number, front in enumerate(fronts):
+        front_of[front.pivots] = number
+    by_front = np.minimum(front_of[row], front_of[column])
+    order = np.argsort(by_front, kind="stable")
+    bounds = np.searchsorted(by_front[order], np.arange(len(fronts) + 1))
+    place = np.empty(count, dtype=np.intp)
+    corner, stride = np.empty(len(row), dtype=np.intp), np.empty(len(row), dtype=np.intp)
+    at = 0
+    for number, front in enumerate(fronts):
+        p, b = len(front.pivots), len(front.boundary)
+        place[front.pivots], place[front.boundary] = np.arange(p), np.arange(b)
+        here = order[bounds[number] : bounds[number + 1]]
+        outer_row, outer_column = front_of[row[here]] > number, front_of[column[here]] > number
+        skipped = np.where(outer_row, p + b, np.where(outer_column, p, 0)) * p * width * width
+        stride[here] = np.where(outer_row, b, p) * width
+        corner[here] = (
+            at + skipped + width * (place[row[here]] + place[column[here]] * stride[here])
+        )
+        at += (p + 2 * b) * p * width * width
+    inside = np.arange(width)
+    entry = corner[:, None, None] + inside[:, None] + inside * stride[:, None, None]
+    return entry, at
 
 
 def _ranks(front_of: Ints, neighbours: tuple[Ints, Ints]) -> Ints:

@@ -111,7 +111,7 @@ class Cascade:
             self.rests[0] = uniform.displacement
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
-        if not (settle and attempts.falling):  # otherwise the stiffness decides, whatever others do
+        if not settle or uniform.stands:  # otherwise the stiffness decides, whatever others do
             self._other_stiffnesses(uniform)
         decided = not settle or len(attempts.standing) == attempts.tried
         if attempts.standing and (decided or self.clock.late()):

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
 from drystone.solvers.multifrontal import BlockOrdering
@@ -50,7 +51,10 @@ class TangentSystem:
         axes = np.swapaxes(statics.frame, 1, 2)
         spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
         self.gather = np.ascontiguousarray(np.swapaxes(spread, 1, 2))
-        self.groups = _groups(np.diff(np.append(first, k)), first, spread)
+        self.groups = [
+            (joints, corners, _side_by_side(spread[corners], len(joints)))
+            for joints, corners in runs_by_length(first, k)
+        ]
         ratio = _length_ratio(statics, a, b)
         self.to_a[:, 3:, 3:] *= ratio[:, None, None]
         self.from_a = np.ascontiguousarray(np.swapaxes(self.to_a, 1, 2))
@@ -103,18 +107,10 @@ class TangentSystem:
         return inverse(matrix)
 
 
-def _groups(count: Ints, first: Ints, spread: Floats) -> list[tuple[Ints, Ints, Floats]]:
-    """Interfaces (j,) with the same number c of corners, and their corners (j c,).
-
-    The last part are the maps (j, 6, 3 c) from forces at these corners.
-    """
-    groups = []
-    for size in np.unique(count):
-        joints = np.flatnonzero(count == size)
-        corners = (first[joints, None] + np.arange(size)).ravel()
-        maps = spread[corners].reshape(len(joints), size, 6, 3).swapaxes(1, 2)
-        groups.append((joints, corners, maps.reshape(len(joints), 6, -1)))
-    return groups
+def _side_by_side(maps: Floats, count: int) -> Floats:
+    """(j, 6, 3 c) of the maps (j c, 6, 3) of all corners of each of the j = count interfaces."""
+    each = maps.reshape(count, -1, 6, 3).swapaxes(1, 2)
+    return each.reshape(count, 6, -1)
 
 
 def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matrix:
