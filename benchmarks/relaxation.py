@@ -29,7 +29,7 @@ from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
 from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.faces.corners import Ends
-from drystone.settlement.springs import Pose, place_corners, respond, rotations
+from drystone.settlement.springs import BlockPositions, place_corners, respond, rotations
 
 OVERLAP, TANGENTIAL = 1e-5, 0.2
 """Those of both schemes. The overlap is ten times the default one: the number of explicit steps
@@ -246,7 +246,7 @@ class Relaxation:
         slot_a, slot_b = bodies.slot[bodies.block_a], bodies.slot[bodies.block_b]
         gather = _gather(slot_b, len(free)), _gather(slot_a, len(free))
         radius = bodies.radius[free, None]
-        pose = Pose(place, turn)
+        pose = BlockPositions(place, turn)
         rate = np.zeros((len(place), 6))
         for number in range(self.done, self.done + steps):
             placed = place_corners(bodies, pose)
@@ -275,13 +275,13 @@ class Relaxation:
             turned[free] = rotations(step[:, 3:]) @ turned[free]
             gone = pose.place.copy()
             gone[free] += step[:, :3]
-            pose = Pose(gone, turned)
+            pose = BlockPositions(gone, turned)
         self._sort(union, pose, speed, friction, left, (grown >= 1.0)[:, 0])
 
     def _sort(
         self,
         union: Union,
-        pose: Pose,
+        pose: BlockPositions,
         speed: Floats,
         friction: Floats,
         left: Floats,

@@ -23,12 +23,12 @@ from drystone.limits import LimitOptions, limit_friction, limit_tilt
 from drystone.model import Model
 from drystone.shells import (
     SAMPLES,
-    Body,
     Edge,
     Ground,
     Layout,
     Shape,
     Shell,
+    ShellBody,
     Side,
     build_shell,
     patch_from_function,
@@ -167,7 +167,7 @@ def _stands(
 def flat(size: int) -> str:
     """The plan of the form-found shell, left flat."""
     layout = SAMPLES["form-found"][size].layout
-    shell = build_shell(rectangular_plan(6.0, 5.0), layout, Body(thickness=0.2))
+    shell = build_shell(rectangular_plan(6.0, 5.0), layout, ShellBody(thickness=0.2))
     contacts = find_contacts(shell.assembly, options=TIGHTEST).contacts
     start = time.process_time()
     verdict = check(Model(shell.assembly, contacts)).verdict
@@ -192,7 +192,7 @@ def lean(wedge: float, friction: float, options: CheckOptions) -> float:
         lambda u, v: np.stack([3.0 * v, 0.0 * u, 0.8 * u], axis=-1), name="wall"
     )
     shape = Shape((patch,), supports=(Edge(0, Side.BOTTOM),))
-    body = Body(thickness=0.2, ground=Ground.SPRINGERS)
+    body = ShellBody(thickness=0.2, ground=Ground.SPRINGERS)
     shell = build_shell(shape, Layout(courses=2, blocks=5, wedge=wedge), body)
     below = [name for name in shell.assembly.names if name.startswith("c00")]
     assembly = shell.assembly.subset([*below, "c01-b02"])

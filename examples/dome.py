@@ -6,7 +6,7 @@ python examples/dome.py
 from pathlib import Path
 
 from drystone.results import Result
-from drystone.shells import Body, Ground, Layout, build_shell, dome, write_schedule
+from drystone.shells import Ground, Layout, ShellBody, build_shell, dome, write_schedule
 from drystone.stability import check
 from drystone.view import save_page
 
@@ -15,7 +15,7 @@ def main(folder: Path = Path()) -> Result:
     """Build, check, and write the page and the schedule."""
     shape = dome(radius=4.0, oculus=0.8)
     layout = Layout(courses=5, width=1.6)
-    body = Body(thickness=0.35, ground=Ground.SPRINGERS)
+    body = ShellBody(thickness=0.35, ground=Ground.SPRINGERS)
     shell = build_shell(shape, layout, body)
     result = check(shell.model(friction=0.6))
     save_page(result, folder / "dome.html")

@@ -6,7 +6,14 @@ python examples/vault.py
 from pathlib import Path
 
 from drystone.results import Result
-from drystone.shells import Body, Layout, barrel_vault, build_shell, write_schedule, write_unrolled
+from drystone.shells import (
+    Layout,
+    ShellBody,
+    barrel_vault,
+    build_shell,
+    write_schedule,
+    write_unrolled,
+)
 from drystone.stability import check
 from drystone.view import save_page
 
@@ -15,7 +22,7 @@ def main(folder: Path = Path()) -> Result:
     """Build, check, and write the page, the schedule and the flattened joint faces."""
     shape = barrel_vault(span=5.0, length=4.0, rise=2.0)
     layout = Layout(courses=11, blocks=4, wedge=0.2)
-    shell = build_shell(shape, layout, Body(thickness=0.35))
+    shell = build_shell(shape, layout, ShellBody(thickness=0.35))
     result = check(shell.model(friction=0.6))
     save_page(result, folder / "vault.html")
     write_schedule(shell, folder / "vault.csv")

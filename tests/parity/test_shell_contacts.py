@@ -5,7 +5,7 @@ import pytest
 
 from drystone.contacts import Contacts
 from drystone.detection import find_contacts
-from drystone.shells import Body, Ground, Layout, Shell, barrel_vault, build_shell, dome
+from drystone.shells import Ground, Layout, Shell, ShellBody, barrel_vault, build_shell, dome
 from drystone.shells.samples import sample_shell
 
 SHELLS = {
@@ -14,11 +14,11 @@ SHELLS = {
     "freeform": lambda: sample_shell("freeform", 40),
     "form-found": lambda: sample_shell("form-found", 40),
     "keyed bed joints": lambda: build_shell(
-        barrel_vault(), Layout(courses=10, blocks=4), Body(joggle_deg=20.0)
+        barrel_vault(), Layout(courses=10, blocks=4), ShellBody(joggle_deg=20.0)
     ),
     "keystone": lambda: build_shell(dome(keystone=True), Layout(courses=6, blocks=12)),
     "fixed springers": lambda: build_shell(
-        dome(), Layout(courses=6, blocks=12, wedge=0.2), Body(ground=Ground.SPRINGERS)
+        dome(), Layout(courses=6, blocks=12, wedge=0.2), ShellBody(ground=Ground.SPRINGERS)
     ),
 }
 

@@ -6,10 +6,10 @@ from hypothesis import strategies as st
 
 from drystone.detection import DetectionOptions, find_contacts
 from drystone.shells import (
-    Body,
     Edge,
     Layout,
     Shape,
+    ShellBody,
     Side,
     barrel_vault,
     build_shell,
@@ -43,7 +43,7 @@ LAYOUTS = st.builds(
 @settings(max_examples=12, deadline=None, derandomize=True)
 @given(shape=st.sampled_from(SHAPES), layout=LAYOUTS, thickness=st.floats(0.15, 0.35))
 def test_blocks_fit(shape, layout, thickness):
-    shell = build_shell(shape, layout, Body(thickness=thickness))
+    shell = build_shell(shape, layout, ShellBody(thickness=thickness))
     assert shell.planar.reached
     assert {len(users) for users in shell.beside.values()} <= {1, 2}
     assert abs(shell.volume / shape_volume(shape, thickness) - 1.0) < 0.02

@@ -83,7 +83,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (edge, design.TuneOptions(trials=2))
     yield design.tune(tower, [edge, count], options=design.TuneOptions(trials=1))
     eye, layout = shells.dome(3.0, 2.0), shells.Layout(courses=2, blocks=6)
-    yield design.make_buildable(eye, layout, shells.Body(thickness=0.5))
+    yield design.make_buildable(eye, layout, shells.ShellBody(thickness=0.5))
     yield design.BuildableOptions(hands=1)
     yield drystone.JointCapacity.of(drystone.find_contacts(tower(3)).contacts, tension=1.0)
     apart = tower(3).blocks[2].transformed(translation=(0.0, 0.0, 0.02))
@@ -148,7 +148,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (*FORMATS, read_file(folder / "vault.json"))
     yield from (stability.CRAOptions(), stability.PenaltyOptions(), sequence.PlanOptions())
     yield from (sequence.MarginOptions(), limits.LimitOptions(), limits.Imperfections())
-    yield from (shells.FormOptions(), shells.Body(), shells.Layout(), DetectionOptions())
+    yield from (shells.FormOptions(), shells.ShellBody(), shells.Layout(), DetectionOptions())
 
 
 class Reached:

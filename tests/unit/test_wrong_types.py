@@ -28,7 +28,7 @@ from drystone import (
 )
 from drystone.base.settings import Options
 from drystone.models import tower
-from drystone.shells import Body, FormOptions, Layout
+from drystone.shells import FormOptions, Layout, ShellBody
 
 TOWER = tower(2)
 MODEL = Model.of(TOWER)
@@ -151,7 +151,7 @@ def test_what_a_newcomer_writes_is_answered_with_a_remedy(
         (lambda: sequence.MarginOptions(tilt_width=0.0), "tilt_width is 0; give a number above"),
         (lambda: sequence.Rules(hands=1.5), "hands is 1.5; give a whole number"),
         (lambda: Layout(staggered=1), "staggered is 1; give True or False"),
-        (lambda: Body(ground="sand"), "ground is 'sand'; give one of 'blocks', 'springers'"),
+        (lambda: ShellBody(ground="sand"), "ground is 'sand'; give one of 'blocks', 'springers'"),
         (lambda: FormOptions(rows="x"), "rows is 'x'; give a whole number"),
     ],
 )

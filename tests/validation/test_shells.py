@@ -13,11 +13,11 @@ from drystone.results import Verdict
 from drystone.settlement import Carrier, SettlementOptions
 from drystone.shells import (
     SAMPLES,
-    Body,
     Edge,
     Ground,
     Layout,
     Shape,
+    ShellBody,
     Side,
     build_shell,
     patch_from_function,
@@ -107,7 +107,7 @@ def test_the_shells_stand(kind):
 
 def test_the_plan_of_the_form_found_shell_does_not_stand_flat():
     layout = SAMPLES["form-found"][40].layout
-    flat = build_shell(rectangular_plan(6.0, 5.0), layout, Body(thickness=0.2))
+    flat = build_shell(rectangular_plan(6.0, 5.0), layout, ShellBody(thickness=0.2))
     contacts = find_contacts(flat.assembly, options=TIGHTEST).contacts
     assert check(Model(flat.assembly, contacts), options=QUICK).verdict is Verdict.UNSTABLE
 
@@ -116,7 +116,7 @@ def test_a_hooked_dome_is_concave_and_stands():
     shell = build_shell(
         SHELLS["dome"].shape,
         Layout(courses=5, blocks=8),
-        Body(thickness=0.4, joggle_deg=12.0),
+        ShellBody(thickness=0.4, joggle_deg=12.0),
     )
     found = find_contacts(shell.assembly, options=TIGHTEST)
     assert found.report.overlaps == ()
@@ -135,7 +135,7 @@ def single_block(wedge):
 
     shape = Shape((patch_from_function(wall, name="wall"),), supports=(Edge(0, Side.BOTTOM),))
     layout = Layout(courses=2, blocks=5, wedge=wedge)
-    shell = build_shell(shape, layout, Body(thickness=0.2, ground=Ground.SPRINGERS))
+    shell = build_shell(shape, layout, ShellBody(thickness=0.2, ground=Ground.SPRINGERS))
     below = [name for name in shell.assembly.names if name.startswith("c00")]
     assembly = shell.assembly.subset([*below, "c01-b02"])
     return assembly, find_contacts(assembly, friction=0.84, options=TIGHTEST).contacts

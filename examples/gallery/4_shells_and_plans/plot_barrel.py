@@ -7,11 +7,11 @@ wedge of two planes.
 """
 
 import drystone
-from drystone.shells import Body, Layout, barrel_vault, build_shell
+from drystone.shells import Layout, ShellBody, barrel_vault, build_shell
 from drystone.view import Frame
 
 shape = barrel_vault(span=5.0, length=4.0, rise=2.0)
-shell = build_shell(shape, Layout(courses=9, blocks=3, wedge=0.2), Body(thickness=0.35))
+shell = build_shell(shape, Layout(courses=9, blocks=3, wedge=0.2), ShellBody(thickness=0.35))
 result = drystone.check(shell.model(friction=0.6))
 print(result.verdict.value, "-", result.message)
 Frame(result)

@@ -29,7 +29,7 @@ def counted(number: int, one: str, many: str = "") -> str:
     return f"{number} {one if number == 1 else many or one + 's'}"
 
 
-class Kind(enum.StrEnum):
+class DefectKind(enum.StrEnum):
     """Kinds of defects of the shape of a block that callers distinguish."""
 
     OPEN = "open mesh"
@@ -57,7 +57,7 @@ class InputError(DrystoneError, ValueError):
     """
 
     def __init__(
-        self, what: str, *, where: str = "", remedy: str = "", kind: Kind | None = None
+        self, what: str, *, where: str = "", remedy: str = "", kind: DefectKind | None = None
     ) -> None:
         self.what = what
         self.where = where

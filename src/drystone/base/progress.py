@@ -45,6 +45,10 @@ CALLED = ("progress", "stop", "check", "find", "executor")
 """Arguments of public functions that must be functions, or executors."""
 
 
+class Stopped(Exception):
+    """A search ends early: ``stop`` asked for it, or its time is over. What it found is kept."""
+
+
 class Clock:
     """Time since the start, the limit, and the caller's request to stop; once late, always late."""
 
@@ -133,6 +137,7 @@ __all__ = [
     "Clock",
     "Progress",
     "Stop",
+    "Stopped",
     "Workers",
     "check_keywords",
     "with_keywords",

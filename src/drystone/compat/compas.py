@@ -17,7 +17,7 @@ import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY, Assembly, Block
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError, Kind, MissingDependency
+from drystone.base.errors import DefectKind, InputError, MissingDependency
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
@@ -119,7 +119,7 @@ def block_of(mesh: Any, name: str, density: float | None = None) -> Block:
     try:
         return Block(np.array(vertices), tuple(tuple(face) for face in faces), name, density)
     except InputError as error:
-        if error.kind is not Kind.OPEN:
+        if error.kind is not DefectKind.OPEN:
             raise
     return mended_block(np.array(vertices), faces, name, density)
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.formulations.rest.compliance import Compliance, corner_load, normal_stiffness
-from drystone.formulations.rest.friction import Bound, SlipLength
+from drystone.formulations.rest.friction import FrictionBound, SlipLength
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.formulations.rest.tangent import TangentSystem
@@ -72,7 +72,7 @@ def equal_overlap(
     if not mean > 0.0:
         return EqualOverlap(start, False, 0)
     spring = mean * normal_stiffness(statics)
-    reach = SlipLength(Bound(statics.friction), slip * corner_load(statics) / spring)
+    reach = SlipLength(FrictionBound(statics.friction), slip * corner_load(statics) / spring)
     options = RestOptions(ground=1e-10, tolerance=1e-9, iteration_limit=40, warm_relaxation=1e-2)
     state = replace(start, motion=start.motion / mean)
     left, factor, iterations = 1.0, 0.3, 0

@@ -12,12 +12,12 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import Floats, frozen_floats
-from drystone.base.errors import FormatError, InputError, Kind, counted
+from drystone.base.errors import DefectKind, FormatError, InputError, counted
 from drystone.base.units import UNITS, mass, scale_of
 from drystone.geometry.body import polyhedron, selfcontact
 from drystone.geometry.mend import coincidence
 from drystone.geometry.mend.parts import separate_parts
-from drystone.io.draft import Contents, Draft, Shape
+from drystone.io.draft import Contents, Draft, DraftBlock
 from drystone.io.wording import printable
 
 LARGEST_COORDINATE = 1e9
@@ -153,7 +153,7 @@ def try_blocks(draft: Draft, path: Path, units: str | None = None, *, split: boo
             made, said = _in_parts(plain, split)
         except InputError as error:
             defects.append(_located(error, path, shape))
-            if error.kind is Kind.OPEN:
+            if error.kind is DefectKind.OPEN:
                 bare += _faces_at_holes(shape, scale)
             made, said = [None], []
         blocks += made
@@ -197,7 +197,7 @@ def _in_parts(block: Block, split: bool) -> tuple[list[Block | None], list[str]]
     return made, [f"block '{block.name}' split into its {len(parts)} parts"]
 
 
-def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
+def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputError]:
     """The block of each shape, or its defect.
 
     Coincident vertices are merged, and repeated faces left out, where this closes the surface.
@@ -211,7 +211,7 @@ def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
     opened = [
         i
         for i, one in enumerate(made)
-        if isinstance(one, InputError) and one.kind in (Kind.OPEN, Kind.CROWDED)
+        if isinstance(one, InputError) and one.kind in (DefectKind.OPEN, DefectKind.CROWDED)
     ]
     points = [_scaled(shapes[i], scale) for i in opened]
     loops = [shapes[i].faces for i in opened]
@@ -231,14 +231,14 @@ def _plain(shapes: Sequence[Shape], scale: float) -> list[Block | InputError]:
     return made
 
 
-def _faces_at_holes(shape: Shape, scale: float) -> list[Floats]:
+def _faces_at_holes(shape: DraftBlock, scale: float) -> list[Floats]:
     """Corners (c, 3) [m] of the faces with a missing neighbour."""
     vertices = _scaled(shape, scale)
     loops = [tuple(face) for face in shape.faces]
     return [vertices[list(loops[i])] for i in polyhedron.open_faces(loops)]
 
 
-def _scaled(shape: Shape, scale: float) -> Floats:
+def _scaled(shape: DraftBlock, scale: float) -> Floats:
     """Vertices (v, 3) [m], within bounds."""
     vertices = frozen_floats(shape.vertices, (None, 3), "vertices")
     if scale != 1.0:
@@ -251,19 +251,21 @@ def _scaled(shape: Shape, scale: float) -> Floats:
     return vertices
 
 
-def _block(shape: Shape, vertices: Floats, faces: Sequence[Sequence[int]], *notes: str) -> Block:
+def _block(
+    shape: DraftBlock, vertices: Floats, faces: Sequence[Sequence[int]], *notes: str
+) -> Block:
     loops = tuple(tuple(face) for face in faces)
     repairs = (*shape.repairs, *notes)
     return Block(vertices, loops, shape.name, shape.density, shape.metadata, repairs)
 
 
-def _located(error: InputError, path: Path, shape: Shape) -> InputError:
+def _located(error: InputError, path: Path, shape: DraftBlock) -> InputError:
     place = f"{shape.where} " if shape.where else ""
     where = f"{path}, {place}block '{shape.name}'"
     return FormatError(error.what, where=where, remedy=error.remedy, kind=error.kind)
 
 
-def _name_defects(shapes: tuple[Shape, ...], path: Path) -> list[InputError]:
+def _name_defects(shapes: tuple[DraftBlock, ...], path: Path) -> list[InputError]:
     places: dict[str, list[str]] = defaultdict(list)
     for i, shape in enumerate(shapes):
         places[shape.name].append(shape.where or f"block {i}")
@@ -300,7 +302,7 @@ def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError
             " at the same place",
             where=str(path),
             remedy="remove one of them",
-            kind=Kind.TWICE,
+            kind=DefectKind.TWICE,
         )
         for a, b in pairs
     ], [max(a, b) for a, b in pairs]

@@ -17,7 +17,7 @@ Extras: TypeAlias = tuple[Contacts | None, tuple[LoadCase, ...], tuple[Result, .
 
 
 @dataclass(frozen=True)
-class Shape:
+class DraftBlock:
     """One block of a file, unchecked.
 
     Attributes
@@ -61,7 +61,7 @@ class Draft:
         Assumptions of the reader.
     """
 
-    shapes: tuple[Shape, ...]
+    shapes: tuple[DraftBlock, ...]
     units: str | None = None
     finish: Callable[[Assembly, float], Extras] | None = None
     notes: tuple[str, ...] = ()

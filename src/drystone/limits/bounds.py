@@ -12,14 +12,14 @@ from functools import partial
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.base.progress import Stop
+from drystone.base.progress import Stop, Stopped
 from drystone.formulations.equilibrium import (
     FrictionCone,
     solve_load_factor,
 )
 from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
-from drystone.limits.search import Stopped, VerdictSearch
+from drystone.limits.search import VerdictSearch
 from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Result

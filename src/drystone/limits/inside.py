@@ -11,7 +11,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.workers import WorkerPool
 from drystone.limits.bounds import bisected_bound
 from drystone.limits.brackets import Bracket, FoundBracket
@@ -26,7 +26,7 @@ from drystone.limits.limit_checks import (
 )
 from drystone.limits.limit_families import Family
 from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.search import Stopped, VerdictSearch
+from drystone.limits.search import VerdictSearch
 from drystone.results import Result, Verdict
 from drystone.statics import build_statics
 

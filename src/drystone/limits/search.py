@@ -10,7 +10,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from drystone.base.progress import Stop
+from drystone.base.progress import Stop, Stopped
 from drystone.base.workers import WorkerPool
 from drystone.limits.brackets import Bracket, Evaluation, FoundBracket
 from drystone.limits.limit_checks import STANDS, Check
@@ -19,10 +19,6 @@ from drystone.results import Result, Verdict
 
 GROWTH = 4.0
 """Of a step from a guess to the next: less than the bisections that follow."""
-
-
-class Stopped(Exception):
-    """The search was asked to stop. It keeps what it found."""
 
 
 class VerdictSearch:
@@ -151,8 +147,8 @@ class VerdictSearch:
     ) -> FoundBracket:
         """Bracket the change of the verdict by growing steps from two guesses.
 
-        No value far from the change is tried: a check that falls is slow. Nor is any between a guess
-        that stands and a known fall that is near enough.
+        No value far from the change is tried: a check that falls is slow. Nor is any between a
+        guess that stands and a known fall that is near enough.
 
         Parameters
         ----------
@@ -286,4 +282,4 @@ def _runs(
     return tuple(runs)
 
 
-__all__ = ["Stopped", "VerdictSearch", "evaluate"]
+__all__ = ["VerdictSearch", "evaluate"]

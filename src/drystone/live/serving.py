@@ -14,7 +14,7 @@ from drystone.base.errors import InputError
 from drystone.live.desk import Desk
 from drystone.live.live_page import page_of
 from drystone.live.requests.guard import MIB
-from drystone.live.requests.web import Server
+from drystone.live.requests.web import WebServer
 from drystone.live.tool_calls import ToolCalls
 from drystone.live.watching import Watch
 
@@ -78,10 +78,10 @@ class Live:
             target=self.server.serve_forever, kwargs={"poll_interval": 0.1}, daemon=True
         )
 
-    def _bound(self, port: int, largest: int) -> Server:
+    def _bound(self, port: int, largest: int) -> WebServer:
         for number in [0] if port == 0 else range(port, port + PORTS):
             try:
-                return Server(number, self.desk, self.calls, largest, page_of)
+                return WebServer(number, self.desk, self.calls, largest, page_of)
             except OSError as error:
                 if error.errno not in (errno.EADDRINUSE, errno.EACCES):
                     raise

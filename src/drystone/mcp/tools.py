@@ -35,7 +35,7 @@ Loads = Annotated[
 ]
 
 
-class Subject(BaseModel):
+class ModelArguments(BaseModel):
     """A model, its supports, materials and loads."""
 
     model_config: ClassVar[ConfigDict] = {"extra": "forbid"}
@@ -62,7 +62,7 @@ class Subject(BaseModel):
     loads: Loads | None = Field(None, description="Loads on top of the weight; see 'limit'.")
 
 
-Model = Annotated[Subject, Field(description="The model to analyse.")]
+Model = Annotated[ModelArguments, Field(description="The model to analyse.")]
 Answer = dict[str, Any]
 
 

@@ -23,7 +23,7 @@ from drystone.sequence import (
     plan,
     take_turns,
 )
-from drystone.shells import Body, Edge, Layout, Patch, Shape, Side, build_shell, sample_shell
+from drystone.shells import Edge, Layout, Patch, Shape, ShellBody, Side, build_shell, sample_shell
 from drystone.shells import dome as dome_shape
 from drystone.stability import check, solve_cra
 from drystone.stability.programs.cra import CRAOptions
@@ -131,7 +131,7 @@ def niche_shape() -> Shape:
     return Shape((Patch(point, name="niche"),), supports=supports, name="niche")
 
 
-NICHE = Layout(courses=5, blocks=7), Body(thickness=0.35)
+NICHE = Layout(courses=5, blocks=7), ShellBody(thickness=0.35)
 """Courses and blocks of the vault, and their thickness."""
 
 
@@ -145,7 +145,9 @@ def ring_dome() -> Assembly:
     """Five closed rings of twelve voussoirs, from 20 to 47.5 degrees of latitude."""
     eye = 5.0 * math.cos(math.radians(47.5))
     shape = dome_shape(radius=5.0, oculus=eye, springing_deg=20.0)
-    return build_shell(shape, Layout(courses=5, blocks=12, wedge=0.2), Body(thickness=0.5)).assembly
+    return build_shell(
+        shape, Layout(courses=5, blocks=12, wedge=0.2), ShellBody(thickness=0.5)
+    ).assembly
 
 
 def _counted(what: str, published: str, found: Plan, agrees: bool | None, note: str = "") -> Line:

@@ -40,12 +40,11 @@ from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldOptions, Support
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
-from drystone.sequence.stage.stages import Answer, Stage
+from drystone.sequence.stage.stages import Stage, StageAnswer
 from drystone.sequence.stage.structure import Structure
 from drystone.sequence.turns import Turn, Turns, take_turns
 
 __all__ = [
-    "Answer",
     "Centring",
     "Clamp",
     "Cut",
@@ -85,6 +84,7 @@ __all__ = [
     "ScaffoldedModel",
     "Scaffolding",
     "Stage",
+    "StageAnswer",
     "Status",
     "Step",
     "Structure",

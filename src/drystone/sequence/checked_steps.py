@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from drystone.base.arrays import Floats
 from drystone.sequence.plans import Step
 from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.stages import Answer, Stage, mask_of
+from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of
 
 CHECKED = 1000
 """Most corners of a connected part with which screened stages of a plan are also checked, and with
@@ -81,7 +81,7 @@ def without_help(evaluator: Evaluator, step: Step, standing: int) -> str:
     )
 
 
-def falling_words(answer: Answer, names: Sequence[str]) -> str:
+def falling_words(answer: StageAnswer, names: Sequence[str]) -> str:
     """The blocks that fall, followed by a semicolon; empty if unknown."""
     falling = answer.falling
     if not falling:

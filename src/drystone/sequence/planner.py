@@ -10,14 +10,14 @@ from typing import Unpack
 import numpy as np
 
 from drystone.base.files import PathLike
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words, without_help
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
-from drystone.sequence.rules import Bound, Rules, bind
+from drystone.sequence.rules import BoundRules, Rules, bind
 from drystone.sequence.scaffold.scaffolded_stages import (
     ScaffoldedStages,
     ScaffoldOptions,
@@ -27,9 +27,9 @@ from drystone.sequence.search.best_first import OrderSearch
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.search.states import Node, SearchOptions
-from drystone.sequence.stage.evaluation import Evaluator, Stopped
+from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import Check, check_both, check_thoroughly
-from drystone.sequence.stage.stages import Answer, Stage, members
+from drystone.sequence.stage.stages import Stage, StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 from drystone.stability.screening import Screening, stage_screening
 
@@ -176,7 +176,7 @@ class _Planner:
     def __init__(
         self,
         evaluator: Evaluator,
-        bound: Bound,
+        bound: BoundRules,
         removal: RemovalTest,
         options: PlanOptions,
         progress: Progress | None,
@@ -188,7 +188,7 @@ class _Planner:
         self.options = options
         self.progress = progress
 
-    def run(self, complete: Answer) -> Plan:
+    def run(self, complete: StageAnswer) -> Plan:
         free, _ = self.model.largest
         patience = self.options.patience
         if patience is None:
@@ -226,7 +226,7 @@ class _Planner:
                 break
         return self.describe(complete, best)
 
-    def describe(self, complete: Answer, order: Trimmed) -> Plan:
+    def describe(self, complete: StageAnswer, order: Trimmed) -> Plan:
         path, active = order.path, order.props
         steps: list[Step] = []
         told = self.model.largest[0] <= SPARED
@@ -264,7 +264,7 @@ class _Planner:
             rules=self.bound.rules,
         )
 
-    def proves(self, complete: Answer, proved: bool, steps: list[Step]) -> bool:
+    def proves(self, complete: StageAnswer, proved: bool, steps: list[Step]) -> bool:
         """Whether no order needs less help: there is no help, or the search was complete."""
         props = {block for step in steps for block in step.props}
         together = sum(len(step.blocks) - 1 for step in steps)
@@ -288,7 +288,7 @@ class _Planner:
         return checked_step(self.evaluator, before.placed, blocks, directions, standing, some, near)
 
 
-def _refusal(complete: Answer, names: Sequence[str]) -> str:
+def _refusal(complete: StageAnswer, names: Sequence[str]) -> str:
     """Why there is no plan."""
     words = falling_words(complete, names)
     words = f": {words.removesuffix('; ')}" if words else ""
@@ -301,7 +301,7 @@ def _refusal(complete: Answer, names: Sequence[str]) -> str:
 
 
 def _message(
-    complete: Answer, steps: Sequence[Step], impossible: dict[int, str], *, screened: bool
+    complete: StageAnswer, steps: Sequence[Step], impossible: dict[int, str], *, screened: bool
 ) -> str:
     """How a plan ended; ``screened`` stages were not checked in full."""
     if not steps:

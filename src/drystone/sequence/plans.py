@@ -17,7 +17,7 @@ from drystone.base.table import Table
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.rules import Rules
-from drystone.sequence.stage.stages import Answer, members
+from drystone.sequence.stage.stages import StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 
 
@@ -63,8 +63,8 @@ class Step(OneLine):
     motion: Floats
     props: tuple[int, ...]
     placed: int
-    answer: Answer
-    during: tuple[Answer, ...] = ()
+    answer: StageAnswer
+    during: tuple[StageAnswer, ...] = ()
     why: str = ""
 
     def _summary(self) -> str:
@@ -128,7 +128,7 @@ class Plan(Card):
     """
 
     model: Structure
-    complete: Answer
+    complete: StageAnswer
     steps: tuple[Step, ...] = ()
     impossible: Mapping[int, str] = field(default_factory=dict)
     message: str = ""

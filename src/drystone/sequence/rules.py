@@ -71,7 +71,7 @@ class Rules(Options):
 
 
 @dataclass(frozen=True, eq=False)
-class Bound:
+class BoundRules:
     """Rules applied to one model.
 
     Attributes
@@ -104,7 +104,7 @@ class Bound:
         return not self.after[block] & placed
 
 
-def bind(rules: Rules, model: Structure, removal: RemovalTest) -> Bound:
+def bind(rules: Rules, model: Structure, removal: RemovalTest) -> BoundRules:
     """Check rules against a model.
 
     Raises
@@ -121,7 +121,7 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> Bound:
     core, reasons = _locked(rules, model, removal, after, lifters, hands)
     course = courses(model) if rules.order is Order.COURSE else np.zeros(len(model.assembly))
     rank = removal_rank(rules.order, model)
-    return Bound(rules, after, rank, course, hands, lifters, limit, core, reasons)
+    return BoundRules(rules, after, rank, course, hands, lifters, limit, core, reasons)
 
 
 def strength(rules: Rules, model: Structure) -> tuple[int, Ints, Floats]:
@@ -264,4 +264,4 @@ def _locked(
     return left, reasons
 
 
-__all__ = ["Bound", "Order", "Rules", "bind", "courses", "distances", "removal_rank"]
+__all__ = ["BoundRules", "Order", "Rules", "bind", "courses", "distances", "removal_rank"]

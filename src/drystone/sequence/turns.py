@@ -24,7 +24,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.results import Verdict
 from drystone.sequence.robots import Robot, check_robots
 from drystone.sequence.stage.stage_checks import Check, check_both
-from drystone.sequence.stage.stages import Answer, Stage, mask_of
+from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of
 from drystone.sequence.stage.structure import Structure
 
 GRAVITY = 9.81
@@ -157,7 +157,7 @@ def take_turns(
         return _turns(structure, blocks, team, found, progress, clock)
 
 
-def _answer(structure: Structure, stage: Stage) -> Answer:
+def _answer(structure: Structure, stage: Stage) -> StageAnswer:
     stage = Stage(*stage)
     return structure.combine(stage, [structure.solve(part) for part in structure.parts(stage)])
 
@@ -166,7 +166,7 @@ def _turns(
     structure: Structure,
     blocks: Sequence[int],
     team: Sequence[Robot],
-    answers: Iterator[Answer],
+    answers: Iterator[StageAnswer],
     progress: Progress | None,
     clock: Clock,
 ) -> Turns:

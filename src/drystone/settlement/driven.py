@@ -24,7 +24,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.follow import BALANCED, EASY, Follower, _Increment
-from drystone.settlement.springs import Placed, Pose, Response, respond, tangents
+from drystone.settlement.springs import BlockPositions, Placed, Response, respond, tangents
 
 LONGEST = 1e-3
 """Motion of a block in one increment by its size. A block that rocks by 26 degrees in such steps
@@ -60,7 +60,7 @@ class DrivenState(NamedTuple):
 
     displacement: float
     load: float
-    pose: Pose
+    pose: BlockPositions
     placed: Placed
     response: Response
 

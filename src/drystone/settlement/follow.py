@@ -25,8 +25,8 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.springs import (
+    BlockPositions,
     Placed,
-    Pose,
     Response,
     imposed,
     maps_of,
@@ -102,7 +102,7 @@ class Track:
     """
 
     ended: str
-    frames: tuple[Pose, ...]
+    frames: tuple[BlockPositions, ...]
     placed: Placed
     response: Response
     travel: Floats
@@ -150,7 +150,7 @@ class Follower:
         self.fall, self.pace, self.step_limit = fall, pace, step_limit
         self.stop, self.tell = stop, tell
         count = len(bodies.centroid)
-        self.pose = Pose(bodies.centroid.copy(), np.tile(np.eye(3), (count, 1, 1)))
+        self.pose = BlockPositions(bodies.centroid.copy(), np.tile(np.eye(3), (count, 1, 1)))
         self.friction = np.zeros((len(bodies.block_a), 2))
         self.frames = [self.pose]
         self.stride, self.since = 1, 0

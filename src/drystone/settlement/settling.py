@@ -30,7 +30,7 @@ from drystone.settlement.settlement_types import (
     SettlementOptions,
     SettlementPath,
 )
-from drystone.settlement.springs import Pose, rotation_vectors
+from drystone.settlement.springs import BlockPositions, rotation_vectors
 
 TOLD = 3
 """Pairs of blocks that met meanwhile and are named in the message."""
@@ -258,7 +258,7 @@ def _physical(
     )
 
 
-def block_motions(bodies: Bodies, poses: tuple[Pose, ...]) -> Floats:
+def block_motions(bodies: Bodies, poses: tuple[BlockPositions, ...]) -> Floats:
     """(s, n, 6) [m, rad] from the beginning."""
     gone = (np.stack([pose.place for pose in poses]) - bodies.centroid) * bodies.length_unit
     turn = np.concatenate([pose.turn for pose in poses])

@@ -24,7 +24,7 @@ OUT_OF_REACH = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class BlockPositions:
     """The positions of all n blocks, scaled.
 
     Attributes
@@ -36,12 +36,12 @@ class Pose:
     place: Floats
     turn: Floats
 
-    def moved(self, blocks: Ints, motion: Floats) -> Pose:
+    def moved(self, blocks: Ints, motion: Floats) -> BlockPositions:
         """Some blocks moved by translations and rotation vectors (f, 6)."""
         place, turn = self.place.copy(), self.turn.copy()
         place[blocks] += motion[:, :3]
         turn[blocks] = rotations(motion[:, 3:]) @ turn[blocks]
-        return Pose(place, turn)
+        return BlockPositions(place, turn)
 
 
 class Placed(NamedTuple):
@@ -59,7 +59,7 @@ class Placed(NamedTuple):
     gap: Floats
 
 
-def place_corners(bodies: Bodies, pose: Pose) -> Placed:
+def place_corners(bodies: Bodies, pose: BlockPositions) -> Placed:
     """Corners on the moved faces.
 
     The corner slides over the face of a by x(s), where s is the slide of b; the gap is that of the
@@ -196,7 +196,7 @@ class DenseMaps:
         column = 6 * bodies.slot[self.block][:, None] + np.arange(6)
         self.place = self.width * row[:, :, None] + column[:, None]
 
-    def at(self, pose: Pose, placed: Placed) -> None:
+    def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
         rows = np.zeros((len(placed.gap), 3, self.width))
         part = _rows(self.bodies, pose, placed, self.corner, self.block, self.sign)
@@ -260,7 +260,7 @@ class SparseMaps:
             for slot, ok in ((slot_a, self.free_a), (slot_b, self.free_b))
         ]
 
-    def at(self, pose: Pose, placed: Placed) -> None:
+    def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
         corner = np.arange(len(placed.gap))
         self.of_a = _rows(self.bodies, pose, placed, corner, self.bodies.block_a, -1.0)
@@ -296,7 +296,7 @@ class SparseMaps:
         return self.ordering.factorise(blocks).solve
 
 
-def imposed(bodies: Bodies, pose: Pose, placed: Placed, motion: Floats) -> Floats:
+def imposed(bodies: Bodies, pose: BlockPositions, placed: Placed, motion: Floats) -> Floats:
     """Local motion (k, 3) of b over a at each corner due to moving supports (n, 6).
 
     Rotations are multiplied by the radius of gyration, like those of the free blocks.
@@ -319,7 +319,12 @@ def maps_of(bodies: Bodies) -> Maps:
 
 
 def _rows(
-    bodies: Bodies, pose: Pose, placed: Placed, corner: Ints, block: Ints, sign: Floats | float
+    bodies: Bodies,
+    pose: BlockPositions,
+    placed: Placed,
+    corner: Ints,
+    block: Ints,
+    sign: Floats | float,
 ) -> Floats:
     """(c, 3, 6) local motion of a corner per translation and rotation by radius of its block."""
     axes = placed.axes[corner]
@@ -336,9 +341,9 @@ def _rows(
 
 
 __all__ = [
+    "BlockPositions",
     "Maps",
     "Placed",
-    "Pose",
     "Response",
     "imposed",
     "maps_of",

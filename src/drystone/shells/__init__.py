@@ -5,7 +5,7 @@ from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planar
 from drystone.shells.samples import SAMPLES, sample_shell
 from drystone.shells.shell_by_name import shell_by_name
 from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import Body, FormOptions, Ground, Intrados, Layout
+from drystone.shells.shell_options import FormOptions, Ground, Intrados, Layout, ShellBody
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import FormFound, find_form
 from drystone.shells.surface.meshfile import read_surface
@@ -31,7 +31,6 @@ from drystone.shells.workshop.schedule import ScheduleRow, block_frame, schedule
 
 __all__ = [
     "SAMPLES",
-    "Body",
     "Edge",
     "FlatFace",
     "FormFound",
@@ -47,6 +46,7 @@ __all__ = [
     "Seam",
     "Shape",
     "Shell",
+    "ShellBody",
     "Side",
     "barrel_vault",
     "block_frame",

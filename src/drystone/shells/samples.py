@@ -9,7 +9,7 @@ from types import MappingProxyType
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import Body, Layout
+from drystone.shells.shell_options import Layout, ShellBody
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import find_form
 from drystone.shells.surface.shape import Shape
@@ -90,4 +90,6 @@ def sample_shell(kind: str, size: int = 40, *, progress: Progress | None = None)
         )
     sample = SAMPLES[kind][size]
     shape = sample_shape(kind, sample.thickness)
-    return build_shell(shape, sample.layout, Body(thickness=sample.thickness), progress=progress)
+    return build_shell(
+        shape, sample.layout, ShellBody(thickness=sample.thickness), progress=progress
+    )

@@ -6,7 +6,7 @@ import enum
 
 from drystone.base.errors import InputError
 from drystone.shells.shell_of_blocks import Shell, build_shell
-from drystone.shells.shell_options import Body, Layout
+from drystone.shells.shell_options import Layout, ShellBody
 from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import find_form
 from drystone.shells.surface.shape import Shape
@@ -106,7 +106,7 @@ def shell_by_name(
     wedge
         See :class:`drystone.shells.Layout`.
     joggle : [degrees]
-        See :class:`drystone.shells.Body`.
+        See :class:`drystone.shells.ShellBody`.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def shell_by_name(
         width=span / SHARE if blocks is None and width is None else width,
         wedge=wedge,
     )
-    return build_shell(shape, layout, Body(thickness=thickness, joggle_deg=joggle))
+    return build_shell(shape, layout, ShellBody(thickness=thickness, joggle_deg=joggle))
 
 
 __all__ = ["COURSES", "EYE", "SHARE", "SPAN", "SurfaceKind", "shape_by_name", "shell_by_name"]

@@ -40,7 +40,7 @@ from drystone.shells.bond.head_joints import lay_bond
 from drystone.shells.bond.pattern import lay_pattern
 from drystone.shells.bond.tessellation import Tessellation, directed
 from drystone.shells.bond.weld import weld
-from drystone.shells.shell_options import Body, Ground, Layout
+from drystone.shells.shell_options import Ground, Layout, ShellBody
 from drystone.shells.surface.lengths import refuse_unless_positive
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
@@ -159,7 +159,7 @@ class Shell(OneLine):
 def build_shell(
     shape: Shape,
     layout: Layout | Sequence[Layout],
-    body: Body | None = None,
+    body: ShellBody | None = None,
     *,
     progress: Progress | None = None,
 ) -> Shell:
@@ -186,7 +186,7 @@ def build_shell(
     >>> shell.assembly.names[5], len(shell.voussoirs), shell.planar.reached
     ('c01-b01', 45, True)
     """
-    body = body if body is not None else Body()
+    body = body if body is not None else ShellBody()
     if not shape.supports:
         raise InputError(
             "the shell has no support",
@@ -227,7 +227,7 @@ def _finish(
     planar: PlanarPins,
     fitted: float,
     thickness: Floats,
-    body: Body,
+    body: ShellBody,
 ) -> Shell:
     width, pins = mean_width(mesh), planar.pins
     notes = (*drift_notes(mesh, planar), *hook_notes(mesh, body))

@@ -84,7 +84,7 @@ rotation."""
 
 
 @dataclass(frozen=True)
-class Body(Options):
+class ShellBody(Options):
     """Thickness, material and joints of the blocks of a shell.
 
     Attributes

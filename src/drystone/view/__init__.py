@@ -6,7 +6,7 @@ from drystone.view.paper.plots import save_curve, save_front, save_gravity, save
 from drystone.view.paper.report import save_report
 from drystone.view.scenes.inspection_scenes import inspection_scene, save_inspection
 from drystone.view.scenes.mend_scenes import mended_scene
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.scenes.staging import stage_of
 from drystone.view.scenes.subjects import scene_of
 from drystone.view.style.palette import State
@@ -20,10 +20,10 @@ __all__ = [
     "Frame",
     "Layer",
     "LayerKind",
+    "MarkerShape",
     "Preset",
     "Scene",
-    "Shape",
-    "Stage",
+    "SceneStage",
     "State",
     "inspection_scene",
     "interact",

@@ -18,7 +18,7 @@ from drystone.design.building.buildable_search import (
 )
 from drystone.reproduce.assembly_cases import NICHE, niche_shape
 from drystone.sequence import Order, PlanOptions, Rules, plan
-from drystone.shells import Body, Ground, Layout, Shell, barrel_vault, build_shell
+from drystone.shells import Ground, Layout, Shell, ShellBody, barrel_vault, build_shell
 
 BY_COURSE = PlanOptions(rules=Rules(order=Order.COURSE))
 
@@ -42,7 +42,7 @@ def test_the_published_vault_needs_no_help_with_deeper_wedges_below_two_of_four_
 
 
 def test_courses_that_close_between_two_springings_are_gone_through_from_both() -> None:
-    body = Body(thickness=0.6, ground=Ground.SPRINGERS)
+    body = ShellBody(thickness=0.6, ground=Ground.SPRINGERS)
     shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), body)
     course, level = course_of(shell), levels_of(shell)
     assert [level[course == c].max() for c in range(5)] == [0.0, 1.0, 2.0, 1.0, 0.0]
@@ -51,7 +51,9 @@ def test_courses_that_close_between_two_springings_are_gone_through_from_both() 
 
 
 def test_blocks_that_are_placed_already_are_not_planned() -> None:
-    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), Body(thickness=0.6))
+    shell = build_shell(
+        barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), ShellBody(thickness=0.6)
+    )
     course = course_of(shell)
     names = shell.assembly.names
     placed = tuple(name for name, c in zip(names, course, strict=True) if c in (0, 4))
@@ -73,7 +75,9 @@ def test_options_that_make_no_sense_are_refused(given: dict[str, object]) -> Non
 
 def test_a_layout_that_cannot_be_built_is_told_with_its_reason() -> None:
     with pytest.raises(InputError, match="no layout was planned"):
-        make_buildable(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), Body(thickness=9.0))
+        make_buildable(
+            barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), ShellBody(thickness=9.0)
+        )
     with pytest.raises(InputError, match="stopped"):
         make_buildable(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), stop=lambda: True)
 

@@ -11,7 +11,7 @@ import drystone
 from drystone import Assembly, InputError
 from drystone.cli import main
 from drystone.design import DesignMargin, Parameter, TuneOptions, tune
-from drystone.design.tuning.tune_goals import Wanted, outcome_of, planned_counts
+from drystone.design.tuning.tune_goals import TuneGoals, outcome_of, planned_counts
 from drystone.models import arch, box, tower
 from drystone.sequence import LocalWorkers
 
@@ -127,7 +127,7 @@ def test_the_help_that_a_shell_needs_is_a_goal(
 
 
 def test_a_structure_that_needs_too_many_props_is_told_as_such() -> None:
-    wanted = Wanted(("props", "held"), DesignMargin(), 0)
+    wanted = TuneGoals(("props", "held"), DesignMargin(), 0)
     goals, good, why = outcome_of(partial(arch, 0.3), {"friction": 0.4}, wanted, {"voussoirs": 5})
     assert not good
     assert goals[0] > 0.0

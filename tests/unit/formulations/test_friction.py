@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone.formulations.rest.friction import Bound, SlipLength, StickSlip
+from drystone.formulations.rest.friction import FrictionBound, SlipLength, StickSlip
 
 K = 40
 RNG = np.random.default_rng(2)
@@ -11,8 +11,8 @@ FRICTION = RNG.uniform(0.1, 1.2, K)
 NORMAL = RNG.uniform(0.1, 3.0, K)
 SLIDE = RNG.normal(size=(K, 2)) * 10.0 ** RNG.uniform(-3, 3, (K, 1))
 LAWS = [
-    SlipLength(Bound(FRICTION), RNG.uniform(0.1, 2.0, K)),
-    StickSlip(Bound(FRICTION), RNG.uniform(0.1, 2.0, K)),
+    SlipLength(FrictionBound(FRICTION), RNG.uniform(0.1, 2.0, K)),
+    StickSlip(FrictionBound(FRICTION), RNG.uniform(0.1, 2.0, K)),
 ]
 
 

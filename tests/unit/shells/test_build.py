@@ -6,7 +6,6 @@ import pytest
 from drystone.base.errors import InputError
 from drystone.detection import find_contacts
 from drystone.shells import (
-    Body,
     Edge,
     Ground,
     Intrados,
@@ -14,6 +13,7 @@ from drystone.shells import (
     PlanarOptions,
     Seam,
     Shape,
+    ShellBody,
     Side,
     barrel_vault,
     build_shell,
@@ -31,7 +31,7 @@ from drystone.shells.blocks.materialise import cell_faces
 from drystone.shells.blocks.planarise import warps
 
 LAYOUT = Layout(courses=9, blocks=4, wedge=0.2)
-VAULT = build_shell(barrel_vault(6.0, 6.0, 1.732), LAYOUT, Body(thickness=0.3))
+VAULT = build_shell(barrel_vault(6.0, 6.0, 1.732), LAYOUT, ShellBody(thickness=0.3))
 
 
 def joints(shell):
@@ -64,23 +64,23 @@ SHELLS = {
     "cross vault": lambda: build_shell(cross_vault(), Layout(courses=11, width=0.8, wedge=0.1)),
     "pavilion vault": lambda: build_shell(pavilion_vault(), Layout(courses=5, width=1.0)),
     "joggle": lambda: build_shell(
-        dome(), Layout(courses=6, blocks=12), Body(thickness=0.4, joggle_deg=15.0)
+        dome(), Layout(courses=6, blocks=12), ShellBody(thickness=0.4, joggle_deg=15.0)
     ),
     "straight intrados": lambda: build_shell(
-        dome(), Layout(courses=6, blocks=12, wedge=0.2), Body(intrados=Intrados.STRAIGHT)
+        dome(), Layout(courses=6, blocks=12, wedge=0.2), ShellBody(intrados=Intrados.STRAIGHT)
     ),
     "by course": lambda: build_shell(
-        barrel_vault(), LAYOUT, Body(thickness=np.linspace(0.5, 0.3, 9).tolist())
+        barrel_vault(), LAYOUT, ShellBody(thickness=np.linspace(0.5, 0.3, 9).tolist())
     ),
     "partial courses": lambda: build_shell(
         Shape((fan(),), supports=(Edge(0, Side.BOTTOM), Edge(0, Side.TOP))),
         Layout(height=0.5, width=0.6, wedge=0.15, partial=None),
-        Body(thickness=0.2),
+        ShellBody(thickness=0.2),
     ),
     "by stress": lambda: build_shell(
         FORM.shape,
         Layout(courses=6, width=1.0, wedge=0.2),
-        Body(thickness=FORM.stress_thickness(4e4, least=0.15, most=0.3)),
+        ShellBody(thickness=FORM.stress_thickness(4e4, least=0.15, most=0.3)),
     ),
     "half supported": lambda: build_shell(
         barrel_vault().supported_on(Edge(0, Side.BOTTOM, 0.0, 0.45), Edge(0, Side.TOP)), LAYOUT
@@ -141,7 +141,9 @@ def test_volume_of_a_smooth_dome():
 
 
 def test_blocks_are_as_thick_as_asked():
-    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=12, blocks=4), Body(thickness=0.3))
+    shell = build_shell(
+        barrel_vault(6.0, 6.0), Layout(courses=12, blocks=4), ShellBody(thickness=0.3)
+    )
     pins = shell.pins
     for cell in np.array(shell.mesh.cells, dtype=object)[shell.voussoirs]:
         low = pins.point[pins.start[list(cell)]]
@@ -161,7 +163,7 @@ def test_ground_blocks_stand_under_every_springer():
 
 
 def test_springers_may_be_fixed_instead():
-    shell = build_shell(barrel_vault(), LAYOUT, Body(ground=Ground.SPRINGERS))
+    shell = build_shell(barrel_vault(), LAYOUT, ShellBody(ground=Ground.SPRINGERS))
     roles = np.array([block.metadata["role"] for block in shell.assembly.blocks])
     assert (shell.assembly.fixed == (roles == "springer")).all()
     assert shell.assembly.fixed.any()
@@ -215,7 +217,7 @@ def test_continuous_courses_across_a_seam_meet():
         tuple(Edge(k, side) for k in (0, 1) for side in (Side.BOTTOM, Side.TOP)),
     )
     layouts = (Layout(courses=9, blocks=2), Layout(courses=6, blocks=2))
-    shell = build_shell(shape, layouts, Body(thickness=0.3))
+    shell = build_shell(shape, layouts, ShellBody(thickness=0.3))
     assert shell.planar.reached
     assert matched(shell)
     assert shell.volume == pytest.approx(shape_volume(shape, 0.3), rel=0.01)
@@ -233,7 +235,7 @@ def test_a_shell_without_a_support_is_refused():
 
 def test_a_thickness_above_the_radius_is_refused():
     with pytest.raises(InputError, match=r"thickness 1.2 m is larger than the radius .* 1 m"):
-        build_shell(barrel_vault(2.0, 2.0), LAYOUT, Body(thickness=1.2))
+        build_shell(barrel_vault(2.0, 2.0), LAYOUT, ShellBody(thickness=1.2))
 
 
 @pytest.mark.parametrize(
@@ -248,20 +250,20 @@ def test_a_thickness_above_the_radius_is_refused():
 )
 def test_an_impossible_thickness_is_refused(thickness, message):
     with pytest.raises(InputError, match=message):
-        build_shell(barrel_vault(), LAYOUT, Body(thickness=thickness))
+        build_shell(barrel_vault(), LAYOUT, ShellBody(thickness=thickness))
 
 
 def test_a_joggle_too_deep_for_a_course_names_the_block():
     with pytest.raises(InputError, match=r"block 'c\d\d-b00': has a face that crosses itself"):
         build_shell(
-            barrel_vault(), Layout(courses=30, blocks=8), Body(thickness=1.2, joggle_deg=25.0)
+            barrel_vault(), Layout(courses=30, blocks=8), ShellBody(thickness=1.2, joggle_deg=25.0)
         )
 
 
 @pytest.mark.parametrize("joggle", [25.1, -45.0, 9.0, float("nan")])
 def test_a_joggle_out_of_range_is_refused(joggle):
     with pytest.raises(InputError, match=f"the joggle is {joggle} degrees; give 10 to 25"):
-        Body(joggle_deg=joggle)
+        ShellBody(joggle_deg=joggle)
 
 
 def bent(courses):
@@ -273,7 +275,7 @@ def bent(courses):
             return np.stack([x, 2.0 * v, z], axis=-1)
 
         shape = Shape((patch_from_function(point, name="strip"),), (), (Edge(0, Side.BOTTOM),))
-        return build_shell(shape, Layout(courses=courses, blocks=3), Body(thickness=0.1))
+        return build_shell(shape, Layout(courses=courses, blocks=3), ShellBody(thickness=0.1))
 
     return build
 
@@ -311,7 +313,7 @@ def test_a_patch_may_not_cross_another():
     )
     shape = Shape((arch, other), (), tuple(Edge(k, Side.BOTTOM) for k in (0, 1)))
     with pytest.raises(InputError, match=r"blocks 'p0-c.*' and 'p1-c.*': overlap"):
-        build_shell(shape, Layout(courses=9, blocks=3), Body(thickness=0.2))
+        build_shell(shape, Layout(courses=9, blocks=3), ShellBody(thickness=0.2))
 
 
 @pytest.mark.parametrize(
@@ -324,7 +326,7 @@ def test_a_patch_may_not_cross_another():
 )
 def test_inner_faces_are_planar_with_the_wedge_of_the_curvatures(shape, layout):
     """Without a wedge three corners of a face lie on one line: a bent ring has no such faces."""
-    body = Body(thickness=0.2, intrados=Intrados.STRAIGHT)
+    body = ShellBody(thickness=0.2, intrados=Intrados.STRAIGHT)
     shell = build_shell(shape, layout, body)
     inner = [cell_faces(shell.mesh, shell.pins, shell.mesh.cells[i])[0] for i in shell.voussoirs]
     assert warps(shell.pins.point, inner).max() < 1e-8
@@ -335,7 +337,7 @@ def test_inner_faces_are_planar_with_the_wedge_of_the_curvatures(shape, layout):
 def test_planar_cells_of_a_sphere_have_a_wedge_by_width_and_height():
     """w^2 / (8 h^2) of planes that touch a sphere: with it hardly a corner has to move."""
     layout = Layout(courses=12, blocks=30, wedge=None)
-    shell = build_shell(dome(), layout, Body(thickness=0.2, intrados=Intrados.STRAIGHT))
+    shell = build_shell(dome(), layout, ShellBody(thickness=0.2, intrados=Intrados.STRAIGHT))
     assert shell.planar.drift < 0.02
 
 
@@ -344,20 +346,22 @@ def test_joints_that_stay_warped_are_refused():
         build_shell(
             FORM.shape,
             Layout(courses=6, width=1.0),
-            Body(thickness=0.2, planar=PlanarOptions(projections=1, newton=0)),
+            ShellBody(thickness=0.2, planar=PlanarOptions(projections=1, newton=0)),
         )
 
 
 @pytest.mark.parametrize("shape", [cross_vault(), pavilion_vault()], ids=lambda shape: shape.name)
 def test_courses_that_end_at_seams_take_no_joggle(shape):
     with pytest.raises(InputError, match=r"takes no joggle: its courses end at seams"):
-        build_shell(shape, Layout(courses=11, width=0.8), Body(thickness=0.2, joggle_deg=10.0))
+        build_shell(shape, Layout(courses=11, width=0.8), ShellBody(thickness=0.2, joggle_deg=10.0))
 
 
 def test_a_joggle_that_does_not_fit_is_to_be_left_out():
     form = find_form(three_legged_plan(), height=2.5)
     with pytest.raises(InputError, match="leave the joggle out"):
-        build_shell(form.shape, Layout(courses=5, width=1.3), Body(thickness=0.2, joggle_deg=10.0))
+        build_shell(
+            form.shape, Layout(courses=5, width=1.3), ShellBody(thickness=0.2, joggle_deg=10.0)
+        )
 
 
 @pytest.mark.parametrize("side", [Side.LEFT, Side.RIGHT])
@@ -386,8 +390,8 @@ def test_ground_blocks_may_not_stand_in_each_other():
     shape = Shape(tuple(walls), (), (Edge(0, Side.BOTTOM), Edge(1, Side.BOTTOM)))
     layout = Layout(courses=3, blocks=3)
     with pytest.raises(InputError, match=r"'ground-p0.*' and 'ground-p1.*give a smaller ground"):
-        build_shell(shape, layout, Body(thickness=0.1, ground_depth=0.5))
-    assert build_shell(shape, layout, Body(thickness=0.1, ground_depth=0.1)).ground.sum() == 6
+        build_shell(shape, layout, ShellBody(thickness=0.1, ground_depth=0.5))
+    assert build_shell(shape, layout, ShellBody(thickness=0.1, ground_depth=0.1)).ground.sum() == 6
 
 
 def test_a_large_drift_is_noted_with_its_block():
@@ -425,8 +429,11 @@ def test_impossible_families_are_refused():
         (lambda: Layout(courses=9, blocks=4.5), "number of blocks is 4.5"),
         (lambda: Layout(courses=2, blocks=[4, 4.5]), "number of blocks is 4.5"),
         (lambda: Layout(courses=9, blocks=4, partial=0.5), "partial is 0.5; give a whole number"),
-        (lambda: Body(joggle_deg="x"), "joggle_deg is 'x', not a number"),
-        (lambda: Body(intrados="bent"), "intrados is 'bent'; give one of 'offset', 'straight'"),
+        (lambda: ShellBody(joggle_deg="x"), "joggle_deg is 'x', not a number"),
+        (
+            lambda: ShellBody(intrados="bent"),
+            "intrados is 'bent'; give one of 'offset', 'straight'",
+        ),
         (lambda: barrel_vault().supported_on("left"), "a border stretch is 'left'"),
         (lambda: patch_from_grid([[[0, 0, 0], [1, 0, 0]], [[0, 1, 0]]]), "control grid.*numbers"),
         (lambda: build_shell(barrel_vault(), [None]), "a layout is None"),
@@ -456,7 +463,9 @@ def test_the_blocks_around_the_eye_of_a_pavilion_are_its_ring(keystone):
 
 def built(thickness=0.4, **layout):
     return build_shell(
-        barrel_vault(), Layout(**{"courses": 9, "blocks": 4} | layout), Body(thickness=thickness)
+        barrel_vault(),
+        Layout(**{"courses": 9, "blocks": 4} | layout),
+        ShellBody(thickness=thickness),
     )
 
 

@@ -8,8 +8,8 @@ import pytest
 from drystone.base.errors import InputError
 from drystone.io import read, write
 from drystone.shells import (
-    Body,
     Layout,
+    ShellBody,
     barrel_vault,
     block_frame,
     build_shell,
@@ -25,7 +25,7 @@ from drystone.shells import (
 from drystone.shells.blocks.materialise import HOOK, cell_faces
 
 SHELL = build_shell(
-    barrel_vault(6.0, 6.0, 2.0), Layout(courses=9, blocks=4, wedge=0.2), Body(thickness=0.3)
+    barrel_vault(6.0, 6.0, 2.0), Layout(courses=9, blocks=4, wedge=0.2), ShellBody(thickness=0.3)
 )
 
 
@@ -57,7 +57,9 @@ def test_the_corners_of_a_block_turn_once_around():
 
 
 def test_bed_joints_of_a_plain_vault_are_bevelled_by_half_the_angle_of_a_course():
-    shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=9, blocks=4), Body(thickness=0.3))
+    shell = build_shell(
+        barrel_vault(6.0, 6.0), Layout(courses=9, blocks=4), ShellBody(thickness=0.3)
+    )
     row = next(row for row in schedule(shell) if row.name == "c03-b01")
     assert sorted({round(angle, 6) for angle in row.bevel_deg}) == [80.0, 90.0]
 
@@ -165,7 +167,7 @@ def test_triangles_in_a_file_enclose_the_blocks_of_the_schedule(tmp_path: Path, 
 @pytest.mark.parametrize("joggle_deg", [15.0, -10.0])
 def test_corner_angles_of_a_hooked_bed_are_those_of_its_section(joggle_deg: float):
     """The turns of the section on one side of the joint, and their complement on the other."""
-    body = Body(thickness=0.3, joggle_deg=joggle_deg)
+    body = ShellBody(thickness=0.3, joggle_deg=joggle_deg)
     shell = build_shell(barrel_vault(6.0, 6.0), Layout(courses=9, blocks=4), body)
     row = next(row for row in schedule(shell) if row.name == "c03-b01")
     slope = np.tan(np.deg2rad(abs(joggle_deg)))

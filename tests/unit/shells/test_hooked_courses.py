@@ -6,14 +6,14 @@ import pytest
 from drystone import check, write
 from drystone.sequence import find_path
 from drystone.sequence.motion.removal_paths import NoPath, RemovalPath
-from drystone.shells import Body, Layout, barrel_vault, build_shell, dome
+from drystone.shells import Layout, ShellBody, barrel_vault, build_shell, dome
 
 LAYOUT = Layout(courses=6, blocks=3)
 
 
 def half_built(joggle_deg, top=2):
     """The lower courses of one side of a barrel vault."""
-    shell = build_shell(barrel_vault(), LAYOUT, Body(joggle_deg=joggle_deg))
+    shell = build_shell(barrel_vault(), LAYOUT, ShellBody(joggle_deg=joggle_deg))
     model = shell.model(friction=0.6)
     courses = [f"c{course:02d}-" for course in range(top + 1)]
     kept = [n for n in model.assembly.names if n.startswith(("ground-c00", *courses))]
@@ -59,18 +59,20 @@ def test_a_hooked_block_at_an_open_end_slides_out_along_its_course():
 
 def test_a_block_on_hooks_that_meet_at_an_angle_is_locked_and_the_shell_says_so():
     """In a ring of eight the beds below a block meet at 22.5 degrees."""
-    shell = build_shell(dome(), Layout(courses=4, blocks=8), Body(thickness=0.4, joggle_deg=10.0))
+    shell = build_shell(
+        dome(), Layout(courses=4, blocks=8), ShellBody(thickness=0.4, joggle_deg=10.0)
+    )
     model = shell.model(friction=0.6)
     below = [n for n in model.assembly.names if n.startswith(("ground", "c00"))]
     path = find_path(model.subset([*below, "c01-b00"]), "c01-b00")
     assert isinstance(path, NoPath)
     assert path.proved
     assert any("hooks over beds that meet at 2" in note for note in shell.notes)
-    straight = build_shell(barrel_vault(), LAYOUT, Body(joggle_deg=10.0))
+    straight = build_shell(barrel_vault(), LAYOUT, ShellBody(joggle_deg=10.0))
     assert not any("hooks over" in note for note in straight.notes)
 
 
 def test_a_hooked_vault_stands_and_is_written(tmp_path):
-    shell = build_shell(barrel_vault(), LAYOUT, Body(joggle_deg=10.0))
+    shell = build_shell(barrel_vault(), LAYOUT, ShellBody(joggle_deg=10.0))
     assert check(shell.model(friction=0.6)).stable
     write(shell.assembly, tmp_path / "hooked.obj")

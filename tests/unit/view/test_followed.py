@@ -8,7 +8,7 @@ import pytest
 import drystone
 from drystone.base.errors import InputError
 from drystone.models import arch, tower
-from drystone.view import Scene, Stage, scene_of
+from drystone.view import Scene, SceneStage, scene_of
 from drystone.view.style.palette import State
 from drystone.view.web import encode as encoding
 from drystone.view.web.encode import LEFT_OUT, encode
@@ -43,7 +43,7 @@ def test_what_rests_is_told_to_rest_and_does_not_play():
 def test_a_path_without_a_motion_is_refused():
     blocks = tower(2)
     found = drystone.find_contacts(blocks).contacts
-    stage = Stage("a", "", "", np.ones(2, dtype=np.intp), path=np.zeros((3, 2, 6)))
+    stage = SceneStage("a", "", "", np.ones(2, dtype=np.intp), path=np.zeros((3, 2, 6)))
     with pytest.raises(InputError, match="its path has no motion"):
         Scene(blocks, found, (stage,))
 

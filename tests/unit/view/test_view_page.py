@@ -16,7 +16,7 @@ from drystone.assembly import Assembly
 from drystone.base.errors import InputError
 from drystone.contacts import Contacts
 from drystone.models import box, tower
-from drystone.view import Layer, LayerKind, Scene, Stage, State, page_text, save_page, scene_of
+from drystone.view import Layer, LayerKind, Scene, SceneStage, State, page_text, save_page, scene_of
 from drystone.view.web.page import SCRIPTS
 from tests.unit.view.pictures import (
     EVIL,
@@ -175,7 +175,7 @@ def test_stages_play_an_assembly_sequence() -> None:
         contacts.point, start=contacts.start,
     )  # fmt: skip
     stages = tuple(
-        Stage(f"step {i}", "", "", np.array(s), layers=(missed,)) for i, s in enumerate(states)
+        SceneStage(f"step {i}", "", "", np.array(s), layers=(missed,)) for i, s in enumerate(states)
     )
     data = page_data(page_text(Scene(assembly, contacts, stages, "sequence")))
     assert [stage["state"].tolist() for stage in data["stages"]] == states
@@ -189,10 +189,10 @@ def test_stages_play_an_assembly_sequence() -> None:
 
 def test_equal_arrays_are_stored_once() -> None:
     contacts = stacked([1.0, 2.0], (0.0, 0.0, 1.0, 1.0))
-    stage = Stage("s", "", "", np.full(3, State.FREE))
+    stage = SceneStage("s", "", "", np.full(3, State.FREE))
     one = len(page_text(Scene(tower(3), contacts, (stage,))))
     layer = Layer("l", "l", LayerKind.POLYGONS, "missed", contacts.point, start=contacts.start)
-    with_one = Stage("s", "", "", np.full(3, State.FREE), layers=(layer,))
+    with_one = SceneStage("s", "", "", np.full(3, State.FREE), layers=(layer,))
     two = page_text(Scene(tower(3), contacts, (with_one, with_one)))
     assert two.count('"triangle":{"blob":') == 3
     assert len(two) - one < 1500

@@ -38,7 +38,7 @@ def tilt(
         Any,
         Option(
             "Turned counter-clockwise about: x, y, -x, -y or a vector (x).",
-            kind=kinds.Kind("AXIS|X,Y,Z", _axis),
+            kind=kinds.OptionKind("AXIS|X,Y,Z", _axis),
         ),
     ] = None,
     polar: Annotated[

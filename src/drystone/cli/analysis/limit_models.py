@@ -126,7 +126,10 @@ def imperfections(
     seed: Annotated[int, Option("The same seed gives the same draws (0).", expert=True)] = 0,
     friction_range: Annotated[
         tuple[float, float] | None,
-        Option("Range of the friction of each joint, uniform.", kind=kinds.Kind("LOW,HIGH", _pair)),
+        Option(
+            "Range of the friction of each joint, uniform.",
+            kind=kinds.OptionKind("LOW,HIGH", _pair),
+        ),
     ] = None,
     corner_loss: Annotated[
         float,

@@ -46,7 +46,7 @@ class Option:
     help: str
     group: str = ANALYSIS
     flags: tuple[str, ...] = ()
-    kind: kinds.Kind | None = None
+    kind: kinds.OptionKind | None = None
     metavar: str | None = None
     expert: bool = False
 
@@ -57,7 +57,7 @@ class Argument:
 
     metavar: str
     help: str
-    kind: kinds.Kind = kinds.TEXT
+    kind: kinds.OptionKind = kinds.TEXT
 
 
 class GroupedOption(click.Option):

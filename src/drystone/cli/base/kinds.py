@@ -15,7 +15,7 @@ from drystone.base.errors import FormatError, InputError
 from drystone.base.files import plain_target
 
 
-class Kind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.5
+class OptionKind(click.ParamType):  # type: ignore[type-arg]  # generic since click 8.5
     """Conversion of text to a value; errors name the option.
 
     Parameters
@@ -70,7 +70,9 @@ def named(param: click.Parameter | None) -> str:
     return param.metavar or (param.name or "").upper()
 
 
-def number(least: float | None = None, above: float | None = None, example: str = "0.5") -> Kind:
+def number(
+    least: float | None = None, above: float | None = None, example: str = "0.5"
+) -> OptionKind:
     """A finite number of at least ``least``, or above ``above``."""
 
     def read(text: str) -> float:
@@ -80,10 +82,10 @@ def number(least: float | None = None, above: float | None = None, example: str 
             raise InputError(f"'{text}' is not a number", remedy=f"write {example}") from error
         return _within(value, text, least, above)
 
-    return Kind("NUMBER", read)
+    return OptionKind("NUMBER", read)
 
 
-def whole(least: int | None = None) -> Kind:
+def whole(least: int | None = None) -> OptionKind:
     """A whole number of at least ``least``."""
 
     def read(text: str) -> int:
@@ -94,10 +96,10 @@ def whole(least: int | None = None) -> Kind:
         _within(value, text, least, None)
         return value
 
-    return Kind("COUNT", read)
+    return OptionKind("COUNT", read)
 
 
-def one_of(choices: Iterable[str], what: str = "") -> Kind:
+def one_of(choices: Iterable[str], what: str = "") -> OptionKind:
     """One of a few words."""
     known = tuple(choices)
 
@@ -107,12 +109,12 @@ def one_of(choices: Iterable[str], what: str = "") -> Kind:
             raise InputError(told, remedy=f"use one of {', '.join(known)}")
         return text
 
-    return Kind("WORD", read, known)
+    return OptionKind("WORD", read, known)
 
 
-def target(*suffixes: str) -> Kind:
+def target(*suffixes: str) -> OptionKind:
     """A file to write; its suffix and its folder are checked before any work."""
-    return Kind("FILE", lambda text: output_path(text, suffixes))
+    return OptionKind("FILE", lambda text: output_path(text, suffixes))
 
 
 def output_path(text: str, suffixes: Sequence[str]) -> Path:
@@ -164,9 +166,9 @@ def _section(text: str) -> str:
     return text
 
 
-TEXT = Kind("TEXT", str)
-SECTION = Kind("AXIS[=METRES]", _section)
-FILE = Kind("FILE", str)
+TEXT = OptionKind("TEXT", str)
+SECTION = OptionKind("AXIS[=METRES]", _section)
+FILE = OptionKind("FILE", str)
 POSITIVE = number(above=0.0)
-COEFFICIENT = Kind("NUMBER|ANGLE", units.coefficient)
+COEFFICIENT = OptionKind("NUMBER|ANGLE", units.coefficient)
 UNIT = one_of(units.UNITS, "unit '{}' is not known")

@@ -11,7 +11,7 @@ from drystone.cli.base.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.design import Buildable
-    from drystone.shells import Body, Layout, Shape
+    from drystone.shells import Layout, Shape, ShellBody
 
 SIZES = (1.0, 0.75, 1.25)
 """Courses and widths that are tried, by those that are used otherwise. Chosen."""
@@ -55,7 +55,7 @@ def layouts_to_try(layout: Layout, asked: Asked) -> list[Layout]:
 def find_buildable(
     shape: Shape,
     layout: Layout,
-    body: Body,
+    body: ShellBody,
     asked: Asked,
     friction: float | None,
     waiting: Waiting,

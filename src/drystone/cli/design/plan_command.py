@@ -84,13 +84,13 @@ def plan(
     ] = float("inf"),
     before: Annotated[
         tuple[tuple[str, str], ...],
-        Option("One block before another; several times.", kind=kinds.Kind("FIRST:THEN", _pair),
-               expert=True),
+        Option("One block before another; several times.", expert=True,
+               kind=kinds.OptionKind("FIRST:THEN", _pair)),
     ] = (),
     reach: Annotated[
         tuple[list[str], ...],
         Option("Blocks placed before any of the next --reach; separated by commas.",
-               kind=kinds.Kind("NAMES", _names), expert=True),
+               kind=kinds.OptionKind("NAMES", _names), expert=True),
     ] = (),
     exact: Annotated[
         bool, Option("Search all orders (up to 14 free blocks).", expert=True)
@@ -113,7 +113,7 @@ def plan(
     sweep: Annotated[
         tuple[float, ...] | None,
         Option("Plan at these friction coefficients as well.",
-               kind=kinds.Kind("MU,MU,...", _numbers), expert=True),
+               kind=kinds.OptionKind("MU,MU,...", _numbers), expert=True),
     ] = None,
     workers: Annotated[
         int,

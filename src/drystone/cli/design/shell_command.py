@@ -17,7 +17,7 @@ from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.design.buildable_answer import Asked, find_buildable, show_buildable
 from drystone.cli.inputs import options
-from drystone.cli.inputs.surfaces import Wanted, surface_of
+from drystone.cli.inputs.surfaces import SurfaceRequest, surface_of
 
 if TYPE_CHECKING:
     from drystone.base.files import Job
@@ -53,14 +53,14 @@ def _wedges(text: str) -> tuple[float, ...]:
 )
 def shell(
     *,
-    wanted: Wanted,
+    wanted: SurfaceRequest,
     courses: Annotated[int | None, Option("Number of courses (12).")] = None,
     course_height: Annotated[float | None, Option("Or their height in m.", expert=True)] = None,
     partial: Annotated[
         int | None,
         Option(
             "Courses that end inside where a side is longer: a number or auto (0).",
-            kind=kinds.Kind("COUNT|auto", _count_or_auto),
+            kind=kinds.OptionKind("COUNT|auto", _count_or_auto),
             expert=True,
         ),
     ] = 0,
@@ -71,7 +71,7 @@ def shell(
         Option(
             "Shift of bed joints, by the height of a course: -0.45 to 0.45 (0; with --straight "
             "what the curvatures ask for). One value, or one for each bed line between courses.",
-            kind=kinds.Kind("WEDGE[,WEDGE...]", _wedges),
+            kind=kinds.OptionKind("WEDGE[,WEDGE...]", _wedges),
             expert=True,
         ),
     ] = None,
@@ -130,10 +130,10 @@ def shell(
         raise InputError(
             "is for --block-files", where="--block-format", remedy="name a folder with that"
         )
-    from drystone.shells import Body, Intrados, Layout, build_shell, write_blocks
+    from drystone.shells import Intrados, Layout, ShellBody, build_shell, write_blocks
     from drystone.shells.shell_by_name import COURSES
 
-    body = Body(
+    body = ShellBody(
         thickness=wanted.thickness,
         joggle_deg=joggle,
         intrados=Intrados.STRAIGHT if straight else Intrados.OFFSET,

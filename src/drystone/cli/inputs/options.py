@@ -69,7 +69,7 @@ Gravity: TypeAlias = Annotated[
     Option(
         "Gravity in m/s2: its size, or a vector (9.81 along -z).",
         LOADS,
-        kind=kinds.Kind("SIZE|X,Y,Z", lambda text: gravity_vector(text)),
+        kind=kinds.OptionKind("SIZE|X,Y,Z", lambda text: gravity_vector(text)),
     ),
 ]
 Gap: TypeAlias = Annotated[

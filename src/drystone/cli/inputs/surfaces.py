@@ -33,7 +33,7 @@ USED = {
 
 
 @dataclass(frozen=True)
-class Wanted:
+class SurfaceRequest:
     """The surface that is asked for, and its size."""
 
     surface: Annotated[
@@ -103,7 +103,7 @@ class Surface:
     notes: tuple[str, ...]
 
 
-def surface_of(wanted: Wanted) -> Surface:
+def surface_of(wanted: SurfaceRequest) -> Surface:
     """The surface asked for.
 
     Raises
@@ -136,7 +136,7 @@ def surface_of(wanted: Wanted) -> Surface:
     return Surface(shape, span / SHARE, notes)
 
 
-def _refuse_unused(wanted: Wanted, kind: str | None) -> None:
+def _refuse_unused(wanted: SurfaceRequest, kind: str | None) -> None:
     for option, value in (
         ("--span", wanted.span),
         ("--length", wanted.length),

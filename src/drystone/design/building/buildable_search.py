@@ -27,7 +27,7 @@ from drystone.sequence import Order, Plan, PlanOptions, Rules, Status, plan
 from drystone.sequence.rules import courses
 from drystone.sequence.stage.stage_checks import check_both
 from drystone.sequence.stage.structure import Structure
-from drystone.shells import Body, Layout, Shape, Shell, build_shell
+from drystone.shells import Layout, Shape, Shell, ShellBody, build_shell
 
 NONE = BuildNeeds(0, 0)
 
@@ -36,7 +36,7 @@ NONE = BuildNeeds(0, 0)
 def make_buildable(
     shape: Shape,
     layouts: Layout | Sequence[Layout],
-    body: Body | None = None,
+    body: ShellBody | None = None,
     *,
     options: BuildableOptions | None = None,
     executor: Workers | None = None,
@@ -67,8 +67,8 @@ def make_buildable(
 
     Examples
     --------
-    >>> from drystone.shells import Body, Layout, dome
-    >>> layout, body = Layout(courses=2, blocks=6), Body(thickness=0.5)
+    >>> from drystone.shells import Layout, ShellBody, dome
+    >>> layout, body = Layout(courses=2, blocks=6), ShellBody(thickness=0.5)
     >>> found = make_buildable(dome(3.0, 2.0), layout, body)
     >>> found.needs.cost <= found.before.cost
     True
@@ -77,7 +77,7 @@ def make_buildable(
     several = [layouts] if isinstance(layouts, Layout) else list(layouts)
     clock = Clock(time_limit_s, stop)
     with WorkerPool(executor) as pool:
-        return _WedgeSearch(shape, body or Body(), chosen, pool, progress, clock).run(several)
+        return _WedgeSearch(shape, body or ShellBody(), chosen, pool, progress, clock).run(several)
 
 
 class _WedgeSearch:
@@ -86,7 +86,7 @@ class _WedgeSearch:
     def __init__(
         self,
         shape: Shape,
-        body: Body,
+        body: ShellBody,
         options: BuildableOptions,
         pool: WorkerPool,
         progress: Progress | None,

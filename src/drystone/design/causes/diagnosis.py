@@ -12,7 +12,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, frozen
 from drystone.base.errors import InputError
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.causes import diagnosis_words
@@ -26,7 +26,7 @@ from drystone.design.causes.missing import (
     one_force,
     pulls_of,
 )
-from drystone.design.causes.prop_forces import QUICK, Stopped, least_prop, quickly_stands
+from drystone.design.causes.prop_forces import QUICK, least_prop, quickly_stands
 from drystone.design.causes.regions import first_motion_of, interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model

@@ -11,6 +11,7 @@ import shapely
 from drystone.assembly import Block
 from drystone.base.arrays import Floats, frozen
 from drystone.base.display import OneLine
+from drystone.base.progress import Stopped
 from drystone.contacts import Contacts
 from drystone.design.surgery.changed_model import changed, fresh_name, usual_friction
 from drystone.geometry.frames import frames_from_normals
@@ -40,10 +41,6 @@ each face."""
 
 QUICK = CheckOptions(samples=0, settle=False)
 """One stiffness: if a model stands with it, it stands; the full check follows."""
-
-
-class Stopped(Exception):
-    """The search is to end."""
 
 
 def quick_check(model: Model, stop: Callable[[], bool] | None = None) -> Result:
@@ -235,7 +232,6 @@ def least_prop(
 __all__ = [
     "PropForce",
     "PropSeat",
-    "Stopped",
     "least_prop",
     "propped",
     "quick_check",

@@ -22,7 +22,7 @@ from drystone.design.causes.prop_forces import (
     quickly_stands,
     seats,
 )
-from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
+from drystone.design.mends.bench import ALL, MANY, Bench, MendCandidate
 from drystone.design.surgery.joint_changes import Change, with_block
 from drystone.design.surgery.struts import struts
 from drystone.geometry.frames import frames_from_normals
@@ -38,7 +38,7 @@ POINT = 0.01
 """Size of the corners of a tie by its own, chosen."""
 
 
-def support_mends(bench: Bench) -> Iterator[Candidate]:
+def support_mends(bench: Bench) -> Iterator[MendCandidate]:
     """A block below that fits between a block of the region and another one."""
     if len(bench.own) > MANY:
         bench.fail("support", f"not tried on a region of more than {MANY} blocks")
@@ -59,7 +59,7 @@ def support_mends(bench: Bench) -> Iterator[Candidate]:
             if stands:
                 on = names_of(bench.model, [strut.on])
                 size = strut.body.volume
-                yield Candidate.single(
+                yield MendCandidate.single(
                     "support",
                     f"a block of {size:.3g} m3, {strut.length:.3g} m long, between {on} and "
                     f"{names_of(bench.model, [whole])}",
@@ -72,7 +72,7 @@ def support_mends(bench: Bench) -> Iterator[Candidate]:
     bench.fail("support", f"{number} blocks that fit were tried, the shortest first")
 
 
-def prop_mends(bench: Bench) -> Iterator[Candidate]:
+def prop_mends(bench: Bench) -> Iterator[MendCandidate]:
     """One prop on a free face, with the least force; else the fewest props that hold the region."""
     motion = bench.motion[bench.blocks]
     held = least_prop(bench.local, bench.own[:MANY], motion, bench.stop)
@@ -96,7 +96,7 @@ def prop_mends(bench: Bench) -> Iterator[Candidate]:
         name = names_of(bench.local, [seat.block])
         told.append(f"{newtons(size)} against {name} at {place(found.position[number])}")
     kind = "a prop of " if len(chosen) == 1 else f"{len(chosen)} props: "
-    yield Candidate.single("prop", kind + ", ".join(told), force, make, added=len(chosen))
+    yield MendCandidate.single("prop", kind + ", ".join(told), force, make, added=len(chosen))
 
 
 def _with_props(chosen: Sequence[PropSeat], model: Model, blocks: Ints, _: Ints) -> Model:
@@ -146,7 +146,7 @@ def fewest_props(
     return chosen
 
 
-def tie_mends(bench: Bench) -> Iterator[Candidate]:
+def tie_mends(bench: Bench) -> Iterator[MendCandidate]:
     """A tie between the centroids of two blocks that move apart: it pulls, and never presses."""
     centroid, velocity = bench.local.assembly.centroid, bench.motion[bench.blocks, :3]
     fixed = bench.local.assembly.fixed
@@ -171,7 +171,7 @@ def tie_mends(bench: Bench) -> Iterator[Candidate]:
             made = tied(bench.local, i, j)
             force = quick_check(made, bench.stop).resultants.force[made.contacts.count - 1]
             size = float(np.linalg.norm(force))
-            yield Candidate.single(
+            yield MendCandidate.single(
                 "tie",
                 f"a tie that pulls {newtons(size)} between {names_of(bench.local, [i, j])}",
                 size,
@@ -205,7 +205,7 @@ def tied(model: Model, block: int, other: int) -> Model:
     return model.with_contacts(joined_contacts(model.contacts, plate))
 
 
-def ballast_mends(bench: Bench) -> Iterator[Candidate]:
+def ballast_mends(bench: Bench) -> Iterator[MendCandidate]:
     """The least weight on one block."""
     ballast = bench.region.needs.ballast
     if ballast is None:
@@ -221,7 +221,7 @@ def ballast_mends(bench: Bench) -> Iterator[Candidate]:
 
     if bench.stands(make):
         name = names_of(bench.model, [ballast.block])
-        yield Candidate.single(
+        yield MendCandidate.single(
             "ballast", f"a weight of {newtons(ballast.force)} on {name}", ballast.force, make,
             added=1,
         )  # fmt: skip

@@ -10,9 +10,10 @@ import numpy as np
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.base.progress import Stopped
 from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import names_of
-from drystone.design.causes.prop_forces import Stopped, quick_check
+from drystone.design.causes.prop_forces import quick_check
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.surgery.joint_changes import Change
@@ -29,7 +30,7 @@ is held by several props. Chosen: a cut takes a twentieth of a second, and each 
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate(OneLine):
+class MendCandidate(OneLine):
     """A change that holds a region in its local model.
 
     Attributes
@@ -63,7 +64,7 @@ class Candidate(OneLine):
     @classmethod
     def single(
         cls, kind: str, words: str, value: float, make: Change, joints: int = 0, added: int = 0
-    ) -> Candidate:
+    ) -> MendCandidate:
         """A change with nothing to vary."""
         return cls(kind, lambda _: words, value, lambda _: make, joints, added)
 
@@ -236,4 +237,4 @@ def volume_changed(before: Model, after: Model) -> float:
     return float(sum(abs(new.get(name, 0.0) - old.get(name, 0.0)) for name in names))
 
 
-__all__ = ["MANY", "Bench", "Candidate", "Tried", "volume_changed"]
+__all__ = ["MANY", "Bench", "MendCandidate", "Tried", "volume_changed"]

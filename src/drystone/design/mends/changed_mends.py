@@ -11,7 +11,7 @@ from drystone.base.arrays import Ints
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosis_words import names_of, newtons
 from drystone.design.causes.missing import CLOSE, ROUGHEST
-from drystone.design.mends.bench import ALL, MANY, Bench, Candidate
+from drystone.design.mends.bench import ALL, MANY, Bench, MendCandidate
 from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import Change, change_of, joint_width, words_of
 from drystone.joint_capacity import JointCapacity
@@ -38,7 +38,7 @@ SHARED = (1.0, 3.0, 10.0)
 """The same for glue in all joints that pull, relative to the largest pull."""
 
 
-def friction_mends(bench: Bench) -> Iterator[Candidate]:
+def friction_mends(bench: Bench) -> Iterator[MendCandidate]:
     """The least friction of one joint, else of all."""
     own = bench.local.contacts.friction
     count = len(own)
@@ -69,7 +69,7 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
         if value is not None:
             found = True
             where = "in all its joints" if len(group) > 1 else f"in {bench.joint_name(group[0])}"
-            yield Candidate(
+            yield MendCandidate(
                 "friction",
                 partial(_friction_words, where),
                 value,
@@ -83,7 +83,7 @@ def friction_mends(bench: Bench) -> Iterator[Candidate]:
                    make(ROUGHEST))  # fmt: skip
 
 
-def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
+def joints_mends(bench: Bench, kind: str) -> Iterator[MendCandidate]:
     """Joints rotated, made wedges or let in: each one in a small region, else all together."""
     if len(bench.own) > ALL:
         bench.fail(kind, f"not tried on a region of more than {ALL} blocks")
@@ -121,13 +121,13 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[Candidate]:
             farthest = [change_of(kind, group, side, steps[-1]) for side in (1.0, -1.0)]
             bench.fail(kind, f"{name.rstrip(',')} up to {most}", *farthest)
             continue
-        yield Candidate(
+        yield MendCandidate(
             kind, words_of(kind, name), best[0], best[1], joints=len(group),
             most=steps[-1], close=close,
         )  # fmt: skip
 
 
-def thicker_mends(bench: Bench) -> Iterator[Candidate]:
+def thicker_mends(bench: Bench) -> Iterator[MendCandidate]:
     """Thicker blocks of the region."""
     if len(bench.own) > ALL:
         bench.fail("thicker", f"not tried on a region of more than {ALL} blocks")
@@ -148,13 +148,13 @@ def thicker_mends(bench: Bench) -> Iterator[Candidate]:
         bench.fail("thicker", f"up to {100.0 * THICKER[-1]:g} % more thickness", make(THICKER[-1]))
         return
     them = names_of(bench.model, bench.region.blocks)
-    yield Candidate(
+    yield MendCandidate(
         "thicker", lambda x: f"{them} thicker by {100.0 * x:.0f} %", value, make,
         most=THICKER[-1], close=0.02,
     )  # fmt: skip
 
 
-def glue_mends(bench: Bench) -> Iterator[Candidate]:
+def glue_mends(bench: Bench) -> Iterator[MendCandidate]:
     """Glue in one joint: the least strength with which the region stands.
 
     In a larger region, the same glue in all joints that would pull.
@@ -178,7 +178,7 @@ def glue_mends(bench: Bench) -> Iterator[Candidate]:
         if value is not None:
             found = True
             where = f"between {names_of(bench.local, [a, b])}"
-            yield Candidate(
+            yield MendCandidate(
                 "glue", partial(_glue_words, where), value, make, joints=len(own),
                 most=steps[-1], close=0.01 * weight,
             )  # fmt: skip
@@ -193,7 +193,7 @@ def glue_mends(bench: Bench) -> Iterator[Candidate]:
         )
 
 
-def _glue_in_all(bench: Bench) -> Iterator[Candidate]:
+def _glue_in_all(bench: Bench) -> Iterator[MendCandidate]:
     """Glue in all joints of a region that would pull, with one strength for all of them."""
     at = {whole: k for k, whole in enumerate(bench.interfaces.tolist())}
     pulls = [pull for pull in bench.region.needs.pulls if pull.interface in at]
@@ -214,7 +214,7 @@ def _glue_in_all(bench: Bench) -> Iterator[Candidate]:
         bench.fail("glue", what, make(steps[-1]))
         return
     where = f"in {len(joints)} joints, each of which"
-    yield Candidate(
+    yield MendCandidate(
         "glue", partial(_glue_words, where), value, make, joints=len(joints),
         most=steps[-1], close=close,
     )  # fmt: skip
@@ -240,7 +240,7 @@ def _glue_words(where: str, value: float) -> str:
     return f"glue {where} {carries} a pull, and a shear, of {newtons(value)}"
 
 
-def merge_mends(bench: Bench) -> Iterator[Candidate]:
+def merge_mends(bench: Bench) -> Iterator[MendCandidate]:
     """Two blocks made one."""
     if len(bench.own) > MANY:
         bench.fail("merge", f"not tried on a region of more than {MANY} blocks")
@@ -265,7 +265,7 @@ def merge_mends(bench: Bench) -> Iterator[Candidate]:
                    int(contacts.block_b[k])} == {a, b}]  # fmt: skip
             pull = sum(pulls.get(int(bench.interfaces[k]), 0.0) for k in own)
             strength = f", of which the joint has to pull {newtons(pull)}" if pull > 0.0 else ""
-            yield Candidate.single(
+            yield MendCandidate.single(
                 "merge", f"{names_of(bench.local, [a, b])} made one block{strength}", pull, make,
                 joints=len(own),
             )  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
 from drystone.design.mends.added_mends import ballast_mends, prop_mends, support_mends, tie_mends
-from drystone.design.mends.bench import Bench, Candidate
+from drystone.design.mends.bench import Bench, MendCandidate
 from drystone.design.mends.changed_mends import (
     friction_mends,
     glue_mends,
@@ -15,7 +15,7 @@ from drystone.design.mends.changed_mends import (
     thicker_mends,
 )
 
-MAKERS: Mapping[str, Callable[[Bench], Iterator[Candidate]]] = {
+MAKERS: Mapping[str, Callable[[Bench], Iterator[MendCandidate]]] = {
     "support": support_mends,
     "prop": prop_mends,
     "tie": tie_mends,

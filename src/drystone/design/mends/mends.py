@@ -13,13 +13,13 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine, shortened
 from drystone.base.errors import InputError, counted
-from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.causes.diagnosed import Diagnosis, Region
 from drystone.design.causes.diagnosis import diagnose
-from drystone.design.causes.prop_forces import QUICK, Stopped
-from drystone.design.mends.bench import Bench, Candidate, Tried, volume_changed
+from drystone.design.causes.prop_forces import QUICK
+from drystone.design.mends.bench import Bench, MendCandidate, Tried, volume_changed
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mend_kinds import KINDS, MAKERS
 from drystone.io.opening import Given, How, as_model
@@ -287,7 +287,7 @@ def _of_kind(
     return made, bench.tried
 
 
-def _verified(model: Model, bench: Bench, candidate: Candidate, held: list[int]) -> Mend | None:
+def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[int]) -> Mend | None:
     """The change on the whole structure, checked; ``None`` if it falls.
 
     If the least value of the local model is not sufficient for the whole structure, a larger one is

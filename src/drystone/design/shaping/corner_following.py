@@ -13,7 +13,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import InputError
-from drystone.design.shaping.vertex_measures import Bodies
+from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.model import Model
 
@@ -57,7 +57,7 @@ class Corners:
     preceding: Ints
 
     @classmethod
-    def of(cls, model: Model, bodies: Bodies) -> Corners:
+    def of(cls, model: Model, bodies: BlockVertices) -> Corners:
         """The corners of the interfaces of a model.
 
         Raises
@@ -195,7 +195,7 @@ class Corners:
 
 
 def _crossing(
-    bodies: Bodies, pair: tuple[int, int], point: Floats, normal: Floats, near: float
+    bodies: BlockVertices, pair: tuple[int, int], point: Floats, normal: Floats, near: float
 ) -> tuple[Ints, Ints] | None:
     """The two edges that cross at a point."""
     found = [list(_edges_at(bodies, block, point, normal, near)) for block in pair]
@@ -207,7 +207,7 @@ def _crossing(
 
 
 def _edges_at(
-    bodies: Bodies, block: int, point: Floats, normal: Floats, near: float
+    bodies: BlockVertices, block: int, point: Floats, normal: Floats, near: float
 ) -> Iterator[tuple[Ints, Floats]]:
     """Edges of a block through a point and in the plane of a joint, and their directions."""
     start = bodies.start[block]

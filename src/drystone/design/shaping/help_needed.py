@@ -23,7 +23,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, cross
 from drystone.design.shaping.corner_following import Corners
-from drystone.design.shaping.vertex_measures import Bodies
+from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.design.surgery.changed_model import acceleration_of
 from drystone.formulations.rest.compliance import Compliance, uniform
 from drystone.formulations.rest.interior_point import find_rest
@@ -63,7 +63,7 @@ class Form:
     """
 
     model: Model
-    bodies: Bodies
+    bodies: BlockVertices
     corners: Corners
     statics: Statics
     springs: Compliance
@@ -85,7 +85,7 @@ class Form:
             model.contacts.select(model.active)
         )  # fmt: skip
         statics = Problem.build(model).statics
-        bodies = Bodies.of(model.assembly)
+        bodies = BlockVertices.of(model.assembly)
         acceleration = acceleration_of(model)
         extra = np.array(model.load.wrench)
         extra[:, :3] -= model.assembly.mass[:, None] * acceleration

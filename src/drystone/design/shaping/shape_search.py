@@ -9,11 +9,11 @@ from scipy.optimize import minimize
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import DrystoneError, InputError
-from drystone.base.progress import Progress, Stop
+from drystone.base.progress import Progress, Stop, Stopped
 from drystone.design.mends.mends import stands_already
 from drystone.design.shaping.help_needed import GROUND
 from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
-from drystone.design.shaping.shape_values import ShapeValues, Stopped
+from drystone.design.shaping.shape_values import ShapeValues
 from drystone.design.shaping.variables import ShapeVariables
 from drystone.model import Model
 

@@ -9,18 +9,14 @@ from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
-from drystone.base.progress import Stop
+from drystone.base.progress import Stop, Stopped
 from drystone.design.shaping.help_needed import GROUND, Form
 from drystone.design.shaping.shape_options import ShapeAim, ShapeOptions
 from drystone.design.shaping.variables import ShapeVariables
-from drystone.design.shaping.vertex_measures import Bodies
+from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.design.surgery.changed_model import changed
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.model import Model
-
-
-class Stopped(Exception):
-    """The search was asked to end."""
 
 
 class ShapeValues:
@@ -43,7 +39,7 @@ class ShapeValues:
         late: Stop,
     ) -> None:
         self.model, self.moves, self.options, self.late = model, moves, options, late
-        self.bodies = Bodies.of(model.assembly)
+        self.bodies = BlockVertices.of(model.assembly)
         self.known: dict[bytes, tuple[float, Floats]] = {}
         self.forms: list[Form] = []
         self.ground = GROUND
@@ -154,4 +150,4 @@ class ShapeValues:
             return None
 
 
-__all__ = ["ShapeValues", "Stopped"]
+__all__ = ["ShapeValues"]

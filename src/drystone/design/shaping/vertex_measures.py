@@ -18,7 +18,7 @@ def vertices_of(assembly: Assembly) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class Bodies:
+class BlockVertices:
     """The blocks of an assembly as one array of vertices.
 
     Attributes
@@ -39,7 +39,7 @@ class Bodies:
     triangle_owner: Ints
 
     @classmethod
-    def of(cls, assembly: Assembly) -> Bodies:
+    def of(cls, assembly: Assembly) -> BlockVertices:
         """The vertices and triangles of an assembly."""
         counts = [len(block.vertices) for block in assembly.blocks]
         start = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
@@ -127,4 +127,4 @@ class Bodies:
         return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
 
 
-__all__ = ["Bodies", "vertices_of"]
+__all__ = ["BlockVertices", "vertices_of"]

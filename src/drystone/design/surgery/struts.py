@@ -34,7 +34,7 @@ PLACES = (0.0, 0.4, -0.4, 0.7, -0.7)
 
 
 @dataclass(frozen=True, eq=False)
-class Strut(OneLine):
+class StrutBlock(OneLine):
     """A block that supports another one.
 
     Attributes
@@ -53,7 +53,7 @@ class Strut(OneLine):
     length: float
 
 
-def struts(model: Model, block: int, motion: Floats) -> list[Strut]:
+def struts(model: Model, block: int, motion: Floats) -> list[StrutBlock]:
     """Struts that fit against a block, the shortest first.
 
     A strut goes from a free face that moves forward to the next block, with an inclination below
@@ -70,7 +70,7 @@ def struts(model: Model, block: int, motion: Floats) -> list[Strut]:
     return sorted(found, key=lambda strut: strut.length)
 
 
-def _all(model: Model, block: int, motion: Floats) -> Iterator[Strut | None]:
+def _all(model: Model, block: int, motion: Floats) -> Iterator[StrutBlock | None]:
     limit = WITHIN * np.arctan(usual_friction(model))
     body = model.assembly.blocks[block]
     triangles, owner = _triangles(model)
@@ -125,7 +125,7 @@ def _fitted(
     length: float,
     seat: Floats,
     landing: Floats,
-) -> Strut | None:
+) -> StrutBlock | None:
     """A bar between two faces, cut to them; ``None`` if another block is between them.
 
     Parameters
@@ -162,7 +162,7 @@ def _fitted(
         made = Block(piece[0], tuple(piece[1]), fresh_name(model, "strut"), body.density)
     except (InputError, ValueError):
         return None
-    return None if _in_the_way(model, made) else Strut(block, on, made, length)
+    return None if _in_the_way(model, made) else StrutBlock(block, on, made, length)
 
 
 def _in_the_way(model: Model, body: Block) -> bool:
@@ -178,4 +178,4 @@ def _in_the_way(model: Model, body: Block) -> bool:
     return False
 
 
-__all__ = ["Strut", "struts"]
+__all__ = ["StrutBlock", "struts"]

@@ -31,7 +31,7 @@ Outcome = tuple[tuple[float, ...], bool, str]
 
 
 @dataclass(frozen=True)
-class Wanted:
+class TuneGoals:
     """What is asked of each structure.
 
     Attributes
@@ -54,7 +54,7 @@ class Wanted:
 
 
 def outcome_of(
-    build: Callable[..., Any], how: Mapping[str, Any], wanted: Wanted, values: Mapping[str, Any]
+    build: Callable[..., Any], how: Mapping[str, Any], wanted: TuneGoals, values: Mapping[str, Any]
 ) -> Outcome:
     """Build one structure, check it, and plan it where that is asked for."""
     try:
@@ -100,4 +100,12 @@ def planned_counts(model: Model) -> tuple[Mapping[str, int], str]:
     return made.counts, ""
 
 
-__all__ = ["MEASURES", "PLANNED", "Outcome", "Wanted", "model_of", "outcome_of", "planned_counts"]
+__all__ = [
+    "MEASURES",
+    "PLANNED",
+    "Outcome",
+    "TuneGoals",
+    "model_of",
+    "outcome_of",
+    "planned_counts",
+]

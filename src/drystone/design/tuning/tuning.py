@@ -18,7 +18,7 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.mends.margin import DesignMargin
-from drystone.design.tuning.tune_goals import MEASURES, PLANNED, Outcome, Wanted, outcome_of
+from drystone.design.tuning.tune_goals import MEASURES, PLANNED, Outcome, TuneGoals, outcome_of
 from drystone.design.tuning.tuned_values import Parameter, Tuned, TuneTrial
 
 STUDY = "drystone"
@@ -123,7 +123,7 @@ def tune(
         raise InputError(
             "the goals contradict each other, or there is none", remedy="name each once"
         )
-    wanted = Wanted(asked, chosen.margin, chosen.props)
+    wanted = TuneGoals(asked, chosen.margin, chosen.props)
     evaluate = partial(outcome_of, build, dict(how or {}), wanted)
     clock = Clock(time_limit_s, stop)
     with WorkerPool(executor) as pool:

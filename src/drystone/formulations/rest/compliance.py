@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.formulations.rest.friction import Bound, FrictionLaw, SlipLength, StickSlip
+from drystone.formulations.rest.friction import FrictionBound, FrictionLaw, SlipLength, StickSlip
 from drystone.statics import Statics
 
 COHESIVE_FRICTION = 0.1
@@ -105,8 +105,8 @@ def is_even(statics: Statics, springs: Compliance) -> bool:
     return np.array_equal(springs.normal, normal_stiffness(statics))
 
 
-def _bound(statics: Statics) -> Bound:
-    return Bound(statics.friction, statics.cohesion, statics.shear)
+def _bound(statics: Statics) -> FrictionBound:
+    return FrictionBound(statics.friction, statics.cohesion, statics.shear)
 
 
 def _tension(statics: Statics) -> Floats | None:

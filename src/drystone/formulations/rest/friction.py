@@ -1,9 +1,9 @@
 """Friction laws of a compliant contact: force from slide, with derivatives.
 
 A law gives the tangential force ``ft = -T(fn, dt)`` that opposes the slide ``dt``. Every law here
-stays within a :class:`Bound`, which is ``|T| <= mu fn`` at a dry joint, and is parallel to ``dt``:
-every rest state satisfies the friction conditions of coupled rigid-block analysis (Kao et al. 2022,
-eq. 5.6: ``ft = -alpha dt``, ``alpha >= 0``).
+stays within a :class:`FrictionBound`, which is ``|T| <= mu fn`` at a dry joint, and is parallel to
+``dt``: every rest state satisfies the friction conditions of coupled rigid-block analysis (Kao et
+al. 2022, eq. 5.6: ``ft = -alpha dt``, ``alpha >= 0``).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class FrictionResponse:
 
 
 @dataclass(frozen=True, eq=False)
-class Bound:
+class FrictionBound:
     """The largest tangential force, ``b = min(mu fn + c, s)`` (Mohr and Coulomb; Tresca's limit).
 
     Attributes
@@ -79,7 +79,7 @@ class SlipLength:
     slip : (k,) delta, the slide at which 71 % of the bound is mobilised
     """
 
-    bound: Bound
+    bound: FrictionBound
     slip: Floats
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
@@ -107,7 +107,7 @@ class StickSlip:
     stiffness : (k,) kt
     """
 
-    bound: Bound
+    bound: FrictionBound
     stiffness: Floats
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:

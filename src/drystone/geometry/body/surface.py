@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import InputError, Kind, counted
+from drystone.base.errors import DefectKind, InputError, counted
 from drystone.geometry.body import polyhedron
 from drystone.geometry.body.polyhedron import Edge, Fan, Loop
 
@@ -19,7 +19,7 @@ SHARED_LISTS = 1024
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class SurfaceTopology:
     """A closed, oriented 2-manifold without coordinates.
 
     Attributes
@@ -43,12 +43,12 @@ class Surface:
         """The used ones of the vertices (v, 3)."""
         return vertices if self.used is None else vertices[list(self.used)]
 
-    def turned(self) -> Surface:
+    def turned(self) -> SurfaceTopology:
         """The same surface, inside out, with a note."""
         return _inside_out(self) if len(self.loops) <= SHARED_FACES else _turned(self)
 
 
-def closed_surface(faces: Iterable[Sequence[int]], count: int) -> Surface:
+def closed_surface(faces: Iterable[Sequence[int]], count: int) -> SurfaceTopology:
     """The surface of faces over ``count`` vertices.
 
     Raises
@@ -70,7 +70,7 @@ def _integers(faces: Iterable[Sequence[int]]) -> tuple[Loop, ...]:
     return tuple(loops)
 
 
-def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
+def _surface(faces: tuple[Loop, ...], count: int) -> SurfaceTopology:
     _check_loops(faces, count)
     used = sorted({i for loop in faces for i in loop})
     notes: list[str] = []
@@ -84,7 +84,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
         raise InputError(
             f"non-manifold: more than two faces meet at edges {_edges_text(crowded, used)}",
             remedy="split the block there or remove inner faces",
-            kind=Kind.CROWDED,
+            kind=DefectKind.CROWDED,
         )
     if open_edges:
         shown = _edges_text(open_edges, used)
@@ -94,7 +94,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
             f" {'face' if len(at) == 1 else 'faces'} {', '.join(map(str, at[:4]))}{more}",
             remedy="close the holes or merge coincident vertices",
-            kind=Kind.OPEN,
+            kind=DefectKind.OPEN,
         )
     if not consistent:
         oriented, turned = polyhedron.orient(faces)
@@ -109,16 +109,16 @@ def _surface(faces: tuple[Loop, ...], count: int) -> Surface:
             remedy="separate the parts there, or split it into two blocks",
         )
     kept = tuple(used) if len(used) < count else None
-    return Surface(faces, Fan.of(faces), kept, tuple(notes))
+    return SurfaceTopology(faces, Fan.of(faces), kept, tuple(notes))
 
 
 _shared = lru_cache(SHARED_LISTS)(_surface)
 
 
-def _turned(surface: Surface) -> Surface:
+def _turned(surface: SurfaceTopology) -> SurfaceTopology:
     loops = tuple(loop[::-1] for loop in surface.loops)
     notes = (*surface.notes, "inside out: all faces turned")
-    return Surface(loops, Fan.of(loops), surface.used, notes)
+    return SurfaceTopology(loops, Fan.of(loops), surface.used, notes)
 
 
 _inside_out = lru_cache(SHARED_LISTS)(_turned)
@@ -148,4 +148,4 @@ def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
     return shown + (f" and {len(edges) - 4} more" if len(edges) > 4 else "")
 
 
-__all__ = ["Surface", "closed_surface"]
+__all__ = ["SurfaceTopology", "closed_surface"]

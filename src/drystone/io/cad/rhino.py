@@ -23,7 +23,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, MissingDependency, counted
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.mend.holes import faces_with_holes
-from drystone.io.draft import Draft, Shape
+from drystone.io.draft import Draft, DraftBlock
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh.face_soup import FaceSoup, moved, named_apart, shapes_of
 
@@ -54,7 +54,7 @@ def read(data: bytes, path: Path, *, layers: Sequence[str] = (), hidden: bool = 
     ]
     if units is None:
         notes.append(f"its unit, {top['units'].text()}, is not known; metres assumed")
-    shapes: list[Shape] = []
+    shapes: list[DraftBlock] = []
     for number, item in enumerate(top["objects"].elements()):
         made, remarks = _shapes(item, number, path)
         shapes += made
@@ -117,7 +117,7 @@ def _extracted(data: bytes, path: Path, wanted: dict[str, Any]) -> Field:
     return top
 
 
-def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str]]:
+def _shapes(item: Field, number: int, path: Path) -> tuple[list[DraftBlock], list[str]]:
     """The blocks of one object, one for each solid of its mesh."""
     layer = item["layer"].text().rpartition("::")[2]
     name = item["name"].text() or f"{layer or 'object'}-{number}"
@@ -137,9 +137,9 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str
         loops = [[_loop(one, vertices) for one in f.elements()] for f in item["loops"].elements()]
         if not all(loops):
             raise FormatError("a face has no outline", where=place, remedy="repair it in Rhino")
-        made = [Shape(name, vertices, faces_with_holes(vertices, loops))]
+        made = [DraftBlock(name, vertices, faces_with_holes(vertices, loops))]
     elif told.polygons is not None and told.vertices == len(vertices):
-        made = [Shape(name, vertices, told.polygons)]
+        made = [DraftBlock(name, vertices, told.polygons)]
     else:
         faces = [_loop(face, vertices) for face in item["faces"].elements()]
         tolerance = EXACT if item["exact"].boolean() else SINGLE
@@ -155,7 +155,7 @@ def _shapes(item: Field, number: int, path: Path) -> tuple[list[Shape], list[str
     for one in made:
         points, mirrored = moved(np.asarray(one.vertices), placed)
         turned = [loop[::-1] for loop in one.faces] if mirrored else one.faces
-        shapes.append(Shape(one.name, points, turned, where, told.density, fixed, metadata))
+        shapes.append(DraftBlock(one.name, points, turned, where, told.density, fixed, metadata))
     return shapes, notes
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats
 from drystone.io.compas import compas_contacts
-from drystone.io.draft import Draft, Shape
+from drystone.io.draft import Draft, DraftBlock
 from drystone.io.jsontext import Field
 from drystone.io.mesh.face_soup import moved
 
@@ -124,7 +124,7 @@ def _model(data: Field) -> Draft:
     elements = _by_guid(data["elements"])
     densities = _densities(data)
     place = _placements(data, elements)
-    shapes: list[Shape] = []
+    shapes: list[DraftBlock] = []
     nodes: list[str] = []
     given = Counter(_data(element).get("name", "").text() for _, element in elements.items())
     for key, node in sorted(graph["node"].items(), key=lambda item: (len(item[0]), item[0])):
@@ -193,7 +193,7 @@ def _matrix(field: Field) -> Floats:
     return _data(field["transformation"])["matrix"].floats(4, 4)
 
 
-def _mesh(field: Field, name: str) -> Shape:
+def _mesh(field: Field, name: str) -> DraftBlock:
     """A mesh with vertices by key, as COMPAS 1 and 2 write them, or by position (polyhedron)."""
     data = _plain(field)
     attributes: Mapping[str, object] = data.get("attributes", {}).object().value
@@ -203,7 +203,7 @@ def _mesh(field: Field, name: str) -> Shape:
         for loop in loops:
             if loop and not (min(loop) >= 0 and max(loop) < len(points)):
                 raise data["faces"].error("has a vertex that does not exist")
-        return Shape(name, points, loops, where=field.path)
+        return DraftBlock(name, points, loops, where=field.path)
     position = {key: i for i, key in enumerate(data["vertex"].object().value)}
     points = np.array(
         [[vertex.get(axis, 0.0).number() for axis in "xyz"] for _, vertex in data["vertex"].items()]
@@ -216,7 +216,7 @@ def _mesh(field: Field, name: str) -> Shape:
         loops.append([position[corner] for corner in corners])
     label = attributes.get("name")
     density = data.get("attributes", {}).get("density", DEFAULT_DENSITY)
-    return Shape(
+    return DraftBlock(
         name,
         points,
         loops,

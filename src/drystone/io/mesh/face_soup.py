@@ -16,7 +16,7 @@ from drystone.geometry.body.polyhedron import Loop, edge_defects
 from drystone.geometry.mend import coincidence
 from drystone.geometry.mend.merge import merge_coplanar
 from drystone.geometry.mend.soup import split_solids, without_slivers
-from drystone.io.draft import Shape
+from drystone.io.draft import DraftBlock
 
 MANY = 5
 """Names in one note."""
@@ -47,7 +47,7 @@ class FaceSoup:
 
 def shapes_of(
     soups: Sequence[FaceSoup], tolerance: float, path: Path, *, shared: bool = True
-) -> tuple[list[Shape], list[str]]:
+) -> tuple[list[DraftBlock], list[str]]:
     """A shape for each solid in soups of faces, and notes about repairs.
 
     Coincident vertices are merged, faces without area removed, solids separated, and coplanar
@@ -135,14 +135,14 @@ def _shapes(
     solids: Sequence[Sequence[Sequence[int]]],
     soups: Sequence[FaceSoup],
     tolerance: float,
-) -> list[Shape]:
-    made: list[Shape] = []
+) -> list[DraftBlock]:
+    made: list[DraftBlock] = []
     own: list[list[Loop]] = []
     for found, soup in zip(solids, soups, strict=True):
         for number, solid in enumerate(found):
             name = soup.name if len(found) == 1 else f"{soup.name}-{number}"
             points, faces = _own_vertices(vertices, [loops[i] for i in solid])
-            made.append(Shape(name, points, faces, soup.where))
+            made.append(DraftBlock(name, points, faces, soup.where))
             own.append(faces)
     closed = [i for i, faces in enumerate(own) if edge_defects(faces) == ([], [], True)]
     polygons = merge_coplanar(
@@ -190,12 +190,12 @@ def _own_vertices(vertices: Floats, loops: Sequence[Loop]) -> tuple[Floats, list
     return vertices[used], [tuple(position[corner] for corner in loop) for loop in loops]
 
 
-def shape_of(vertices: Floats, loops: Sequence[Loop], name: str, where: str) -> Shape:
+def shape_of(vertices: Floats, loops: Sequence[Loop], name: str, where: str) -> DraftBlock:
     """A shape with only the vertices that its faces use, in their order."""
-    return Shape(name, *_own_vertices(vertices, loops), where)
+    return DraftBlock(name, *_own_vertices(vertices, loops), where)
 
 
-def named_apart(shapes: Sequence[Shape]) -> tuple[list[Shape], list[str]]:
+def named_apart(shapes: Sequence[DraftBlock]) -> tuple[list[DraftBlock], list[str]]:
     """Shapes with a number added to repeated names, for formats where these are usual."""
     count = Counter(shape.name for shape in shapes)
     taken = set(count)

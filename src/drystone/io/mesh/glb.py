@@ -18,7 +18,7 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import FormatError
-from drystone.io.draft import Draft, Shape
+from drystone.io.draft import Draft, DraftBlock
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh.face_soup import FaceSoup, in_double, moved, named_apart, shapes_of
 
@@ -87,11 +87,11 @@ def _ours(node: Field) -> Field | None:
     return None
 
 
-def _with_material(shape: Shape, told: Field | None) -> Shape:
+def _with_material(shape: DraftBlock, told: Field | None) -> DraftBlock:
     if told is None:
         return shape
     told.only(("fixed", "density", "metadata"))
-    return Shape(
+    return DraftBlock(
         shape.name,
         shape.vertices,
         shape.faces,

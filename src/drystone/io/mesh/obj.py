@@ -12,7 +12,7 @@ from pathlib import Path
 
 from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_bytes
-from drystone.io.draft import Contents, Draft, Shape
+from drystone.io.draft import Contents, Draft, DraftBlock
 
 IGNORED = frozenset(
     (
@@ -165,7 +165,7 @@ def _blocks(parts: list[_Part]) -> list[_Part]:
 
 def _shapes(
     vertices: list[list[float]], blocks: list[_Part], path: Path
-) -> tuple[list[Shape], list[str]]:
+) -> tuple[list[DraftBlock], list[str]]:
     shapes, notes = [], []
     for number, block in enumerate(blocks):
         order = list(dict.fromkeys(i for face in block.faces for i in face))
@@ -176,7 +176,7 @@ def _shapes(
             if len(blocks) > 1:
                 notes.append(f"the block at line {block.line} has no name: '{name}'")
         shapes.append(
-            Shape(
+            DraftBlock(
                 name,
                 [vertices[i] for i in position],
                 [[position[i] for i in face] for face in block.faces],

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
-from drystone.io.draft import Contents, Draft, Shape
+from drystone.io.draft import Contents, Draft, DraftBlock
 from drystone.io.jsontext import Field, parse
 from drystone.io.mesh import ply_tables
 from drystone.io.mesh.face_soup import FaceSoup, in_double, shape_of, shapes_of
@@ -73,12 +73,12 @@ def _ours(
                 f"a face belongs to block {owner}, which has no comment", where=str(path)
             )
         faces[int(owner)].append(list(loop))
-    shapes: list[Shape] = []
+    shapes: list[DraftBlock] = []
     for field, mine in zip(told, faces, strict=True):
         field.only(("name", "fixed", "density", "metadata"))
         bare = shape_of(vertices, [tuple(loop) for loop in mine], field["name"].text(), field.path)
         shapes.append(
-            Shape(
+            DraftBlock(
                 bare.name,
                 bare.vertices,
                 bare.faces,

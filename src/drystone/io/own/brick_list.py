@@ -27,7 +27,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of
 from drystone.contacts import Contacts
-from drystone.io.draft import Draft, Extras, Shape
+from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 
 PITCH, LAYER = 7.8e-3, 9.6e-3
@@ -146,12 +146,12 @@ def _refuse_doubles(bricks: list[Brick], path: Path) -> None:
                 )
 
 
-def _shape(brick: Brick, name: str, *, fixed: bool = False) -> Shape:
+def _shape(brick: Brick, name: str, *, fixed: bool = False) -> DraftBlock:
     low = np.array([brick.x * PITCH, brick.y * PITCH, brick.z * LAYER])
     size = np.array([brick.size_x * PITCH, brick.size_y * PITCH, LAYER])
     flat = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.float64)
     vertices = np.concatenate([np.c_[flat, np.full(4, height)] for height in (0.0, 1.0)])
-    return Shape(
+    return DraftBlock(
         name, low + vertices * size, BOX, density=brick.mass / float(size.prod()), fixed=fixed
     )
 

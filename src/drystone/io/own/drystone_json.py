@@ -15,7 +15,7 @@ from drystone.assembly import DEFAULT_DENSITY, Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import FormatError, InputError
 from drystone.contacts import Contacts
-from drystone.io.draft import Draft, Extras, Shape
+from drystone.io.draft import Draft, DraftBlock, Extras
 from drystone.io.jsontext import Field
 from drystone.io.own import npz
 from drystone.io.own.load_parts import load_of_parts
@@ -76,7 +76,7 @@ def read(top: Field) -> Draft:
     return Draft(shapes, "m" if more else units, finish if more else None)
 
 
-def _shape(field: Field) -> Shape:
+def _shape(field: Field) -> DraftBlock:
     field.only(BLOCK)
     density = field.get("density", DEFAULT_DENSITY)
     if not 0.0 < density.number() <= HEAVIEST:
@@ -85,7 +85,7 @@ def _shape(field: Field) -> Shape:
     name = field["name"].text()
     if not name:
         raise field["name"].error("is empty", "give the block a name")
-    return Shape(
+    return DraftBlock(
         name,
         vertices,
         [_loop(face, len(vertices)) for face in field["faces"].elements()],

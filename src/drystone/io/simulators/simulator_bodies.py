@@ -19,7 +19,7 @@ SAME_ACCELERATION = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class SimulatorBody:
     """A block for a simulator. Its frame has its origin at the centroid and the world's axes.
 
     Attributes
@@ -44,7 +44,7 @@ class Body:
     pieces: tuple[tuple[Floats, Ints], ...]
 
 
-def bodies(model: Model) -> list[Body]:
+def bodies(model: Model) -> list[SimulatorBody]:
     """The blocks of a model, in their order."""
     assembly = model.assembly
     names = _plain_names(assembly.names)
@@ -55,7 +55,7 @@ def bodies(model: Model) -> list[Body]:
         )
         inertia = _inertia(block, pieces)
         fixed = bool(assembly.fixed[i])
-        out.append(Body(names[i], fixed, block.centroid, block.mass, inertia, pieces))
+        out.append(SimulatorBody(names[i], fixed, block.centroid, block.mass, inertia, pieces))
     return out
 
 
@@ -119,4 +119,4 @@ def _inertia(block: Block, pieces: tuple[tuple[Floats, Ints], ...]) -> Floats:
     return inertia
 
 
-__all__ = ["Body", "bodies", "gravity_of"]
+__all__ = ["SimulatorBody", "bodies", "gravity_of"]

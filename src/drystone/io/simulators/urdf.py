@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.files import Job, PathLike, write_together
-from drystone.io.simulators.simulator_bodies import Body, bodies
+from drystone.io.simulators.simulator_bodies import SimulatorBody, bodies
 from drystone.model import Model
 
 
@@ -46,7 +46,7 @@ def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[
     return write_together(jobs)
 
 
-def _urdf(found: list[Body], folder: str, name: str) -> str:
+def _urdf(found: list[SimulatorBody], folder: str, name: str) -> str:
     lines = ['<?xml version="1.0"?>', f"<robot name={quoteattr(name)}>", '  <link name="world"/>']
     for body in found:
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia.tolist()

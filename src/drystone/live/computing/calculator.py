@@ -24,7 +24,7 @@ from drystone.io.jsontext import Field, parse
 from drystone.live.computing import tasks
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.snapshot import Found, snapshot
-from drystone.live.computing.wish import Asked, Wish, asked
+from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.live.requests.interface import given_of
 from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
@@ -110,7 +110,7 @@ class Calculator:
         if self.stop():
             raise Cancelled
 
-    def asked(self, message: Mapping[str, Any]) -> tuple[Wish, Asked]:
+    def asked(self, message: Mapping[str, Any]) -> tuple[Wish, WishedModel]:
         """The wish in a message, and the model that it makes."""
         if "blob" in message:
             self.models[message["model"]] = pickle.loads(message["blob"])  # from our own server
@@ -172,7 +172,7 @@ def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
     _show(self, "quick", wish, made, found, began, message["name"])
 
 
-def _at_rest(self: Calculator, made: Asked, message: Mapping[str, Any], wish: Wish) -> Found:
+def _at_rest(self: Calculator, made: WishedModel, message: Mapping[str, Any], wish: Wish) -> Found:
     """From the last rest state of the window with the same blocks."""
     known = self.known(message, wish)
     found = try_rest(made.part, screening=QUICK, start=known.get(0), stop=self.stop)
@@ -212,7 +212,13 @@ def _surely(result: Result) -> bool:
 
 
 def _show(
-    self: Calculator, event: str, wish: Wish, made: Asked, found: Found, began: float, source: str
+    self: Calculator,
+    event: str,
+    wish: Wish,
+    made: WishedModel,
+    found: Found,
+    began: float,
+    source: str,
 ) -> None:
     picture = snapshot(made, wish, found, source)
     result = found.result

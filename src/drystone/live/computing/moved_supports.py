@@ -13,7 +13,7 @@ from drystone.base.errors import counted
 from drystone.base.progress import Progress
 from drystone.contacts import Contacts
 from drystone.live.computing.snapshot import Found
-from drystone.live.computing.wish import Asked
+from drystone.live.computing.wish import WishedModel
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.settlement import (
@@ -24,7 +24,7 @@ from drystone.settlement import (
     support_response,
 )
 from drystone.stability import check
-from drystone.view import LayerKind, Stage, stage_of
+from drystone.view import LayerKind, SceneStage, stage_of
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
 MOST_AT_ONCE = 50
@@ -64,7 +64,7 @@ def _supports_alone(model: Model) -> Found:
 
 
 def verdict_of(
-    asked: Asked,
+    asked: WishedModel,
     *,
     stop: Callable[[], bool],
     progress: Progress | None = None,
@@ -160,7 +160,7 @@ def _headline(found: LargeDisplacement) -> str:
     return f"Not decided: followed until the supports had moved by {far}"
 
 
-def _moved(result: Result, contacts: Contacts, path: Floats) -> Stage:
+def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
     """The picture of blocks that have followed a path (s, n, 6), with the forces at its end."""
     model = result.model
     there = moved_assembly(model.assembly, path[-1])

@@ -9,10 +9,10 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.frames import rotation_about
-from drystone.live.computing.wish import Asked, Wish
+from drystone.live.computing.wish import Wish, WishedModel
 from drystone.loads import DOWN
 from drystone.results import Result, Verdict
-from drystone.view import Layer, LayerKind, Scene, Stage, State, stage_of
+from drystone.view import Layer, LayerKind, Scene, SceneStage, State, stage_of
 from drystone.view.scenes.header import facts_of
 from drystone.view.web.encode import encode_stage
 
@@ -36,7 +36,7 @@ class Found:
     """
 
     result: Result
-    stage: Stage
+    stage: SceneStage
     moved: bool = False
 
     @classmethod
@@ -48,7 +48,7 @@ class Found:
         return cls(result, stage)
 
 
-def snapshot(asked: Asked, wish: Wish, found: Found, source: str = "") -> dict[str, Any]:
+def snapshot(asked: WishedModel, wish: Wish, found: Found, source: str = "") -> dict[str, Any]:
     """An answer about ``asked.part``, encoded for the page that shows all blocks of ``asked``.
 
     Parameters
@@ -70,7 +70,7 @@ def snapshot(asked: Asked, wish: Wish, found: Found, source: str = "") -> dict[s
     return encoded
 
 
-def pushes(asked: Asked, wish: Wish, turn: Floats) -> tuple[Layer, ...]:
+def pushes(asked: WishedModel, wish: Wish, turn: Floats) -> tuple[Layer, ...]:
     """The forces with which blocks are pushed, as arrows that end at their centroids."""
     if not wish.pushes:
         return ()
@@ -85,7 +85,7 @@ def pushes(asked: Asked, wish: Wish, turn: Floats) -> tuple[Layer, ...]:
     )  # fmt: skip
 
 
-def widened(stage: Stage, asked: Asked) -> Stage:
+def widened(stage: SceneStage, asked: WishedModel) -> SceneStage:
     """A stage of the blocks in place as one of all blocks; those taken out are absent."""
     blocks, contacts = len(asked.whole), asked.whole.contacts
     if len(asked.kept) == blocks:

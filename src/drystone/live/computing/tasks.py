@@ -22,7 +22,7 @@ from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
 from drystone.live.computing.moved_supports import after_moving, verdict_of
-from drystone.live.computing.wish import Asked, Wish, asked
+from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
 from drystone.sequence import Order, PlanOptions, Rules, plan
@@ -59,7 +59,7 @@ class Work:
 
     model: Model
     wish: Wish
-    asked: Asked
+    asked: WishedModel
     extra: Field
     stop: Callable[[], bool]
     progress: Progress

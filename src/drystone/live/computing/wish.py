@@ -114,7 +114,7 @@ class Wish:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class WishedModel:
     """The model of a wish.
 
     Attributes
@@ -145,7 +145,7 @@ class Asked:
         return self.part.with_load(replace(self.part.load, motion=self.motion))
 
 
-def asked(model: Model, wish: Wish) -> Asked:
+def asked(model: Model, wish: Wish) -> WishedModel:
     """The model that a wish makes of a model.
 
     Raises
@@ -185,8 +185,8 @@ def asked(model: Model, wish: Wish) -> Asked:
     axis = np.array(wish.axis)
     whole = Tilt(model, axis)(wish.tilt) if wish.tilt else model
     if not gone.any():
-        return Asked(whole, whole, model, kept, axis, moves)
-    return Asked(whole, whole.subset(kept), model.subset(kept), kept, axis, moves)
+        return WishedModel(whole, whole, model, kept, axis, moves)
+    return WishedModel(whole, whole.subset(kept), model.subset(kept), kept, axis, moves)
 
 
 def more_gravity(model: Model, gravity: float) -> LoadCase:
@@ -197,4 +197,4 @@ def more_gravity(model: Model, gravity: float) -> LoadCase:
     return LoadCase.gravity(model.assembly, gravity - size, down)
 
 
-__all__ = ["Asked", "Wish", "asked", "more_gravity"]
+__all__ = ["Wish", "WishedModel", "asked", "more_gravity"]

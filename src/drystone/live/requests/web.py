@@ -43,7 +43,7 @@ POLICY = (
 NAME = re.compile(r"[A-Za-z0-9-]{1,40}")
 
 
-class Server(ThreadingHTTPServer):
+class WebServer(ThreadingHTTPServer):
     """Connections in threads of their own; where too many are open the oldest idle one gives way.
 
     Attributes
@@ -117,7 +117,7 @@ class Server(ThreadingHTTPServer):
 class Handler(BaseHTTPRequestHandler):
     """One request."""
 
-    server: Server
+    server: WebServer
     timeout = PATIENCE
     server_version = "drystone"
     sys_version = ""
@@ -321,4 +321,4 @@ def _shut(connection: socket.socket) -> None:
         connection.shutdown(socket.SHUT_RDWR)
 
 
-__all__ = ["Server"]
+__all__ = ["WebServer"]

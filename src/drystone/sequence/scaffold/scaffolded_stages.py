@@ -25,7 +25,7 @@ from drystone.sequence.scaffold.scaffold_items import (
     with_scaffold,
 )
 from drystone.sequence.stage.stage_checks import Check, check_once
-from drystone.sequence.stage.stages import Answer, mask_of, members
+from drystone.sequence.stage.stages import StageAnswer, mask_of, members
 
 INSET = 0.6
 """Distance of heads and knots from the middle of their face, by that of its corners; chosen, well
@@ -176,24 +176,26 @@ class ScaffoldedStages:
             self._known[placed, held] = whole, self.check(whole.model)
         return self._known[placed, held]
 
-    def answer(self, placed: int, held: int) -> Answer:
+    def answer(self, placed: int, held: int) -> StageAnswer:
         """Whether a stage stands with its items, none of them beyond its limit."""
         bare = held & ~self.takes
         if bare:
             names = ", ".join(self.model.assembly.names[b] for b in members(bare))
             kind = self.support.value
-            return Answer(Verdict.UNSTABLE, f"no free face of {names} takes a {kind}")
+            return StageAnswer(Verdict.UNSTABLE, f"no free face of {names} takes a {kind}")
         whole, result = self.result(placed, held)
         here = sorted([*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)])
         if not result.stable:
             falling = tuple(here[i] for i in result.falling if i < len(here))
-            return Answer(result.verdict, f"on {self.support.value}: {result.message}", falling)
+            return StageAnswer(
+                result.verdict, f"on {self.support.value}: {result.message}", falling
+            )
         over = whole.overloaded(result)
         if over:
             force = float(whole.force(result)[list(over)].max())
             words = f"a {self.support.value} carries {force:.3g} N, more than its limit"
-            return Answer(Verdict.UNSTABLE, words)
-        return Answer(Verdict.STABLE)
+            return StageAnswer(Verdict.UNSTABLE, words)
+        return StageAnswer(Verdict.STABLE)
 
     def _can_take(self, block: int) -> bool:
         try:

@@ -25,13 +25,13 @@ from dataclasses import replace
 from drystone.base.progress import Progress
 from drystone.results import Verdict
 from drystone.sequence.insertion import RemovalTest
-from drystone.sequence.rules import Bound, Order
+from drystone.sequence.rules import BoundRules, Order
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.search.hands import can_hold
 from drystone.sequence.search.needs import LocalBalance
 from drystone.sequence.search.states import Cost, FoundOrder, Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator
-from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening
 from drystone.stability.screening import FEW_BLOCKS, PATIENT, SLIP_LENGTH
 
@@ -66,7 +66,7 @@ class OrderSearch:
     def __init__(
         self,
         evaluator: Evaluator,
-        bound: Bound,
+        bound: BoundRules,
         removal: RemovalTest,
         options: SearchOptions,
         *,
@@ -156,13 +156,13 @@ class OrderSearch:
         alone = node.parent is None or node.cost == node.parent.cost
         return left and (self.few or alone)
 
-    def answer(self, node: Node, levels: int = 2**30, *, sure: bool = False) -> Answer:
+    def answer(self, node: Node, levels: int = 2**30, *, sure: bool = False) -> StageAnswer:
         """The answer of a node by the first levels.
 
         Levels are tried until one proves that it stands or falls. If none does, the answer has the
         falling blocks. ``sure``: the neighbourhood alone does not decide.
         """
-        answers: list[Answer] = []
+        answers: list[StageAnswer] = []
         for number in range(min(levels, len(self.levels))):
             if self.levels[number] is None and answers and not sure:
                 near = self.nearby(node)
@@ -176,7 +176,7 @@ class OrderSearch:
                 break
         return next((one for one in answers if one.falling), answers[-1])
 
-    def look(self, node: Node, number: int = 0) -> Answer:
+    def look(self, node: Node, number: int = 0) -> StageAnswer:
         """The answer of a node by one level; with workers, likely nodes are computed too.
 
         If a neighbour of the last removed blocks has no equilibrium, no check is needed.
@@ -186,7 +186,7 @@ class OrderSearch:
             near |= self.model.neighbours[block]
         loose = self.local.unbalanced(near & node.placed & ~node.props, node.placed)
         if loose:
-            return Answer(Verdict.UNSTABLE, "cannot be balanced", loose)
+            return StageAnswer(Verdict.UNSTABLE, "cannot be balanced", loose)
         stage = self.stage(node, self.levels[number])
         likely = heapq.nsmallest(self.evaluator.batch - 1, self.queue)
         ahead = [self.stage(entry[-1], self.levels[0]) for entry in likely]
@@ -194,14 +194,14 @@ class OrderSearch:
         fails = self.failure(node.placed, node.props) if found.stands else None
         return found if fails is None else fails
 
-    def failure(self, placed: int, props: int) -> Answer | None:
+    def failure(self, placed: int, props: int) -> StageAnswer | None:
         """The answer of a stage that the scaffolding does not carry; else None."""
         if self.scaffold is None or not props:
             return None
         answer = self.scaffold.answer(placed, props)
         return None if answer.stands else answer
 
-    def nearby(self, node: Node) -> Answer | None:
+    def nearby(self, node: Node) -> StageAnswer | None:
         """The neighbourhood of the removed blocks with all others held; None if it is all."""
         near = mask_of(node.group)
         for _ in range(RINGS):
@@ -270,7 +270,7 @@ class OrderSearch:
                 break
         return out or hanging
 
-    def cures(self, node: Node, answer: Answer) -> list[Node]:
+    def cures(self, node: Node, answer: StageAnswer) -> list[Node]:
         """Stages in which one falling block is removed too, or propped."""
         falling = self.falling(node, answer)
         props, together = node.cost
@@ -291,7 +291,7 @@ class OrderSearch:
         ]
         return out
 
-    def falling(self, node: Node, answer: Answer) -> list[int]:
+    def falling(self, node: Node, answer: StageAnswer) -> list[int]:
         """One of these blocks must be changed; in the order of removal; near the gap if unknown."""
         mask = mask_of(answer.falling) & node.placed & ~node.props
         if not mask:
@@ -315,7 +315,7 @@ class OrderSearch:
         """Whether a group can be placed block by block while hands hold the placed ones."""
         return can_hold(self.held_answer, self.bound, self.model, node)
 
-    def held_answer(self, stage: Stage) -> Answer:
+    def held_answer(self, stage: Stage) -> StageAnswer:
         """The answer of a stage within a step, by all levels until it stands."""
         answer = None
         for level in self.levels:
@@ -329,7 +329,7 @@ class OrderSearch:
     def force(self, node: Node) -> Node:
         """One further removal from a stage that stands, with held blocks, else with props."""
         tries = self.removals(node)[: self.options.tries]
-        answers: list[Answer] = []
+        answers: list[StageAnswer] = []
         for levels in range(1, len(self.levels) + 1):
             answers = [self.answer(one, levels) for one in tries]
             for one, answer in zip(tries, answers, strict=True):
@@ -342,7 +342,7 @@ class OrderSearch:
         few = min(range(len(tries)), key=lambda i: len(answers[i].falling) or len(tries))
         return self.prop(tries[few], answers[few])
 
-    def grow(self, node: Node, answer: Answer) -> Node | None:
+    def grow(self, node: Node, answer: StageAnswer) -> Node | None:
         """The group with all falling blocks, if there are enough hands."""
         while not answer.stands:
             joining = [q for q in self.falling(node, answer) if self.can_join(node, q)]
@@ -358,7 +358,7 @@ class OrderSearch:
             answer = self.answer(node, self.later_levels)
         return node if self.can_hold(node) else None
 
-    def prop(self, node: Node, answer: Answer) -> Node:
+    def prop(self, node: Node, answer: StageAnswer) -> Node:
         """Props until it stands: under falling blocks beside the gap, then farther away."""
         given = node.props
         reach = mask_of(node.group)

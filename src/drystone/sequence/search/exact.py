@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from drystone.base.errors import InputError
-from drystone.sequence.rules import Bound
+from drystone.sequence.rules import BoundRules
 from drystone.sequence.search.best_first import OrderSearch
 from drystone.sequence.search.states import FoundOrder, Node
 
@@ -40,7 +40,7 @@ def search_exactly(search: OrderSearch, root: Node) -> FoundOrder:
     InputError
         Too many blocks.
     """
-    bound: Bound = search.bound
+    bound: BoundRules = search.bound
     count = (root.placed & ~bound.core).bit_count()
     if count > LARGEST:
         raise InputError(

@@ -8,14 +8,14 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.loads import STANDARD_GRAVITY
-from drystone.sequence.rules import Bound
+from drystone.sequence.rules import BoundRules
 from drystone.sequence.search.states import Node
-from drystone.sequence.stage.stages import Answer, Stage, mask_of
+from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of
 from drystone.sequence.stage.structure import Structure
 
 
 def can_hold(
-    answer_of: Callable[[Stage], Answer], bound: Bound, model: Structure, node: Node
+    answer_of: Callable[[Stage], StageAnswer], bound: BoundRules, model: Structure, node: Node
 ) -> bool:
     """Whether the group of a node can be placed while hands hold its placed blocks.
 
@@ -37,7 +37,7 @@ def can_hold(
     return True
 
 
-def overloads(answer: Answer, group: Sequence[int], limit: Floats, model: Structure) -> bool:
+def overloads(answer: StageAnswer, group: Sequence[int], limit: Floats, model: Structure) -> bool:
     """Whether a hand carries more than its payload while a group is placed.
 
     Parameters

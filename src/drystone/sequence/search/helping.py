@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from drystone.sequence.search.best_first import OrderSearch
 from drystone.sequence.search.states import Cost, FoundOrder, Node
-from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 
 POLISHED = 8
 """Largest number of props of one stage that are tested one by one."""
@@ -45,7 +45,7 @@ class Trimmed:
     props: list[int]
     cost: Cost
     proved: bool
-    failures: list[Answer | None]
+    failures: list[StageAnswer | None]
     spared: bool
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from drystone.base.errors import FormatError
 from drystone.base.files import read_bytes, write_bytes
 from drystone.results import Verdict
-from drystone.sequence.stage.stages import Answer, Stage
+from drystone.sequence.stage.stages import Stage, StageAnswer
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import Screening
 
@@ -40,7 +40,7 @@ def _named(check: Any) -> str:
     return str(getattr(check, "__qualname__", type(check).__qualname__))
 
 
-def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -> None:
+def write_checkpoint(path: Path, model: Structure, known: dict[Stage, StageAnswer]) -> None:
     """Write answers without their forces as JSON, to a temporary file that is renamed."""
     data = {
         "format": FORMAT,
@@ -64,7 +64,7 @@ def write_checkpoint(path: Path, model: Structure, known: dict[Stage, Answer]) -
     write_bytes(path, json.dumps(data).encode("ascii"))
 
 
-def read_checkpoint(path: Path, model: Structure) -> dict[Stage, Answer]:
+def read_checkpoint(path: Path, model: Structure) -> dict[Stage, StageAnswer]:
     """The answers in a checkpoint.
 
     Raises
@@ -100,8 +100,8 @@ def _stage(record: Any, screening: Screening | None) -> Stage:
     return Stage(int(record["placed"], 16), int(record["held"], 16), screening)
 
 
-def _answer(record: Any) -> Answer:
-    return Answer(
+def _answer(record: Any) -> StageAnswer:
+    return StageAnswer(
         Verdict[record["verdict"]],
         str(record["message"]),
         tuple(int(b) for b in record["falling"]),

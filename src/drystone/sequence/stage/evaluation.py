@@ -16,10 +16,11 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import DrystoneError
 from drystone.base.files import PathLike, as_path
+from drystone.base.progress import Stopped
 from drystone.base.workers import LOST_WORKER, ExecutorFactory
 from drystone.sequence.stage.checkpoint import read_checkpoint, write_checkpoint
 from drystone.sequence.stage.stage_checks import Check
-from drystone.sequence.stage.stages import Answer, Stage, members
+from drystone.sequence.stage.stages import Stage, StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import PATIENT
 
@@ -30,10 +31,6 @@ REVIVALS = 5
 often, the work itself is the probable cause."""
 
 _log = logging.getLogger(__name__)
-
-
-class Stopped(Exception):
-    """The time limit was reached, or the caller stopped; answers so far are kept."""
 
 
 class Evaluator(OneLine):
@@ -79,9 +76,9 @@ class Evaluator(OneLine):
         self.solved = 0
         self.asked = 0
         self.solve_s = 0.0
-        self._known: dict[Stage, Answer] = {}
-        self._ahead: dict[Stage, Answer] = {}
-        self._kept: dict[Stage, Answer] = {}
+        self._known: dict[Stage, StageAnswer] = {}
+        self._ahead: dict[Stage, StageAnswer] = {}
+        self._kept: dict[Stage, StageAnswer] = {}
         self._factory = None if isinstance(executor, Executor) else executor
         self._executor = executor if isinstance(executor, Executor) else None
         self._revivals = 0
@@ -113,7 +110,7 @@ class Evaluator(OneLine):
             self._executor.shutdown(wait=kind is None, cancel_futures=True)
             self._executor = None
 
-    def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> Answer:
+    def answer(self, stage: Stage, *, forces: bool = False, checked: bool = False) -> StageAnswer:
         """The answer of a stage; see :meth:`answers`."""
         return self.answers([stage], forces=forces, checked=checked)[0]
 
@@ -124,7 +121,7 @@ class Evaluator(OneLine):
         ahead: Sequence[Stage] = (),
         forces: bool = False,
         checked: bool = False,
-    ) -> list[Answer]:
+    ) -> list[StageAnswer]:
         """The answers of several stages.
 
         Parameters
@@ -185,7 +182,7 @@ class Evaluator(OneLine):
             for stage, some in zip(stages, parts, strict=True)
         ]
 
-    def settled(self, stage: Stage, check: Check) -> Answer:
+    def settled(self, stage: Stage, check: Check) -> StageAnswer:
         """A stage by another check, which is kept where it stands."""
         other = replace(self.model, check=check)
         for part in self.model.parts(stage):
@@ -203,7 +200,7 @@ class Evaluator(OneLine):
         if self._file is not None:
             write_checkpoint(self._file, self.model, self._kept | self._known)
 
-    def _find(self, part: Stage) -> Answer | None:
+    def _find(self, part: Stage) -> StageAnswer | None:
         """The known answer of a part: the full check, or a screening that shows that it stands."""
         part = part._replace(near=None)
         checked = self._known.get(part._replace(screening=None))
@@ -236,7 +233,7 @@ class Evaluator(OneLine):
         known = self._known.get(part._replace(near=None)) if checked else self._find(part)
         return known is not None and not (forces and known.stands and not len(known.corner))
 
-    def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, Answer]]:
+    def _solve(self, parts: Sequence[Stage]) -> Iterable[tuple[Stage, StageAnswer]]:
         left = list(parts)
         while left and len(parts) > 1 and (self._executor or self._factory):
             try:
@@ -259,7 +256,7 @@ class Evaluator(OneLine):
                 self._factory = None  # it is gone for good: the work goes on in this process
         return self._executor
 
-    def _submit(self, part: Stage) -> Future[Answer]:
+    def _submit(self, part: Stage) -> Future[StageAnswer]:
         executor = self._start()
         if executor is None:
             raise BrokenExecutor("no workers are left")
@@ -276,7 +273,7 @@ class Evaluator(OneLine):
             self._factory = None
 
 
-def solve_remote(payload: bytes, part: Stage, known: Mapping[int, Floats]) -> Answer:
+def solve_remote(payload: bytes, part: Stage, known: Mapping[int, Floats]) -> StageAnswer:
     """The verdict on one part, computed in a worker that unpacks the model once."""
     return _unpacked(payload).solve(Stage(*part), known)
 
@@ -289,4 +286,4 @@ def _unpacked(payload: bytes) -> Structure:
     return model
 
 
-__all__ = ["Evaluator", "Stopped", "solve_remote"]
+__all__ = ["Evaluator", "solve_remote"]

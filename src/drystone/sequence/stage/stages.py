@@ -64,7 +64,7 @@ def members(mask: int) -> Iterator[int]:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer(OneLine):
+class StageAnswer(OneLine):
     """Whether a stage, or one part of it, stands.
 
     Attributes
@@ -105,4 +105,4 @@ class Answer(OneLine):
         return self.verdict is Verdict.STABLE
 
 
-__all__ = ["Answer", "Stage", "mask_of", "members"]
+__all__ = ["Stage", "StageAnswer", "mask_of", "members"]

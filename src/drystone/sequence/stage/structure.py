@@ -23,7 +23,7 @@ from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
 from drystone.results import Verdict
 from drystone.sequence.stage.stage_checks import Check, check_both, check_both_near
-from drystone.sequence.stage.stages import Answer, Stage, mask_of, members
+from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening, try_rest
 
 LOADED = 1e-6
@@ -153,7 +153,7 @@ class Structure(OfModel, OneLine):
         """Free blocks that touch a support."""
         return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
 
-    def solve(self, part: Stage, known: Mapping[int, Floats] | None = None) -> Answer:
+    def solve(self, part: Stage, known: Mapping[int, Floats] | None = None) -> StageAnswer:
         """The answer of one connected part. Stages are checked and screened only here.
 
         Parameters
@@ -167,7 +167,7 @@ class Structure(OfModel, OneLine):
         held = list(members(part.held))
         ground = sorted({g for block in moving for g in self.grounds[block]})
         if not held and not ground:
-            return Answer(Verdict.UNSTABLE, "touches no support", tuple(moving))
+            return StageAnswer(Verdict.UNSTABLE, "touches no support", tuple(moving))
         blocks = np.array(sorted([*moving, *held, *ground]), dtype=np.intp)
         resting = self.assembly.fixed[blocks] | np.isin(blocks, held)
         some = Assembly(tuple(self.assembly.blocks[b] for b in blocks.tolist()), resting)
@@ -187,7 +187,7 @@ class Structure(OfModel, OneLine):
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
         if not result.stable or result.force is None:
-            return Answer(result.verdict, result.message, falling, settled=settled)
+            return StageAnswer(result.verdict, result.message, falling, settled=settled)
         reaction = {}
         if held:
             unloaded = stage.with_load(LoadCase(np.zeros_like(load.wrench)))
@@ -198,7 +198,7 @@ class Structure(OfModel, OneLine):
         used = _friction_used(contacts, result.force)
         force = np.array(result.force)
         moved = {number: motion[~some.fixed] for number, motion in rests.items()}
-        return Answer(
+        return StageAnswer(
             result.verdict, result.message, (), reaction, used, corner, force, moved, settled
         )
 
@@ -214,7 +214,7 @@ class Structure(OfModel, OneLine):
         corner = np.flatnonzero(chosen[self.contacts.interface])
         return self.contacts.select(chosen, new), corner
 
-    def combine(self, stage: Stage, parts: Iterable[Answer]) -> Answer:
+    def combine(self, stage: Stage, parts: Iterable[StageAnswer]) -> StageAnswer:
         """The answer of a stage from those of its parts."""
         found = list(parts)
         reaction = {b: -self.load.wrench[b] for b in members(stage.held)}
@@ -226,8 +226,10 @@ class Structure(OfModel, OneLine):
         if bad:
             undecided = next((one for one in bad if one.verdict is not Verdict.UNSTABLE), None)
             worst = bad[0] if undecided is None else undecided
-            return Answer(worst.verdict, worst.message, falling, reaction, settled=worst.settled)
-        return Answer(
+            return StageAnswer(
+                worst.verdict, worst.message, falling, reaction, settled=worst.settled
+            )
+        return StageAnswer(
             Verdict.STABLE,
             "",
             (),

@@ -19,7 +19,7 @@ from drystone.shells.blocks.materialise import (
 )
 from drystone.shells.blocks.planarise import PlanarReport, planarise
 from drystone.shells.bond.tessellation import Tessellation, directed
-from drystone.shells.shell_options import Body, Intrados
+from drystone.shells.shell_options import Intrados, ShellBody
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
 
@@ -54,7 +54,7 @@ class PlanarPins:
 
 
 def planar_pins(
-    mesh: Tessellation, thickness: Floats, width: float, body: Body, progress: Progress | None
+    mesh: Tessellation, thickness: Floats, width: float, body: ShellBody, progress: Progress | None
 ) -> PlanarPins:
     """Pins with planar joints between them, at the thickness asked for.
 
@@ -104,14 +104,14 @@ STRAIGHT_REMEDY = (
 JOGGLE_REMEDY = "leave the joggle out: surfaces of one patch, barrels and domes, take it"
 
 
-def special_remedy(shape: Shape, body: Body) -> str | None:
+def special_remedy(shape: Shape, body: ShellBody) -> str | None:
     """The most likely remedy where blocks do not fit; None where it depends on the sizes."""
     if body.intrados is Intrados.STRAIGHT:
         return STRAIGHT_REMEDY
     return JOGGLE_REMEDY if body.joggle_deg and shape.seams else None
 
 
-def refuse_joggle_at_sides(shape: Shape, body: Body) -> None:
+def refuse_joggle_at_sides(shape: Shape, body: ShellBody) -> None:
     """Refuse joggles where courses end at a seam.
 
     A joggle runs along a bed joint. It cannot continue where the bed joints of two patches meet at
@@ -131,7 +131,7 @@ def refuse_joggle_at_sides(shape: Shape, body: Body) -> None:
         )
 
 
-def refuse_warped(shape: Shape, made: PlanarPins, body: Body) -> None:
+def refuse_warped(shape: Shape, made: PlanarPins, body: ShellBody) -> None:
     """Refuse joints and straight inner faces that are not planar to 1e-6 of a block.
 
     Raises
@@ -148,7 +148,7 @@ def refuse_warped(shape: Shape, made: PlanarPins, body: Body) -> None:
         )
 
 
-def hook_notes(mesh: Tessellation, body: Body) -> tuple[str, ...]:
+def hook_notes(mesh: Tessellation, body: ShellBody) -> tuple[str, ...]:
     """A line where a block hooks over beds that meet at an angle: it cannot be turned in there."""
     if not body.joggle_deg:
         return ()

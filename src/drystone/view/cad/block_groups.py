@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Ints
 from drystone.base.display import OneLine
-from drystone.view.scenes.scene import Scene, Stage
+from drystone.view.scenes.scene import Scene, SceneStage
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
 
 NAMES = {State.FREE: "blocks", State.SUPPORT: "supports", State.FALLING: "falling blocks"}
@@ -31,12 +31,12 @@ class BlockGroup(OneLine):
     member: Ints
 
 
-def stage_of_scene(scene: Scene, stage: int | None) -> Stage:
+def stage_of_scene(scene: Scene, stage: int | None) -> SceneStage:
     """A stage by its number; when left out, the one that a figure shows."""
     return scene.stages[scene.still if stage is None else stage]
 
 
-def block_groups(stage: Stage) -> tuple[BlockGroup, ...]:
+def block_groups(stage: SceneStage) -> tuple[BlockGroup, ...]:
     """The blocks in place, by their state; free blocks that need help are a group of their own."""
     state = stage.state
     needy = np.zeros(len(state), dtype=bool)

@@ -8,7 +8,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.geometry.frames import frames_from_normals
-from drystone.view.scenes.scene import Layer, Shape
+from drystone.view.scenes.scene import Layer, MarkerShape
 
 Triangles: TypeAlias = tuple[Floats, Ints]
 """Points (p, 3) [m] and triangles (t, 3) of points, counter-clockwise from outside."""
@@ -69,10 +69,10 @@ def arrow_ends(layer: Layer, scale: float) -> tuple[Floats, Floats]:
     return (end, start) if layer.inward else (start, end)
 
 
-def marks(position: Floats, radius: float, shape: Shape) -> Triangles:
+def marks(position: Floats, radius: float, shape: MarkerShape) -> Triangles:
     """Spheres or octahedra about (p, 3) [m]."""
     points, corners = _octahedron()
-    if shape is Shape.DISC:
+    if shape is MarkerShape.DISC:
         for _ in range(2):
             points, corners = _rounded(points, corners)
     return _repeated(radius * points[:, None] + position[None], corners)

@@ -21,7 +21,7 @@ from drystone.io.mesh.glb_write import container
 from drystone.view.cad.block_groups import block_groups, stage_of_scene
 from drystone.view.cad.drawn_solids import Triangles, arrow_ends, arrows, marks, tubes
 from drystone.view.cad.keyframes import fall_moments, quaternions
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.scenes.staging import VIRTUAL
 from drystone.view.style.palette import ROLE_COLOUR, ramp_colours, rgb
 from drystone.view.style.presets import PRESETS, is_shown
@@ -48,7 +48,7 @@ def write_glb(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
 class _Glb:
     """The parts of a file while it is made."""
 
-    def __init__(self, scene: Scene, stage: Stage, preset: str) -> None:
+    def __init__(self, scene: Scene, stage: SceneStage, preset: str) -> None:
         self.scene, self.stage, self.opacity = scene, stage, PRESETS[preset].opacity
         self.binary: list[bytes] = []
         self.size = 0
@@ -181,7 +181,7 @@ class _Glb:
             channels.append((i, "rotation", moments, quaternions(motion[:, 3:] @ Z_UP), "LINEAR"))
         self._play(self.stage.motion_name, channels)
 
-    def _assembly(self, stages: list[Stage]) -> None:
+    def _assembly(self, stages: list[SceneStage]) -> None:
         channels = []
         for number, stage in enumerate(stages):
             motion = stage.motion

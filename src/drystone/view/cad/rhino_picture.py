@@ -19,7 +19,7 @@ from drystone.view.cad.block_groups import block_groups, stage_of_scene
 from drystone.view.cad.drawn_solids import arrow_ends, marks
 from drystone.view.cad.glb_picture import MARK
 from drystone.view.cad.keyframes import matrix_of
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.scenes.staging import VIRTUAL
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
 from drystone.view.style.presets import is_shown
@@ -48,7 +48,7 @@ def write_3dm(scene: Scene, path: Path, stage: int | None, preset: str) -> None:
     save(file, path)
 
 
-def _wanted(stage: Stage) -> list[Layer]:
+def _wanted(stage: SceneStage) -> list[Layer]:
     """Layers without those that repeat others with more objects."""
     keys = {layer.key for layer in stage.layers}
     doubled = {"interfaces", "pressure"} if "joint-force" in keys else set()
@@ -70,7 +70,7 @@ def _bytes(colour: Floats) -> tuple[int, int, int, int]:
     return red, green, blue, 255
 
 
-def _blocks(file: Any, scene: Scene, stage: Stage, path: Path) -> None:
+def _blocks(file: Any, scene: Scene, stage: SceneStage, path: Path) -> None:
     assembly = scene.assembly
     for group in block_groups(stage):
         layer = _layer(file, group.name, group.colour)
@@ -95,7 +95,7 @@ def _drawn(layer: int, key: str, name: str = "") -> Any:
     return attributes
 
 
-def _draw(file: Any, layer: Layer, scene: Scene, stage: Stage, number: int) -> None:
+def _draw(file: Any, layer: Layer, scene: Scene, stage: SceneStage, number: int) -> None:
     if layer.kind is LayerKind.POLYGONS:
         _polygons(file, layer, scene, stage, number)
     elif layer.kind is LayerKind.MARKERS:
@@ -109,7 +109,7 @@ def _draw(file: Any, layer: Layer, scene: Scene, stage: Stage, number: int) -> N
         _lines(file, layer, scene, number)
 
 
-def _polygons(file: Any, layer: Layer, scene: Scene, stage: Stage, number: int) -> None:
+def _polygons(file: Any, layer: Layer, scene: Scene, stage: SceneStage, number: int) -> None:
     """A mesh for each joint, coloured at its corners, with its forces as user text."""
     if layer.start is None:
         return
@@ -130,7 +130,7 @@ def _polygons(file: Any, layer: Layer, scene: Scene, stage: Stage, number: int) 
         file.Objects.AddMesh(mesh, attributes)
 
 
-def _tell(attributes: Any, scene: Scene, stage: Stage, interface: int) -> None:
+def _tell(attributes: Any, scene: Scene, stage: SceneStage, interface: int) -> None:
     """The name and the forces of a joint."""
     contacts, names = scene.contacts, scene.assembly.names
     a, b = names[contacts.block_a[interface]], names[contacts.block_b[interface]]

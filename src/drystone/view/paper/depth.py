@@ -22,7 +22,12 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.contacts import Contacts
 from drystone.geometry.plane.polygon import following
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.view.paper.separation import Bodies, separated_by_boxes, separated_by_faces, spans
+from drystone.view.paper.separation import (
+    SeparationData,
+    separated_by_boxes,
+    separated_by_faces,
+    spans,
+)
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 
 EDGE_ON = 1e-9
@@ -33,7 +38,7 @@ gaps, interpenetration) and still be ordered by it; chosen, for drawing only."""
 
 
 @dataclass(frozen=True, eq=False)
-class Patches:
+class SortedPolygons:
     """Polygons in the order in which they are drawn, far ones first.
 
     Attributes
@@ -52,7 +57,7 @@ class Patches:
 
 def ordered_patches(
     assembly: Assembly, contacts: Contacts, toward: Floats, paper: Floats
-) -> Patches:
+) -> SortedPolygons:
     """The visible sides of all blocks, far ones first.
 
     Parameters
@@ -66,7 +71,7 @@ def ordered_patches(
     normal = face_normals(faces)
     front = normal @ toward > EDGE_ON
     _, _, drawn = sharp_edges(faces, normal)
-    bodies = Bodies.of(assembly, normal)
+    bodies = SeparationData.of(assembly, normal)
     before, after = block_constraints(bodies, contacts, toward, paper)
     n = len(assembly)
     graph = coo_array((np.ones(len(before)), (before, after)), shape=(n, n))
@@ -82,7 +87,7 @@ def ordered_patches(
 
 
 def block_constraints(
-    bodies: Bodies, contacts: Contacts, toward: Floats, paper: Floats
+    bodies: SeparationData, contacts: Contacts, toward: Floats, paper: Floats
 ) -> tuple[Ints, Ints]:
     """Pairs of blocks (before, after), to be drawn in this order; both ways where neither works.
 
@@ -110,7 +115,7 @@ def block_constraints(
     return before, after
 
 
-def _overlapping(bodies: Bodies, paper: Floats) -> tuple[Ints, Ints]:
+def _overlapping(bodies: SeparationData, paper: Floats) -> tuple[Ints, Ints]:
     """Pairs (first < second) whose outlines overlap on the paper."""
     flat = bodies.point @ paper.T
     owner = np.repeat(np.arange(bodies.count), np.diff(bodies.start))
@@ -121,7 +126,12 @@ def _overlapping(bodies: Bodies, paper: Floats) -> tuple[Ints, Ints]:
 
 
 def _by_interfaces(
-    bodies: Bodies, contacts: Contacts, toward: Floats, first: Ints, second: Ints, sign: Floats
+    bodies: SeparationData,
+    contacts: Contacts,
+    toward: Floats,
+    first: Ints,
+    second: Ints,
+    sign: Floats,
 ) -> tuple[Bools, Bools]:
     """Fill in the sign of touching pairs; which pairs touch, and which of them stay open."""
     n = bodies.count
@@ -192,7 +202,7 @@ def _patches(
     drawn: Bools,
     rank: Ints,
     mixed: Bools,
-) -> Patches:
+) -> SortedPolygons:
     """Whole faces of blocks that can be drawn at once, ordered triangles of the others."""
     faces = assembly.faces
     corners = faces.point[faces.loop]
@@ -224,7 +234,7 @@ def _patches(
     start = np.concatenate([[0], np.cumsum([len(x) for x in loops])]).astype(np.intp)
     next_corner = corner[following(start)] if len(corner) else corner
     outlined = drawn[corner] & (next_corner == following(faces.start)[corner])
-    return Patches(corner, start, face[order], outlined)
+    return SortedPolygons(corner, start, face[order], outlined)
 
 
 def _triangles(corners: Floats, start: Ints, chosen: Ints) -> tuple[Ints, Ints]:

@@ -19,7 +19,7 @@ from drystone.view.paper.labels import draw_labels
 from drystone.view.paper.plot_file import save_plot
 from drystone.view.scenes.exploded import taken_apart
 from drystone.view.scenes.header import asked_line
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.scenes.section import behind, cut_at
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
@@ -202,7 +202,7 @@ def draw(
     return figure
 
 
-def _chosen(stage: Stage, layers: Collection[str] | None, preset: str) -> list[Layer]:
+def _chosen(stage: SceneStage, layers: Collection[str] | None, preset: str) -> list[Layer]:
     if layers is None:
         return [layer for layer in stage.layers if is_shown(layer, preset)]
     known = {layer.key for layer in stage.layers}
@@ -255,7 +255,7 @@ def _draw_gravity(figure: Figure, sheet: Sheet) -> None:
 
 
 def _write_title(
-    figure: Figure, scene: Scene, stage: Stage, size: tuple[float, float], theme: str
+    figure: Figure, scene: Scene, stage: SceneStage, size: tuple[float, float], theme: str
 ) -> None:
     known = VERDICT_COLOUR[theme]
     ink = ROLE_COLOUR[theme]["edge"]
@@ -302,7 +302,7 @@ def _write_legend(figure: Figure, sheet: Sheet, layers: list[Layer]) -> None:
             continue
         text = layer.label
         if layer.kind is LayerKind.MARKERS:
-            shape = "D" if layer.shape is Shape.DIAMOND else "o"
+            shape = "D" if layer.shape is MarkerShape.DIAMOND else "o"
             handles.append(
                 Line2D(
                     [], [], color=colour, marker=shape, linestyle="", markersize=5.5,

@@ -15,8 +15,8 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.geometry.body.cut_face import clip_loop, cut_faces
 from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.view.paper.depth import Patches, ordered_patches
-from drystone.view.scenes.scene import UP, Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.paper.depth import SortedPolygons, ordered_patches
+from drystone.view.scenes.scene import UP, Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.scenes.section import Plane, plane_of
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
@@ -56,7 +56,7 @@ class Sheet:
 
     axes: Axes
     scene: Scene
-    stage: Stage
+    stage: SceneStage
     toward: Floats
     width: float
     height: float
@@ -255,7 +255,7 @@ def _cut_faces(sheet: Sheet, assembly: Assembly) -> list[Path]:
 
 
 def _between(
-    sheet: Sheet, layers: list[Layer], patches: Patches, owner: Ints, present: Ints
+    sheet: Sheet, layers: list[Layer], patches: SortedPolygons, owner: Ints, present: Ints
 ) -> dict[int, list[tuple[Floats, Floats]]]:
     """Polygons of layers by the patch before which they are drawn.
 
@@ -351,7 +351,7 @@ def draw_layer(sheet: Sheet, layer: Layer, stretch: float) -> None:
     if layer.kind is LayerKind.MARKERS:
         sheet.axes.scatter(
             at[:, 0], at[:, 1], s=(7.5 * max(sheet.thin, 0.35)) ** 2, color=colour,
-            marker="D" if layer.shape is Shape.DIAMOND else "o",
+            marker="D" if layer.shape is MarkerShape.DIAMOND else "o",
             edgecolors=sheet.colours["edge"], linewidths=0.8, zorder=4.0,
         )  # fmt: skip
         return

@@ -21,7 +21,7 @@ CHUNK = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Bodies:
+class SeparationData:
     """Corners and face directions of all blocks, flat.
 
     Attributes
@@ -49,7 +49,7 @@ class Bodies:
         return len(self.size)
 
     @classmethod
-    def of(cls, assembly: Assembly, normal: Floats) -> Bodies:
+    def of(cls, assembly: Assembly, normal: Floats) -> SeparationData:
         """The bodies of an assembly whose faces have the outward normals (f, 3)."""
         faces = assembly.faces
         count = np.array([len(block.vertices) for block in assembly.blocks])
@@ -67,7 +67,7 @@ class Bodies:
         )
 
 
-def spans(bodies: Bodies, block: Ints, direction: Floats) -> tuple[Floats, Floats]:
+def spans(bodies: SeparationData, block: Ints, direction: Floats) -> tuple[Floats, Floats]:
     """Lowest and highest reach (r,) [m] of blocks (r,) along directions (r, 3)."""
     return _spans(bodies.point, bodies.start, block, direction)
 
@@ -83,7 +83,7 @@ def _spans(point: Floats, start: Ints, block: Ints, direction: Floats) -> tuple[
 
 
 def separated_by_boxes(
-    bodies: Bodies, first: Ints, second: Ints, toward: Floats
+    bodies: SeparationData, first: Ints, second: Ints, toward: Floats
 ) -> tuple[Bools, Floats]:
     """Whether the bounding boxes of pairs are apart, and which is in front.
 
@@ -108,7 +108,7 @@ def separated_by_boxes(
 
 
 def separated_by_faces(
-    bodies: Bodies, first: Ints, second: Ints, toward: Floats
+    bodies: SeparationData, first: Ints, second: Ints, toward: Floats
 ) -> tuple[Bools, Floats]:
     """As :func:`separated_by_boxes`, by the face of either block that separates them best."""
     gap = np.full(len(first), -np.inf)

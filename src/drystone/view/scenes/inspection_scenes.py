@@ -15,7 +15,7 @@ from drystone.base.errors import counted
 from drystone.base.files import write_bytes
 from drystone.detection import ContactReport, Detection, GapSweep
 from drystone.view.scenes.header import facts_of
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.scenes.section import cut_at
 from drystone.view.scenes.staging import interface_layers
 from drystone.view.scenes.tolerance_sweep import sweep_panel
@@ -62,7 +62,7 @@ def inspection_scene(
     headline = (
         f"{counted(len(assembly), 'block')}, {counted(found.contacts.count, 'interface')}{near}"
     )
-    stage = Stage("contacts", headline, message, state, layers=layers)
+    stage = SceneStage("contacts", headline, message, state, layers=layers)
     facts = facts_of(assembly, found.contacts, source=source)
     return Scene(assembly, found.contacts, (stage,), f"drystone: {count}", facts)
 

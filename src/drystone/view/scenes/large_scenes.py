@@ -12,7 +12,7 @@ from drystone.base.arrays import Floats
 from drystone.fall import Film
 from drystone.settlement import LargeDisplacement, LargeState
 from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.scenes.staging import interface_layers
 from drystone.view.style.palette import State
 
@@ -44,7 +44,7 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     last = found.states[-1]
     path = np.stack([one.positions for one in found.states])
     message = "; ".join([found.message, *model.notes])
-    whole = Stage(
+    whole = SceneStage(
         "all states", headline, message, state, motion=last.positions, motion_name=name,
         path=path if len(path) > 1 else None, seconds=SECONDS, plays=True, up=up, gravity=gravity,
         layers=(*interface_layers(contacts), *_marks(found, last)),
@@ -60,8 +60,8 @@ def _marks(found: LargeDisplacement, state: LargeState) -> tuple[Layer, ...]:
     """Hinges and sliding joints of a state; they are where their second blocks carry them."""
     made = []
     for key, label, colour, shape, joints in (
-        ("hinges", "hinge: presses on one edge", "hinge", Shape.DISC, state.hinges),
-        ("sliding", "friction is spent", "help", Shape.DIAMOND, state.sliding),
+        ("hinges", "hinge: presses on one edge", "hinge", MarkerShape.DISC, state.hinges),
+        ("sliding", "friction is spent", "help", MarkerShape.DIAMOND, state.sliding),
     ):
         number = np.array(joints, dtype=np.intp)
         if len(number):
@@ -122,7 +122,7 @@ def film_scene(film: Film, source: str = "") -> Scene:
     up, gravity = directions(assembly, model.load)
     headline = film.message[0].upper() + film.message[1:]
     message = "; ".join([NO_VERDICT, film.engine, *model.notes])
-    stage = Stage(
+    stage = SceneStage(
         "film", headline, message, state, motion=film.positions[-1], motion_name="Film",
         path=film.positions if len(film) > 1 else None, seconds=float(film.time[-1]), plays=True,
         up=up, gravity=gravity,

@@ -12,7 +12,7 @@ from drystone.base.errors import InputError
 from drystone.limits import Evaluation, Limit, TiltSweep
 from drystone.results import Result, Verdict
 from drystone.view.scenes.header import facts_of
-from drystone.view.scenes.scene import UP, Scene, Stage
+from drystone.view.scenes.scene import UP, Scene, SceneStage
 from drystone.view.scenes.staging import stage_of
 
 WIDTH, HEIGHT = 280.0, 130.0
@@ -91,7 +91,7 @@ def _same_shape(first: Result, second: Result) -> bool:
     return bool(np.array_equal(one.bounds, other.bounds))
 
 
-def _stage(limit: Limit, state: Result, value: float, falls: bool, alone: bool) -> Stage:
+def _stage(limit: Limit, state: Result, value: float, falls: bool, alone: bool) -> SceneStage:
     """One side of the limit; ``alone`` where the other side is not shown."""
     told = quantity_text(limit, value, state)
     stands = limit.best.stands

@@ -11,9 +11,9 @@ from drystone.base.errors import counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.sequence.plans import Plan, Status
-from drystone.sequence.stage.stages import Answer, members
+from drystone.sequence.stage.stages import StageAnswer, members
 from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.scene import Scene, Stage
+from drystone.view.scenes.scene import Scene, SceneStage
 from drystone.view.scenes.staging import force_layers, help_layer, interface_layers
 from drystone.view.style.palette import State
 
@@ -69,7 +69,7 @@ def block_numbers(plan: Plan) -> dict[int, int]:
     return {block: number for number, block in enumerate(order, 1)}
 
 
-def _stages(plan: Plan, number: int, forces: bool) -> list[Stage]:
+def _stages(plan: Plan, number: int, forces: bool) -> list[SceneStage]:
     """One stage for each block of a step."""
     step = plan.steps[number]
     names = plan.model.assembly.names
@@ -117,8 +117,8 @@ def _state(plan: Plan, placed: int, number: int, held: tuple[int, ...]) -> Ints:
 
 
 def _stage(
-    plan: Plan, label: str, message: str, state: Ints, answer: Answer, forces: bool
-) -> Stage:
+    plan: Plan, label: str, message: str, state: Ints, answer: StageAnswer, forces: bool
+) -> SceneStage:
     model = plan.model
     here = state != State.ABSENT
     contacts = model.contacts
@@ -128,7 +128,7 @@ def _stage(
         prop[block] = wrench
     up, gravity = directions(model.assembly, model.model.load)
     help_needed = help_layer(model.assembly, prop, "props and hands")
-    stage = Stage(
+    stage = SceneStage(
         label, _sentence(answer, state), message, state, answer.verdict,
         motion_name="Insertion", arrives=True, prop=prop, up=up, gravity=gravity,
         layers=interface_layers(contacts, shown) + help_needed,
@@ -147,7 +147,7 @@ def _stage(
     )  # fmt: skip
 
 
-def _sentence(answer: Answer, state: Ints) -> str:
+def _sentence(answer: StageAnswer, state: Ints) -> str:
     """The props and hands of a stage."""
     if not answer.stands:
         return "Not known to stand" if answer.verdict is Verdict.UNDECIDED else "Falls"
@@ -157,7 +157,7 @@ def _sentence(answer: Answer, state: Ints) -> str:
     return f"Stands with {' and '.join(helped)}" if helped else "Stands without help"
 
 
-def summary_stage(plan: Plan) -> Stage:
+def summary_stage(plan: Plan) -> SceneStage:
     """The complete structure, each block in the colour of its status."""
     state = np.array([STATE_OF[one] for one in plan.status], dtype=np.intp)
     impossible = [plan.model.assembly.names[b] for b in plan.impossible]
@@ -167,7 +167,7 @@ def summary_stage(plan: Plan) -> Stage:
     layers = interface_layers(plan.model.contacts)
     verdict = plan.verdict
     up, gravity = directions(plan.model.assembly, plan.model.model.load)
-    return Stage(
+    return SceneStage(
         "all blocks",
         counts_text(plan),
         message,

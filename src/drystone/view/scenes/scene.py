@@ -54,7 +54,7 @@ class LayerKind(enum.Enum):
     """A mark of constant size on the screen at each ``position``."""
 
 
-class Shape(enum.Enum):
+class MarkerShape(enum.Enum):
     """Of markers: told apart without their colour."""
 
     DISC = "disc"
@@ -115,7 +115,7 @@ class Layer(OneLine):
     single: bool = False
     width: float = 1.0
     group: str = "forces"
-    shape: Shape = Shape.DISC
+    shape: MarkerShape = MarkerShape.DISC
 
     def __post_init__(self) -> None:
         if self.colour not in ROLE_COLOUR["light"]:
@@ -153,7 +153,7 @@ class Layer(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
-class Stage(OneLine):
+class SceneStage(OneLine):
     """One state of the model: a result, a step of an assembly sequence, a case to compare.
 
     Attributes
@@ -244,7 +244,7 @@ class Scene(OneLine):
 
     assembly: Assembly
     contacts: Contacts
-    stages: tuple[Stage, ...] = field(default_factory=tuple)
+    stages: tuple[SceneStage, ...] = field(default_factory=tuple)
     title: str = "drystone"
     facts: Mapping[str, str] = field(default_factory=dict)
     number: Ints | None = None

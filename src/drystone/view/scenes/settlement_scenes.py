@@ -15,7 +15,7 @@ from drystone.geometry.frames import rotation_about
 from drystone.results import Verdict
 from drystone.settlement import Outcome, Settlement, SettlementPath, SupportResponse
 from drystone.view.scenes.header import directions, facts_of
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.scenes.staging import PLAYED, interface_layers, stage_of
 from drystone.view.style.palette import State
 
@@ -65,7 +65,7 @@ def moved_scene(settlement: SupportResponse, source: str = "") -> Scene:
     state = np.where(result.assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     message = f"{result.message}; the motion is drawn {factor:.3g} times as large"
     headline = _headline(settlement)
-    stage = Stage("after", headline, message, state, result.verdict)
+    stage = SceneStage("after", headline, message, state, result.verdict)
     moved = moved_assembly(result.assembly, motion)
     facts = _facts(settlement, source)
     return Scene(moved, Contacts.empty(), (stage,), f"drystone: {headline.lower()}", facts)
@@ -100,7 +100,7 @@ def followed_scene(settlement: Settlement, source: str = "") -> Scene:
     return Scene(model.assembly, model.contacts, stages, title, facts)
 
 
-def _followed(message: str, path: SettlementPath, several: bool) -> Stage:
+def _followed(message: str, path: SettlementPath, several: bool) -> SceneStage:
     model, last = path.model, path.displacement
     assembly = model.assembly
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
@@ -119,7 +119,7 @@ def _followed(message: str, path: SettlementPath, several: bool) -> Stage:
     up, gravity = directions(assembly, model.load)
     verdict = {Outcome.RESTS: Verdict.STABLE, Outcome.FALLS: Verdict.UNSTABLE}
     name = path.outcome.value
-    return Stage(
+    return SceneStage(
         f"ends of joints on the {path.carrier.value} block" if several else "settlement",
         name[0].upper() + name[1:],
         f"{message}; {told}",

@@ -15,7 +15,7 @@ from drystone.joints import HINGED, corner_pressure, force_network, hinged
 from drystone.model import Model
 from drystone.results import Result
 from drystone.view.scenes.header import directions, facts_of, sentence
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Shape, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.style.palette import State
 
 NEGLIGIBLE = 1e-3
@@ -51,12 +51,12 @@ def bare_scene(
     count = counted(len(assembly), "block")
     if contacts is not None:
         count += f", {counted(contacts.count, 'interface')}"
-    stage = Stage("model", count, "; ".join(notes), state, layers=interface_layers(found))
+    stage = SceneStage("model", count, "; ".join(notes), state, layers=interface_layers(found))
     facts = facts_of(assembly, found, load, source)
     return Scene(assembly, found, (stage,), f"drystone: {count}", facts)
 
 
-def stage_of(result: Result, label: str = "result") -> Stage:
+def stage_of(result: Result, label: str = "result") -> SceneStage:
     """A stage that shows one result."""
     assembly, contacts = result.assembly, result.contacts
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
@@ -64,7 +64,7 @@ def stage_of(result: Result, label: str = "result") -> Stage:
     up, gravity = directions(assembly, result.load)
     needed = _needed(result)
     layers = [*interface_layers(contacts), *help_layer(assembly, needed)]
-    stage = Stage(
+    stage = SceneStage(
         label, sentence(result), "; ".join([result.message, *result.model.notes]), state,
         result.verdict, prop=needed, up=up, gravity=gravity,
     )  # fmt: skip
@@ -161,8 +161,8 @@ def fall_layers(model: Model, motion: Floats) -> tuple[Layer, ...]:
 def _marks(place: Floats, hinge: Bools, turns: str, slide: Bools, slides: str) -> tuple[Layer, ...]:
     made = []
     for key, label, colour, shape, chosen in (
-        ("hinges", turns, "hinge", Shape.DISC, hinge),
-        ("sliding", slides, "help", Shape.DIAMOND, slide),
+        ("hinges", turns, "hinge", MarkerShape.DISC, hinge),
+        ("sliding", slides, "help", MarkerShape.DIAMOND, slide),
     ):
         number = np.flatnonzero(chosen)
         if len(number):

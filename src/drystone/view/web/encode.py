@@ -29,8 +29,8 @@ The format (``format`` "drystone-page", ``version`` 2):
     Axis and place of the section that is shown first, from -1 to 1 across the model; or null.
 ``stages``
     Each with label, headline, ``asked`` in one line, message, verdict, facts, ``state`` per block,
-    the optional arrays of :class:`drystone.view.scenes.scene.Stage`, and ``layers``. ``scale`` of
-    a layer is how long [m] an arrow of 1 N is, ``top`` the end of its colour bar.
+    the optional arrays of :class:`drystone.view.scenes.scene.SceneStage`, and ``layers``. ``scale``
+    of a layer is how long [m] an arrow of 1 N is, ``top`` the end of its colour bar.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.scenes.exploded import ways_apart
 from drystone.view.scenes.header import asked_line
-from drystone.view.scenes.scene import Layer, LayerKind, Scene, Stage
+from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 from drystone.view.style.palette import (
     FORCE_RAMP,
@@ -250,7 +250,7 @@ def _local_triangles(faces: Faces) -> Ints:
     return local
 
 
-def _stage(stage: Stage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
+def _stage(stage: SceneStage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
     origin = scene.centre
     data: dict[str, Any] = {
         "label": stage.label,

@@ -15,7 +15,7 @@ from drystone.base.errors import FormatError, InputError
 from drystone.io.cad import rhino
 from drystone.models import arch, shelf
 from drystone.results import Result
-from drystone.view import Shape
+from drystone.view import MarkerShape
 from drystone.view.cad import drawn_solids
 from drystone.view.cad.keyframes import matrix_of, quaternions
 from drystone.view.cad.save_cad import save_cad
@@ -148,7 +148,7 @@ def test_a_3dm_has_layers_for_blocks_forces_and_the_motion(falling, standing, tm
     assert np.allclose(told, standing.resultants.normal, rtol=1e-5)
 
 
-@pytest.mark.parametrize("shape", list(Shape))
+@pytest.mark.parametrize("shape", list(MarkerShape))
 def test_marks_tubes_and_arrows_are_closed_and_have_the_volume_of_their_shape(shape):
     start = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
     end = np.array([[0.0, 0.0, 2.0], [2.0, 2.0, 3.0]])
@@ -164,7 +164,9 @@ def test_marks_tubes_and_arrows_are_closed_and_have_the_volume_of_their_shape(sh
     found = volume(drawn_solids.marks(start, 0.5, shape))
     octahedron, ball = 2 * 4 / 3 * 0.125, 2 * 4 / 3 * np.pi * 0.125
     assert (
-        found == pytest.approx(octahedron) if shape is Shape.DIAMOND else 0.9 * ball < found < ball
+        found == pytest.approx(octahedron)
+        if shape is MarkerShape.DIAMOND
+        else 0.9 * ball < found < ball
     )
 
 
