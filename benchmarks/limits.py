@@ -237,14 +237,14 @@ stiffness is tried with two friction laws (sticking, and a slip length of one ov
 overrides the width. Values beyond the first fall at which the structure stands again are reported
 as islands.
 
-    drystone limit tilt model.obj --axis y --html fall.html
-    drystone limit tilt model.obj --polar 16 --workers 2 --png polar.png
-    drystone limit friction model.obj
-    drystone limit load model.obj seismic:1,0
-    drystone limit load model.obj "keystone:0,0,-1000@0,0,1.2"
+    drystone limit tilt model.json --axis y --html fall.html
+    drystone limit tilt model.json --polar 16 --workers 2 --png polar.png
+    drystone limit friction model.json
+    drystone limit load model.json seismic:1,0
+    drystone limit load model.json "keystone:0,0,-1000@0,0,1.2"
     drystone limit thickness arch --set voussoirs=36 --friction 1
-    drystone limit shrink model.obj
-    drystone limit imperfections model.obj --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
+    drystone limit shrink model.json
+    drystone limit imperfections model.json --friction-range 0.5,0.7 --corner-loss 0.1 --draws 200
 
 `shrink` finds the least share of the size of all joints that is needed. Its inverse is a geometric
 safety factor, which is printed too. `imperfections` draws imperfect joints at random and gives the

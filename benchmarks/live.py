@@ -1,7 +1,8 @@
 """How fast the live page answers, and whether anything grows: ``python -m benchmarks.live``.
 
 A wish is sent as the page sends it, by HTTP; the time runs until its quick answer has arrived. Each
-model is tilted to and fro, then its highest free block is pushed, then a support is moved.
+model is tilted to and fro, then its highest free block is pushed, then a support is moved. Then a
+wish ends a limit, a search for mends, a plan, and blocks that follow a support.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from drystone.models import arch, vault
 
 WISHES = 200
 MANY = 1000
+TRIES = 4
 TILT = 2.0
 """[degrees] within which the tilt goes to and fro, as a slider that is dragged."""
 PUSH = 0.1
@@ -56,16 +58,24 @@ class Asker:
                     return event
         raise SystemExit("the stream has ended")
 
-    def wish(self, wish: dict[str, Any], kind: str = "quick") -> float:
-        """Seconds from a wish to its answer."""
+    def send(self, path: str, wish: dict[str, Any], **more: Any) -> None:
+        """Ask for something; the answer comes as an event."""
         self.number += 1
         body = {"window": "bench", "number": self.number, "model": self.live.desk.current,
-                "wish": wish}  # fmt: skip
-        began = time.perf_counter()
+                "wish": wish, **more}  # fmt: skip
         connection = http.client.HTTPConnection("127.0.0.1", self.live.port)
-        connection.request("POST", "/live/wish", json.dumps(body), self.head)
+        connection.request("POST", path, json.dumps(body), self.head)
         connection.getresponse().read()
         connection.close()
+
+    def task(self, task: str, wish: dict[str, Any]) -> None:
+        """Press a button."""
+        self.send("/live/task", wish, task=task)
+
+    def wish(self, wish: dict[str, Any], kind: str = "quick") -> float:
+        """Seconds from a wish to its answer."""
+        began = time.perf_counter()
+        self.send("/live/wish", wish)
         self.until(kind)
         return time.perf_counter() - began
 
@@ -144,6 +154,28 @@ def latency(file: Path, wishes: int) -> None:
             )
 
 
+def interrupted(file: Path, tries: int) -> None:
+    """Print how long a wish takes that ends something longer, begun 1, 2, 3 ... s before."""
+    moved = drags(io.read(file), 8)["support"][4]
+    for task in ("limit", "mends", "plan", "following"):
+        times = []
+        for seconds in range(1, tries + 1):
+            with Live(file, port=0) as live:
+                asker = Asker(live)
+                asker.wish({})
+                if task == "following":
+                    asker.wish(moved)
+                else:
+                    asker.task(task, {"friction": 0.1} if task == "mends" else {})
+                time.sleep(seconds)
+                times.append(asker.wish({"tilt": 0.5}))
+        print(
+            f"| {file.stem} | {task} | {1e3 * statistics.median(times):.0f} "
+            f"| {1e3 * max(times):.0f} |",
+            flush=True,
+        )
+
+
 def growth(file: Path, many: int) -> None:
     """Print what is held before and after many wishes."""
     with Live(file, port=0) as live:
@@ -166,6 +198,7 @@ def main() -> None:
     )
     parser.add_argument("--wishes", type=int, default=WISHES)
     parser.add_argument("--many", type=int, default=MANY, help="wishes of the look at growth")
+    parser.add_argument("--tries", type=int, default=TRIES, help="of ending something longer")
     chosen = parser.parse_args()
     load = f", load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores"
     print(f"drystone {drystone.__version__}, commit {commit()}; {processor()}{load}")
@@ -187,6 +220,10 @@ def main() -> None:
             )
             for file in files:
                 latency(file, chosen.wishes)
+        if chosen.tries:
+            print("\n| model | what is ended | median [ms] | worst [ms] |\n|---|---|---|---|")
+            for file in files:
+                interrupted(file, chosen.tries)
         if chosen.many:
             growth(files[0], chosen.many)
 

@@ -1,8 +1,9 @@
 """How large a page is, how long it takes to open and to draw: ``python -m benchmarks.page``.
 
 Needs a Chromium. It draws without a graphics card (SwiftShader), which is the slow end. Triangles
-and calls of a picture say what a card has to do. Interfaces carry made-up forces, so that nothing
-is solved.
+and calls of a picture say what a card has to do. The time of its script, with calls that draw
+nothing, says what is left for the processor. Interfaces carry made-up forces, so that nothing is
+solved.
 """
 
 from __future__ import annotations
@@ -48,8 +49,8 @@ def main() -> None:
         raise SystemExit("no Chromium on this machine; the variable CHROMIUM can name one")
     print(f"drystone {drystone.__version__}, commit {commit()}; {processor()}")
     print("| blocks | interfaces | page [MB] | written [s] | opened [s] | turning [ms] "
-          "| at rest [ms] | triangles | calls | left out |")  # fmt: skip
-    print("|---|---|---|---|---|---|---|---|---|---|")
+          "| at rest [ms] | triangles | calls | script [ms] | left out |")  # fmt: skip
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder, running(program) as browser:
         for count in chosen.blocks:
             result = standing_wall(count)
@@ -63,11 +64,12 @@ def main() -> None:
             opened = time.perf_counter() - began
             frame = tab.run(FRAME.replace("FRAMES", str(FRAMES)))
             rest = tab.run(REST)
+            script = tab.run(SCRIPT.replace("FRAMES", str(FRAMES)))
             assert tab.complaints() == [], tab.complaints()
             print(
                 f"| {len(result.assembly):,} | {result.contacts.count:,} | {len(text) / 1e6:.2f} "
                 f"| {written:.2f} | {opened:.2f} | {frame:.0f} | {rest['time']:.0f} "
-                f"| {rest['triangles']:,.0f} | {rest['calls']} "
+                f"| {rest['triangles']:,.0f} | {rest['calls']} | {script:.1f} "
                 f"| {'said' if 'without details' in tab.text('#asked') else 'nothing'} |",
                 flush=True,
             )
@@ -76,14 +78,39 @@ def main() -> None:
 
 COUNT = """
 window.drawn = { calls: 0, triangles: 0 };
-for (const [name, at] of [["drawElements", 1], ["drawArrays", 2]]) {
+for (const [name, at, copies] of [["drawElements", 1, 9], ["drawArrays", 2, 9],
+                                  ["drawElementsInstanced", 1, 4], ["drawArraysInstanced", 2, 3]]) {
   const own = WebGL2RenderingContext.prototype[name];
   WebGL2RenderingContext.prototype[name] = function (...given) {
     window.drawn.calls += 1;
-    window.drawn.triangles += given[at] / 3;
-    return own.apply(this, given);
+    window.drawn.triangles += given[at] / 3 * (given[copies] ?? 1);
+    return window.muted ? undefined : own.apply(this, given);
   };
-}"""
+}
+const later = window.requestAnimationFrame.bind(window);
+window.scripts = [];
+window.requestAnimationFrame = (next) => later((now) => {
+  const began = performance.now();
+  next(now);
+  window.scripts.push(performance.now() - began);
+});"""
+
+SCRIPT = """(async () => {
+  const view = document.getElementById('view');
+  window.muted = true; // calls are made and counted, and nothing is drawn
+  window.drawn = { calls: 0, triangles: 0 };
+  const times = [];
+  for (let i = 0; i < FRAMES; i++) {
+    await new Promise((done) => setTimeout(done, 20));
+    window.scripts = [];
+    view.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft' }));
+    await new Promise((done) => setTimeout(done, 100));
+    times.push(Math.max(0, ...window.scripts));
+  }
+  window.muted = false;
+  times.sort((a, b) => a - b);
+  return times[Math.floor(times.length / 2)];
+})()"""
 
 REST = """(async () => {
   const view = document.getElementById('view');

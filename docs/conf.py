@@ -1,4 +1,4 @@
-"""How the site is built: ``sphinx-build -W -n docs site`` after ``pip install ".[docs]"``."""
+"""How the site is built: ``sphinx-build -W docs build/site`` after ``pip install ".[docs]"``."""
 
 import re
 import sys
@@ -7,6 +7,7 @@ from pathlib import Path
 from docutils.nodes import SkipNode
 from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
+from sphinx.util.nodes import make_refnode
 
 import drystone
 
@@ -38,6 +39,20 @@ napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 
+nitpicky = True  # a reference to nothing is a warning, and with -W an error
+nitpick_ignore_regex = [("py:class", r"(?!drystone\.).*")]
+"""Shapes, units and types of Python in the place where Sphinx expects a class: ``(n, 3) [m]``."""
+nitpick_ignore = [
+    ("py:class", "drystone.base.table.Table"),
+    ("py:class", "drystone.formulations.rest.rest_state.RestOptions"),
+    ("py:class", "drystone.io.draft.Draft"),
+    ("py:class", "drystone.results.Samples"),
+    ("py:class", "drystone.solvers.conic.Cones"),
+    ("py:class", "drystone.solvers.conic.ConicOptions"),
+    ("py:exc", "Stopped"),
+]
+"""Types of values that are not public names."""
+
 suppress_warnings = ["ref.python"]  # attributes of two classes may have one name
 
 html_theme = "furo"
@@ -59,6 +74,18 @@ def display_math(self, node):
     raise SkipNode
 
 
+def by_last_name(app, env, node, content):
+    """A reference to a public name by its last part: ``plan`` for drystone.plan."""
+    if node.get("refdomain") != "py":
+        return None
+    last, objects = node["reftarget"].rsplit(".", 1)[-1], env.domains["py"].objects
+    found = {o.node_id: o for name, o in objects.items() if name.rsplit(".", 1)[-1] == last}
+    if len(found) != 1:
+        return None
+    (one,) = found.values()
+    return make_refnode(app.builder, node["refdoc"], one.docname, one.node_id, content, last)
+
+
 def without_links(*event):
     """Links of an included file to files that are not part of the site, as plain words."""
     content = event[-1]
@@ -68,5 +95,6 @@ def without_links(*event):
 def setup(app: Sphinx) -> None:
     """What Sphinx calls when the site is built."""
     app.connect("include-read", without_links)
+    app.connect("missing-reference", by_last_name)
     app.add_html_math_renderer("mathml", (inline_math, None), (display_math, None))
     write_reference(HERE / "reference")

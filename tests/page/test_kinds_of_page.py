@@ -66,7 +66,9 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
     "sweep of tilts": (lambda: tilt_sweep(tower(2), 4, friction=0.3), "Stands up to 16."),
     "plan": (lambda: drystone.plan(STACK), "Stands without help"),
     "settlement of supports": (lambda: support_response(ARCH, SINKING), "Settled"),
-    "supports that move far": (lambda: move_supports(ARCH, SINKING, to=0.02), "Motion of the"),
+    "supports that move far": (
+        lambda: move_supports(ARCH, SINKING, to=0.02), "Stands with its supports moved by 20 mm"
+    ),
     "push": (lambda: push(tower(2), friction=0.3, to=0.01), "Push: at most 0.3"),
     "followed": (lambda: drystone.settle(ARCH.with_friction(0.15)), "Falls"),
     "film": (film, "2 blocks fell in 1 s and lie"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -158,7 +159,9 @@ def test_dark_forced_and_small_screens_draw_too(opened, standing, how):
 
 def test_a_printed_page_holds_the_picture(opened, standing):
     tab = opened(standing)
-    assert b"/Image" in tab.printed()
+    paper = tab.printed()
+    assert b"/Image" in paper
+    assert len(re.findall(rb"/Type\s*/Page\b", paper)) == 1  # the legend is not cut off
     tab.until("document.getElementById('printed').hidden")
 
 

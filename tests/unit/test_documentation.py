@@ -22,6 +22,7 @@ from drystone.results import Verdict
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+"""Whose examples and commands are tried."""
 SETUP = "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/drystone demo"
 TESTING = 'python3 -m venv .venv && .venv/bin/pip install ".[test]" && .venv/bin/pytest'
 
@@ -149,11 +150,68 @@ def test_the_python_of_a_page_runs(
         exec(compile(block, page.name, "exec"), names)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_to_something(page: Path) -> None:
-    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text("utf-8"))
-    local = [link for link in links if not link.startswith("https://")]
-    assert [link for link in local if not (page.parent / link).exists()] == []
+OF_THE_PROJECT = ("docs", "examples", "integrations", "benchmarks", "src", "tests")
+EVERY_MARKDOWN = sorted(
+    [*ROOT.glob("*.md"), *(page for name in OF_THE_PROJECT for page in (ROOT / name).rglob("*.md"))]
+)
+
+
+def places(page: Path) -> set[str]:
+    """Where a link with # may lead to in a page: its headings, as hosts of Markdown name them."""
+    text = re.sub(r"^```.*?^```", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    headings = re.findall(r"^#+ +(.*?) *$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in headings}
+
+
+def links_of(page: Path) -> list[str]:
+    """What the links and pictures of a page lead to, outside its code."""
+    text = re.sub(r"^```.*?^```", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
+    return re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`\n]*`", "", text))
+
+
+@pytest.mark.parametrize("page", EVERY_MARKDOWN, ids=lambda page: page.name)
+def test_links_lead_to_a_file_and_to_a_place_in_it(page: Path) -> None:
+    lost = []
+    for link in links_of(page):
+        name, _, place = link.partition("#")
+        target = page.parent / name if name else page
+        if link.startswith("https://"):
+            if not re.match(r"https://([a-z0-9-]+\.)+[a-z]{2,}(/|$)", link):
+                lost.append(link)
+        elif not target.exists() or (place and place not in places(target)):
+            lost.append(link)
+    assert lost == []
+
+
+def test_the_check_of_the_sites_links_finds_a_lost_page_a_lost_place_and_a_bad_address(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    check = runpy.run_path(str(ROOT / "docs" / "check_links.py"))["main"]
+    (tmp_path / "a.html").write_text('<a href="b.html#here">b</a><a href="https://x.org/">x</a>')
+    (tmp_path / "b.html").write_text('<p id="here"></p><a href="#top">up</a>')
+    monkeypatch.setattr(sys, "argv", ["check_links", str(tmp_path), "--external"])
+    assert check() == 0
+    assert capsys.readouterr().out == "https://x.org/\n2 pages, 3 links, 1 other sites, 0 broken\n"
+    (tmp_path / "b.html").write_text('<a href="c.html">c</a><a href="http://x.org">x</a>')
+    assert check() == 1
+    printed = capsys.readouterr().out
+    assert "a.html: b.html#here: no such place in the page" in printed
+    assert "b.html: c.html: no such file" in printed
+    assert "http://x.org: not https" in printed
+
+
+def test_every_figure_of_the_source_has_its_row_and_the_examples_of_the_rows_exist() -> None:
+    page = (ROOT / "docs" / "source-studies.md").read_text("utf-8")
+    table = page.split("## Figure by figure")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| ([67]\.[\d., ]+) \|.*\| (.*) \|$", table, re.MULTILINE)
+    numbers = [number for first, _ in rows for number in first.split(", ")]
+    assert numbers == [f"6.{i}" for i in range(1, 22)] + [f"7.{i}" for i in range(1, 18)]
+    for first, made in rows:
+        assert "not made under" in made or "{doc}" in made, first
+    examples = re.findall(r"\{doc\}`[^<]*<gallery/([^>]*plot[^>]*)>`", page)
+    assert examples
+    lost = [e for e in examples if not (ROOT / "examples" / "gallery" / f"{e}.py").exists()]
+    assert lost == []
 
 
 def commands_of(page: Path) -> list[str]:
@@ -273,6 +331,21 @@ def test_the_drawings_show_the_layers_that_are_enforced_and_every_one_of_them() 
     assert drawn["house"]() == (ROOT / "docs" / "images" / "house.svg").read_text("utf-8")
     assert drawn["signs"]() == (ROOT / "docs" / "images" / "signs.svg").read_text("utf-8")
     assert {name for floor in drawn["FLOORS"].values() for name in floor} >= set(drawn["layers"]())
+
+
+def test_the_figures_of_the_concepts_are_what_the_example_draws(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Their text; what is computed may differ by a pixel elsewhere. Each section has one."""
+    monkeypatch.syspath_prepend(ROOT / "examples")
+    drawings = runpy.run_path(str(ROOT / "examples" / "concept_figures.py"))["DRAWINGS"]
+    page = (ROOT / "docs" / "concepts.md").read_text("utf-8")
+    for name, draw in drawings.items():
+        shown = (ROOT / "docs" / "images" / f"concept-{name}.svg").read_text("utf-8")
+        assert re.findall(r">([^<]+)</text>", draw()) == re.findall(r">([^<]+)</text>", shown)
+        assert f"](images/concept-{name}.svg)" in page
+    for section in page.split("\n## ")[1:]:
+        assert "](images/" in section or section.startswith(("Model\n", "Sources\n")), section
 
 
 def test_the_pictures_of_the_tutorial_are_what_the_example_draws(tmp_path: Path) -> None:

@@ -6,6 +6,8 @@ A semicircular arch is tilted until no forces balance it. The angle depends on f
 when friction is small.
 """
 
+import math
+
 import drystone
 from drystone.limits import limit_friction
 from drystone.models import arch
@@ -16,17 +18,21 @@ case = reproduce("6.1")
 case.table()
 
 # %%
-# The arch beyond its limit of tilt: figure 6.3 of the source. Four hinges open, and the page
-# plays the motion.
+# The arch just beyond its limit of tilt (section 6.1.1). Four hinges open, and the page plays the
+# motion.
 
-Frame(case.pictures["arch"])
+blocks, friction = arch(0.15, 36), math.tan(math.radians(43.0))
+load = drystone.LoadCase.tilt(blocks, (0.0, 1.0, 0.0), 8.3)
+beyond = drystone.check(drystone.Model.of(blocks, friction=friction, load=load))
+print(beyond.verdict.value, "-", beyond.message)
+Frame(beyond)
 
 # %%
 # How much friction does it need (section 6.1.1)? Each joint needs its shear force divided by its
 # normal force; the figure shows this as a share of the friction coefficient. The whole arch falls
 # only below the least friction of any force distribution, which is smaller.
 
-model = drystone.Model.of(arch(0.15, 36), friction=0.93)
+model = drystone.Model.of(blocks, friction=friction)
 result = drystone.check(model)
 forces = result.resultants
 print(f"largest friction that a joint needs: {(forces.tangential / forces.normal).max():.3f}")

@@ -7,6 +7,12 @@ this way. We have no dimensions of it, so an arch of 11 voussoirs is built inste
 """
 
 from drystone.reproduce import reproduce
+from drystone.view import Frame
 
 case = reproduce("6.4.2")
 case.table()
+
+# %%
+# The arch when it is complete.
+
+Frame(case.pictures["arch"])

@@ -7,7 +7,13 @@ The diagnosis names each region that falls, how its blocks begin to move, and wh
 
 import drystone
 from drystone.models import shelf
+from drystone.view import Frame
 
 why = drystone.diagnose(shelf(), friction=0.9)
 for sentence in why.sentences:
     print(sentence)
+
+# %%
+# The first motion, the joints that carry nothing, and the props that would hold the pieces.
+
+Frame(why)

@@ -40,7 +40,8 @@ class Objective(enum.Enum):
     QUADRATIC = "quadratic"
     """Sum of weighted squares: unique, with forces spread evenly over corners."""
     LINEAR = "linear"
-    """Sum of weighted forces: a vertex of the set of admissible forces, not unique."""
+    """Sum of weighted forces. Not unique: the interior point gives a solution from the middle of
+    the set of solutions, the simplex method a vertex of it."""
 
 
 @dataclass(frozen=True)

@@ -84,7 +84,7 @@ def read(
         Its suffix determines the format.
     supports
         Which blocks are fixed: ``lowest``, ``below:Z``, names and patterns; see
-        :func:`drystone.supports.select`. Heights are along z; if ``load`` is an acceleration, along
+        ``drystone.supports.select``. Heights are along z; if ``load`` is an acceleration, along
         the axis nearest to its opposite. When left out: the blocks that the file marks as fixed.
     friction
         Coefficient of every interface. When left out: that of the file, else 0.6.

@@ -32,7 +32,7 @@ class RemovalTest(OneLine):
     ----------
     model
     tolerance
-        See :data:`drystone.sequence.motion.twists.TOLERANCE`.
+        See ``drystone.sequence.motion.twists.TOLERANCE``.
     """
 
     def __init__(self, model: Structure, tolerance: float = TOLERANCE) -> None:

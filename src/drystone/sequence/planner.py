@@ -110,7 +110,7 @@ def plan(
         structure may also stand after settling.
     screening
         Screening levels of a stage before its check, in order. When left out: those of
-        :func:`drystone.stability.stage_screening` without ``check``, none with it.
+        ``drystone.stability.screening.stage_screening`` without ``check``, none with it.
     checkpoint
         File from which the search continues after an interruption.
 

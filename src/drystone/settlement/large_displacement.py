@@ -275,9 +275,13 @@ def _driven(
     stopped = ""
     if end is End.STOPPED:
         stopped = clock.reason or f"{chosen.step_limit} steps were made"
+    fallen = None
+    if end is End.FALLS:
+        now = DrivenState(*driver.measure(), driver.pose, driver.placed, driver.response)
+        fallen = _state(model, bodies, _of_corners(now, kept), mine, length, load)
     found = LargeDisplacement(
         drive, model, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
-        stopped, chosen, {"solve": clock.elapsed_s},
+        fallen, stopped, chosen, {"solve": clock.elapsed_s},
     )  # fmt: skip
     return replace(found, message=_said(found, driver))
 

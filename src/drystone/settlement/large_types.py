@@ -150,6 +150,9 @@ class LargeDisplacement(OfModel, OneLine):
         Why they were followed no farther.
     message
         One sentence for a person.
+    fallen
+        Where blocks were seen to fall, after the last state; None where they do not. It is no
+        equilibrium.
     stopped
         Why it ended early; empty where it did not.
     options, time_s
@@ -162,6 +165,7 @@ class LargeDisplacement(OfModel, OneLine):
     states: tuple[LargeState, ...]
     end: End
     message: str
+    fallen: LargeState | None = None
     stopped: str = ""
     options: SettlementOptions = field(default_factory=SettlementOptions)
     time_s: Mapping[str, float] = field(default_factory=dict)

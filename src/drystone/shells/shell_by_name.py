@@ -98,7 +98,7 @@ def shell_by_name(
     surface
         barrel, cross, pavilion, dome, free-edge or three-vaults.
     span, length, rise, eye, keystone
-        See :func:`shape_by_name`.
+        See ``shape_by_name`` of the same module.
     thickness : [m]
     courses
     blocks

@@ -91,7 +91,7 @@ class ConicProgram(OneLine):
     def solve(
         self, options: ConicOptions | None = None, *, stop: Callable[[], bool] | None = None
     ) -> ConicSolution:
-        """The solution; parameters as for :func:`drystone.solvers.conic.solve_conic`."""
+        """The solution; parameters as for ``drystone.solvers.conic.solve_conic``."""
         return solve_conic(
             self.quadratic, self.linear, self.matrix, self.right, self.cones, options, stop=stop
         )

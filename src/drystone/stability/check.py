@@ -77,7 +77,7 @@ def check_near(
     stop: Stop | None = None,
     time_limit_s: float = float("inf"),
 ) -> tuple[Result, dict[int, Floats]]:
-    """The verdict of :func:`check`, begun at the rest states of a similar model.
+    """The verdict of :func:`drystone.check`, begun at the rest states of a similar model.
 
     Parameters
     ----------
@@ -111,8 +111,8 @@ def could_hold(
     """Could it stand with shims: does it stand with some contact stiffness, without prestress?
 
     If it stands with no tried stiffness, joints of different stiffness are searched. Shims can make
-    such joints. For blocks that are only set in place use :func:`check`. Parameters and result are
-    those of :func:`check`.
+    such joints. For blocks that are only set in place use :func:`drystone.check`. Parameters and
+    result are those of :func:`drystone.check`.
 
     Examples
     --------

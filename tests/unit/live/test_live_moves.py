@@ -13,7 +13,9 @@ import drystone
 from drystone import io
 from drystone.base import units
 from drystone.base.errors import InputError
+from drystone.design import MendOptions, find_mends
 from drystone.io.jsontext import Field
+from drystone.live.computing.moved_mends import AfterMoving, moved_model
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
 from drystone.live.computing.snapshot import Found, snapshot
@@ -168,10 +170,36 @@ def test_the_limit_is_that_of_the_moved_supports() -> None:
         assert verdict_of(tilted, stop=lambda: False).result.verdict == verdict
 
 
-def test_mends_and_plans_say_that_the_supports_did_not_move(window: Window) -> None:
-    for task in ("mends", "plan"):
-        found = window.until(task, window.task(task, moves=MOVE))
-        assert "not moved" in found.get("plan", found)["message"]
+def test_a_plan_and_changed_joints_are_refused_where_supports_move(window: Window) -> None:
+    for task in ("plan", "recut"):
+        told = window.until("error", window.task(task, moves=MOVE))
+        assert "this load case moves them" in told["what"]
+        assert "back first" in told["remedy"]
+
+
+def test_what_a_model_becomes_where_it_begins_to_fall_falls_and_where_it_stands_stands() -> None:
+    model = drystone.Model.of(arch(0.15, 12), friction=0.9)
+    for far, verdict in ((0.1, "stable"), (0.5, "unstable")):
+        there = moved_model(move_supports(model, {FOOT: (far, 0.0, 0.0)}))
+        assert drystone.check(there).verdict == verdict
+
+
+def test_a_mend_holds_after_the_supports_have_moved(window: Window) -> None:
+    left, right = box((1, 1, 1), name="left"), box((1, 1, 1), (1.4, 0, 0), name="right")
+    plank = box((1.4, 0.5, 0.2), (0.6, 0.0, 1.0), name="plank")
+    model = drystone.Model.of(drystone.Assembly((left, right, plank)).with_fixed([0, 1]))
+    model = model.with_friction([0.9, 0.05])
+    motion = np.zeros((3, 6))
+    motion[1, 0] = 1.5
+    margin = AfterMoving.of_supports(model, motion)
+    assert drystone.check(model).stable
+    assert not margin.stands(model)
+    assert margin.holds(model).falling_names == ("plank",)
+    found = find_mends(model, options=MendOptions(margin, ("merge",)))
+    assert found.mends
+    assert all(margin.stands(one.model) for one in found.mends)
+    told = window.until("mends", window.task("mends", moves=MOVE))
+    assert "stands with its supports moved" in told["message"]
 
 
 def test_a_block_on_one_support_moves_with_it() -> None:
@@ -199,7 +227,7 @@ def test_a_block_that_meets_another_is_shown_with_the_interfaces_of_the_model() 
     assert found.stage.motion[1, 0] < 0.1  # the wall holds it back
 
 
-def test_of_many_blocks_the_supports_are_shown_at_once() -> None:
+def test_of_many_blocks_the_supports_are_shown_at_once_and_blocks_as_they_followed_before() -> None:
     model = drystone.Model.of(tower(60), friction=0.5)
     name = model.assembly.names[0]
     made = asked(model, wish_of(moves=[{"block": name, "by": [0.0, 0.0, -0.1]}]))
@@ -208,6 +236,10 @@ def test_of_many_blocks_the_supports_are_shown_at_once() -> None:
     assert found.stage.verdict is None
     np.testing.assert_allclose(found.stage.motion[0], [0, 0, -0.1, 0, 0, 0])
     assert not found.stage.motion[1:].any()
+    before = np.tile([0.0, 0.0, -0.05, 0.0, 0.0, 0.0], (60, 1))  # of a tower that sinks as a whole
+    after = at_once(made.moving, before)
+    np.testing.assert_allclose(after.stage.motion, 2.0 * before)
+    assert after.stage.verdict is None
 
 
 def test_blocks_are_shown_while_they_follow(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -274,3 +274,16 @@ def test_settle_follows_supports_to_a_length(file: str, tmp_path: Path, capsys: 
     assert told["curve"]["displacement"][-1] == pytest.approx(0.01)
     assert told["positions"]["blocks"]["block-0"][-1][0] == pytest.approx(0.01, rel=1e-3)
     assert page.exists()
+
+
+def test_a_plank_falls_when_its_support_has_left_it() -> None:
+    # the plank ends 0.6 m behind the edge of the support that goes away below it
+    left, right = box((1, 1, 1), name="left"), box((1, 1, 1), (1.4, 0, 0), name="right")
+    plank = box((1.4, 0.5, 0.2), (0.6, 0.2, 1.0), name="plank")
+    model = drystone.Model.of(drystone.Assembly((left, right, plank)).with_fixed([0, 1]))
+    found = move_supports(model.with_friction([0.9, 0.05]), {"right": (1.5, 0.0, 0.0)})
+    assert found.end is End.FALLS
+    assert found.capacity == pytest.approx(0.6, abs=0.01)
+    assert found.fallen is not None
+    assert found.fallen.positions[2, 4] > 1e-3  # it tips about the edge of the other one
+    assert not found.fallen.positions[0].any()

@@ -7,7 +7,8 @@ import pytest
 
 import drystone
 from drystone.base.errors import InputError
-from drystone.models import arch, tower
+from drystone.models import arch, box, tower
+from drystone.settlement import move_supports
 from drystone.view import Scene, SceneStage, scene_of
 from drystone.view.style.palette import State
 from drystone.view.web import encode as encoding
@@ -60,3 +61,17 @@ def test_a_page_of_very_many_blocks_says_what_it_leaves_out(monkeypatch):
     assert {"joint-force", "network"} <= keys
     assert light["stages"][0]["force"] is None
     assert light["stages"][0]["normal"] is not None
+
+
+def test_supports_that_move_too_far_play_the_fall_of_what_falls():
+    left, right = box((1, 1, 1), name="left"), box((1, 1, 1), (1.4, 0, 0), name="right")
+    plank = box((1.4, 0.5, 0.2), (0.6, 0.2, 1.0), name="plank")
+    model = drystone.Model.of(drystone.Assembly((left, right, plank)).with_fixed([0, 1]))
+    found = move_supports(model.with_friction([0.9, 0.05]), {"right": (0.7, 0.0, 0.0)})
+    (stage,) = scene_of(found).stages
+    assert stage.headline == "Falls when the supports have moved by 605 mm"
+    assert stage.state.tolist() == [State.SUPPORT, State.SUPPORT, State.FALLING]
+    assert len(stage.path) == len(found.states) + 1
+    np.testing.assert_array_equal(stage.path[-1], found.fallen.positions)
+    shown = scene_of(move_supports(model, {"right": (0.1, 0.0, 0.0)})).stages[0]
+    assert State.FALLING not in shown.state

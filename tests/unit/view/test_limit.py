@@ -45,9 +45,16 @@ def test_states_of_different_blocks_are_not_mixed() -> None:
 
     limit = limit_thickness(build, 0.3, 0.02, friction=0.9, parameter="thickness_ratio")
     scene = scene_of(limit)
-    assert len(scene.stages) == 1
-    assert scene.stages[0].headline.startswith("Stands down to thickness ratio 0.")
-    assert scene.stages[0].headline.endswith(", then falls as shown")
+    stands, falls = scene.stages
+    assert stands.headline.startswith("Stands down to thickness ratio 0.")
+    assert falls.headline.startswith("Falls at thickness ratio 0.")
+    assert stands.headline.split()[-1] != falls.headline.split()[-1]
+    own = np.array([name.endswith(" (stands)") for name in scene.assembly.names])
+    assert ((stands.state == State.ABSENT) == ~own).all()
+    assert ((falls.state == State.ABSENT) == own).all()
+    assert stands.normal[: len(limit.best.standing.contacts)].min() > 0.0
+    assert not stands.normal[len(limit.best.standing.contacts) :].any()
+    np.testing.assert_array_equal(falls.motion[own], 0.0)
 
 
 def test_every_value_that_was_tried_and_both_sides_are_in_the_panel(tilt: Limit) -> None:

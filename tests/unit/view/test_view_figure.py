@@ -67,7 +67,7 @@ def texts(figure: Any) -> str:
 
 def test_the_figure_says_verdict_units_and_scale() -> None:
     text = texts(figure_of(falling_tower()))
-    assert "Falls: block top" in text
+    assert "Falls: block 'top'" in text
     assert "The top falls." in text
     for part in ("support", "falls", "first motion", " m"):
         assert part in text

@@ -96,7 +96,7 @@ def test_what_falls_is_shown_with_its_motion_and_without_forces() -> None:
 
 def test_the_headline_says_the_verdict_and_how_many_fall() -> None:
     stage = page_data(page_text(scene_of(falling_tower())))["stages"][0]
-    assert stage["headline"] == "Falls: block top"
+    assert stage["headline"] == "Falls: block 'top'"
     assert stage["message"] == "The top falls."
     assert stage["verdict"] == "UNSTABLE"
 

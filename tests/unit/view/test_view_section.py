@@ -11,6 +11,7 @@ import pytest
 import drystone
 from drystone.base.errors import InputError
 from drystone.cli import main
+from drystone.cli.base import verdict, written
 from drystone.models import arch, tower
 from drystone.results import Result
 from drystone.view import LayerKind, save_figure, save_page, scene_of
@@ -102,3 +103,22 @@ def test_the_command_line_cuts_both_pictures(capsys, tmp_path):
     assert "x=1.2" in capsys.readouterr().err
     assert main(["check", str(model), "--section", "z"]) == 2
     assert "add --html or --png" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "command", [["check"], ["limit", "tilt"], ["push"], ["mend", "--diagnose"], ["inspect"]]
+)
+def test_a_section_beside_the_model_is_refused_before_any_work(
+    command, capsys, tmp_path, monkeypatch
+):
+    model = tmp_path / "tower.json"
+    drystone.write(drystone.Model.of(tower(2)), model)
+    monkeypatch.setattr(written.Pictures, "of", None)  # no picture is begun
+    monkeypatch.setattr(verdict, "solve", None)
+    page = tmp_path / "a.html"
+    assert main([*command, str(model), "--section", "z=9", "--html", str(page)]) == 2
+    told = capsys.readouterr().err
+    assert "z = 9 m does not pass through the model" in told
+    assert "give z between" in told
+    assert "%" not in told  # no progress of an analysis
+    assert not page.exists()

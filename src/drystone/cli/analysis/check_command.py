@@ -39,6 +39,7 @@ def check(
     with what is known so far.
     """
     model = subject.prepared(waiting, finding, seismic)
+    wanted.require_through(model.assembly)
     result = verdict.solve(model, waiting, time_limit)
     if result.falls and not result.stopped:
         said = subject.upright(result.model, waiting)

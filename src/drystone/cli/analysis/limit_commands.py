@@ -60,6 +60,7 @@ def tilt(
     from drystone import limits
 
     model = subject.prepared(waiting)
+    pictures.require_through(model.assembly)
     with search.under_way(waiting) as common:
         if polar is None:
             about = "x" if axis is None else axis
@@ -176,6 +177,7 @@ def _answer(
     Notes that ``find`` adds are printed, and so are the figures of ``more``.
     """
     model = subject.prepared(waiting, seismic=seismic)
+    pictures.require_through(model.assembly)
     with search.under_way(waiting) as common:
         found = find(model, common)
     told = (*model.notes, *(notes or ()))

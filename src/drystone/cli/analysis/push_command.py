@@ -63,6 +63,7 @@ def push(
     from drystone.settlement import push as pushed
 
     model = subject.prepared(waiting)
+    wanted.require_through(model.assembly)
     options = SettlementOptions(pace=pace)
     notes = list(model.notes)
     with waiting.keywords(time_limit) as common:

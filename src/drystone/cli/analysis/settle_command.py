@@ -62,6 +62,7 @@ def settle(
     input.
     """
     model = subject.prepared(waiting, finding, seismic, move, settling=True)
+    wanted.require_through(model.assembly)
     if model.load.motion is None:
         raise InputError(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"

@@ -16,6 +16,7 @@ from drystone.cli.base.command import OUTPUT, Option
 from drystone.cli.inputs import options
 
 if TYPE_CHECKING:
+    from drystone.assembly import Assembly
     from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.limits import Limit
@@ -48,6 +49,18 @@ class Pictures:
             raise InputError(
                 "has no picture to cut", where="--section", remedy="add --html or --png"
             )
+
+    def require_through(self, assembly: Assembly) -> None:
+        """Refuse a section beside the model, before any work.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.section is not None:
+            from drystone.view.scenes.section import section_through  # as below
+
+            section_through(assembly, self.section)
 
     def cut(self, scene: Scene) -> Scene:
         """A scene with the section that is asked for."""

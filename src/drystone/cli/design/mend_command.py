@@ -110,6 +110,7 @@ def mend(
         )
     asked = margins(margin)
     model = subject.prepared(waiting, finding, seismic)
+    wanted.require_through(model.assembly)
     from drystone import design  # work is imported when there is some
 
     waiting.stage("diagnose", "diagnosing")
@@ -221,11 +222,9 @@ class Changed(Pictures):
     ] = None
     time_limit: options.TimeLimit = None
 
-    def files(self, found: Shaped | Sharpened, source: str) -> Files:
+    def files(self, found: Shaped | Sharpened, source: str, change: str) -> Files:
         """The changed model, and its pictures with the edges of the model before."""
-        return files_after(
-            found.before, found.result, found.model, self, self.out, source, found.message
-        )
+        return files_after(found.before, found.result, found.model, self, self.out, source, change)
 
 
 def files_after(

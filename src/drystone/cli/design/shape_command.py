@@ -91,7 +91,9 @@ def shape(
     with waiting.keywords(changed.time_limit) as common:
         found = design.shape(model, moves, options=chosen, **common)
     data: dict[str, Any] = {"model": subject.model, "aim": aim, **found.to_dict()}
-    files = partial(changed.files, found, subject.model)
+    largest = 1e3 * float(abs(found.x).max(initial=0.0))
+    change = f"vertices moved by up to {largest:.1f} mm"
+    files = partial(changed.files, found, subject.model, change)
     return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 

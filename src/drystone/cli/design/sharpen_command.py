@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated, Any
 
+from drystone.base.errors import counted
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
@@ -67,7 +68,11 @@ def sharpen(
     with waiting.keywords(changed.time_limit) as common:
         found = design.sharpen(model, options=chosen, **common)
     data = {"model": subject.model, **found.to_dict()}
-    files = partial(changed.files, found, subject.model)
+    wedges = [one["sharpness_deg"] for one in data["joints"]]
+    change = found.message
+    if wedges:
+        change = f"{counted(len(wedges), 'joint')} made wedges of up to {max(wedges):.3g} degrees"
+    files = partial(changed.files, found, subject.model, change)
     return Answer(data, partial(_show, data), 0 if found.stands else 1, model.notes, files)
 
 

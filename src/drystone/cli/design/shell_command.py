@@ -159,6 +159,7 @@ def shell(
         made = build_shell(base.shape, layout, body, progress=waiting)
     model = made.model() if friction is None else made.model(friction=friction)
     model = replace(model, notes=(*base.notes, *made.notes))
+    pictures.require_through(model.assembly)
     result = verdict.solve(model, waiting, time_limit)
     if block_files is not None:
         write_blocks(made, block_files, suffix=f".{block_format or 'obj'}")

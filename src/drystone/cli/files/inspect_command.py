@@ -48,6 +48,7 @@ def inspect(
     assembly, notes = _usable(built, supports)
     detection = swept = None
     if assembly is not None:
+        pictures.require_through(assembly)
         waiting.stage("detect", "finding contacts")
         detection = find_contacts(assembly, options=tolerances.options())
         swept = _swept(assembly, waiting) if sweep else None

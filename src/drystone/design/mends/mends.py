@@ -42,7 +42,8 @@ class MendOptions(Options):
     margin
         The safety margin of the mended structure.
     kinds
-        Kinds of mends to try; all when left out. See :data:`KINDS`.
+        Kinds of mends to try, of support, prop, tie, friction, turn, wedge, let-in, thicker,
+        ballast, glue and merge; all when left out.
     keep
         Names or positions of blocks that may not be changed.
     """
@@ -86,7 +87,7 @@ class Mend(OneLine):
     Attributes
     ----------
     kind
-        One of :data:`KINDS`.
+        One of those of :class:`MendOptions`.
     blocks
         Names of the blocks of the region.
     description

@@ -37,7 +37,7 @@ def shape(
     """Move vertices until a structure stands, or to the best shape that stands.
 
     The help that it needs, and its derivative by all variables (one more solve), come from the
-    compliant state; see :mod:`drystone.design.shaping.help_needed`. In each round scipy's SLSQP
+    compliant state; see ``drystone.design.shaping.help_needed``. In each round scipy's SLSQP
     moves the variables within a region of trust. Contacts are then found anew, and the check
     decides. Each round needs the one before, so an ``executor`` has nothing to share.
 

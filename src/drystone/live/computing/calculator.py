@@ -7,11 +7,13 @@ goes.
 from __future__ import annotations
 
 import json
+import os
 import pickle
 import signal
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -22,6 +24,7 @@ from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
 from drystone.live.computing import tasks
+from drystone.live.computing.jobs import Cancelled, Jobs
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.snapshot import Found, snapshot
 from drystone.live.computing.wish import Wish, WishedModel, asked
@@ -37,62 +40,54 @@ from drystone.view.web.encode import encode, to_text
 
 STARTS = 16
 """Rest states that are kept to start from, of as many windows and sets of blocks."""
+REST, FOLLOWED = "rest", "followed"
+"""What is kept of a window: rest states, and where blocks were that followed supports."""
 OFTEN = 0.2
 """[s] between two reports of progress."""
 SMALLER = "give a smaller model"
 
 
-class Cancelled(Exception):
-    """Nobody waits for the answer any more."""
-
-
 class Calculator:
     """Models by their numbers, and rest states to start from."""
 
-    def __init__(self, pipe: Connection) -> None:
-        self.pipe = pipe
+    def __init__(self, jobs: Jobs) -> None:
+        self.jobs = jobs
         self.models: dict[int, Model] = {}
         self.starts: OrderedDict[Any, dict[int, Floats]] = OrderedDict()
         self.mends: tuple[str, list[Mend]] = ("", [])
         self.job = 0
-        self.cancelled = False
         self._reported = 0.0
 
     def run(self) -> None:
-        """Answer until the other end of the pipe is closed."""
+        """Answer one job after the other."""
         while True:
-            try:
-                message = self.pipe.recv()
-            except (EOFError, OSError):
-                return
-            if "cancel" in message:
-                continue  # what is to be cancelled has ended
-            self.job, self.cancelled = message["job"], False
-            try:
-                DO[message["do"]](self, message)
-            except Cancelled:
-                pass
-            except DrystoneError as error:
-                self.tell("error", **told(error))
-            except MemoryError:
-                self.tell("error", what="the memory was used up", where="", remedy=SMALLER)
-            except Exception as error:  # the edge of the process: a fault of ours, told in one line
-                what = f"a fault in drystone, please report it: {type(error).__name__}: {error}"
-                self.tell("error", what=what, where="", remedy=SMALLER)
+            message = self.jobs.next()
+            self.job = message["job"]
+            if "blob" in message:
+                self.models[message["model"]] = pickle.loads(message["blob"])  # from our own server
+            for number in message.get("forget", ()):
+                self.models.pop(number, None)
+            self.jobs.do(self.job, partial(self._answer, message))
             self.tell("done")
+
+    def _answer(self, message: Mapping[str, Any]) -> None:
+        try:
+            DO[message["do"]](self, message)
+        except DrystoneError as error:
+            self.tell("error", **told(error))
+        except MemoryError:
+            self.tell("error", what="the memory was used up", where="", remedy=SMALLER)
+        except Exception as error:  # the edge of the process: a fault of ours, told in one line
+            what = f"a fault in drystone, please report it: {type(error).__name__}: {error}"
+            self.tell("error", what=what, where="", remedy=SMALLER)
 
     def tell(self, event: str, **what: Any) -> None:
         """Send an event of the job that is under way."""
-        self.pipe.send({"event": event, "job": self.job, **what})
+        self.jobs.send({"event": event, "job": self.job, **what})
 
     def stop(self) -> bool:
-        """Whether the job was cancelled. A closed pipe ends the process."""
-        try:
-            while not self.cancelled and self.pipe.poll():
-                self.cancelled = self.pipe.recv().get("cancel") == self.job
-        except (EOFError, OSError):
-            raise SystemExit from None
-        return self.cancelled
+        """Whether the job was cancelled."""
+        return self.jobs.cancelled
 
     def until(self, seconds: float) -> Callable[[], bool]:
         """Whether the job was cancelled or its time is up."""
@@ -112,16 +107,15 @@ class Calculator:
 
     def asked(self, message: Mapping[str, Any]) -> tuple[Wish, WishedModel]:
         """The wish in a message, and the model that it makes."""
-        if "blob" in message:
-            self.models[message["model"]] = pickle.loads(message["blob"])  # from our own server
-        for number in message.get("forget", ()):
-            self.models.pop(number, None)
         wish = Wish.of(Field(message["wish"], "", Path("wish")))
         return wish, asked(self.models[message["model"]], wish)
 
-    def known(self, message: Mapping[str, Any], wish: Wish) -> dict[int, Floats]:
-        """The last rest states of a window with the same blocks, by the number of the stiffness."""
-        key = (message["window"], message["model"], wish.removed)
+    def known(self, message: Mapping[str, Any], wish: Wish, what: str = REST) -> dict[int, Floats]:
+        """The last rest states of a window with the same blocks, by the number of the stiffness.
+
+        Of blocks that followed there is one, with the number 0.
+        """
+        key = (what, message["window"], message["model"], wish.removed)
         states = self.starts.setdefault(key, {})
         self.starts.move_to_end(key)
         while len(self.starts) > STARTS:
@@ -167,7 +161,10 @@ def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
     began = time.perf_counter()
     wish, made = self.asked(message)
     with one_blas_thread():
-        found = _at_rest(self, made, message, wish) if made.motion is None else at_once(made.moving)
+        if made.motion is None:
+            found = _at_rest(self, made, message, wish)
+        else:
+            found = at_once(made.moving, self.known(message, wish, FOLLOWED).get(0))
     self.require()
     _show(self, "quick", wish, made, found, began, message["name"])
 
@@ -191,10 +188,14 @@ def _whole(self: Calculator, message: Mapping[str, Any]) -> None:
     }  # fmt: skip
 
     def watch(found: Found) -> None:
+        if found.result.displacement is not None:
+            self.known(message, wish, FOLLOWED)[0] = found.result.displacement
         _show(self, "following", wish, made, found, began, message["name"])
 
     if made.motion is not None:
         found = verdict_of(made, watch=watch, **limits)
+        if found.moved and found.result.displacement is not None:
+            self.known(message, wish, FOLLOWED)[0] = found.result.displacement
     else:
         known = self.known(message, wish)
         result, rests = check_near(made.part, known, options=CheckOptions(), **limits)
@@ -274,8 +275,9 @@ DO: Mapping[str, Callable[[Calculator, Mapping[str, Any]], None]] = {
 def calculate(pipe: Connection) -> None:
     """What the process does. Ctrl-C is for the server, which then closes the pipe."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    pipe.send({"event": "ready"})
-    Calculator(pipe).run()
+    jobs = Jobs(pipe, gone=lambda: os._exit(0))  # a calculation would go on for nobody
+    jobs.send({"event": "ready"})
+    Calculator(jobs).run()
 
 
 __all__ = ["calculate"]

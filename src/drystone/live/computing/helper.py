@@ -12,8 +12,8 @@ from typing import Any
 from drystone.live.computing.calculator import calculate
 
 GRACE = 3.0
-"""[s] from cancelling a job to ending the process that does not stop. Chosen: the longest step of
-an analysis of 400 blocks takes less than a second."""
+"""[s] from cancelling a job to ending the process that does not stop. Chosen: a job is interrupted
+between two lines of Python, and one call of compiled code takes less than a second."""
 START = 120.0
 """[s] for the process to start. Chosen: it takes one or two, and a hundred on a crowded machine."""
 POLL_INTERVAL = 0.1

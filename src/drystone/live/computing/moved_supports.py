@@ -20,11 +20,13 @@ from drystone.settlement import (
     End,
     LargeDisplacement,
     LargeState,
+    SettlementOptions,
     move_supports,
     support_response,
 )
 from drystone.stability import check
 from drystone.view import LayerKind, SceneStage, stage_of
+from drystone.view.scenes.large_scenes import moved_headline
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
 MOST_AT_ONCE = 50
@@ -34,13 +36,18 @@ MOTION = "Motion of the supports"
 FORCE = "force of the blocks on the moving supports, along their motion"
 
 
-def at_once(model: Model) -> Found:
-    """The answer to first order; of many blocks, where the supports are.
+def at_once(model: Model, before: Floats | None = None) -> Found:
+    """The answer to first order; of many blocks, where they are in proportion to what was before.
 
-    The load of the model moves supports.
+    Parameters
+    ----------
+    model
+        Its load moves supports.
+    before : (n, 6) [m, rad]
+        Motion of supports and blocks when they were followed last.
     """
     if len(model) > MOST_AT_ONCE:
-        return _supports_alone(model)
+        return _in_proportion(model, before)
     found = support_response(model)
     result, size = found.result, units.quantity(found.size, "m")
     if result.displacement is None:
@@ -53,9 +60,15 @@ def at_once(model: Model) -> Found:
     return Found(result, replace(made, headline=headline, verdict=None), moved=True)
 
 
-def _supports_alone(model: Model) -> Found:
-    motion = np.zeros((len(model), 6)) if model.load.motion is None else model.load.motion
+def _in_proportion(model: Model, before: Floats | None) -> Found:
+    """Blocks as if they went on as they went before; where that is not known, supports alone."""
+    motion = np.zeros((len(model), 6)) if model.load.motion is None else model.load.motion.copy()
     size = units.quantity(float(np.linalg.norm(motion[:, :3], axis=1).max()), "m")
+    if before is not None:
+        fixed = model.assembly.fixed
+        old, new = before[fixed].ravel(), motion[fixed].ravel()
+        share = float(old @ new) / max(float(old @ old), 1e-300)
+        motion[~fixed] = share * before[~fixed]
     result = Result("settlement", Verdict.UNDECIDED, model, "the blocks are being followed")
     headline = f"Supports moved by {size}: the blocks are being followed"
     stage = replace(stage_of(result, "live"), headline=headline, verdict=None, motion=motion,
@@ -97,6 +110,26 @@ def after_moving(
     return check(model, stop=stop) if found is None else found.result
 
 
+def follow(
+    model: Model,
+    *,
+    stop: Callable[[], bool] | None,
+    progress: Progress | None = None,
+    seconds: float = float("inf"),
+    watch: Callable[[LargeState], None] | None = None,
+    pace: float = 1.0,
+) -> LargeDisplacement | None:
+    """Blocks that follow the motion in the load; None where they do not stand before.
+
+    ``pace`` is the length of the increments, 1 by default.
+    """
+    found = move_supports(
+        model, options=SettlementOptions(pace=pace), watch=watch, progress=progress, stop=stop,
+        time_limit_s=seconds,
+    )  # fmt: skip
+    return None if len(found.displacement) < 2 and found.end is not End.STOPPED else found
+
+
 def _followed(
     model: Model,
     progress: Progress | None,
@@ -110,8 +143,8 @@ def _followed(
         if watch is not None:
             watch(_on_the_way(model, state))
 
-    found = move_supports(model, watch=seen, progress=progress, stop=stop, time_limit_s=seconds)
-    if len(found.displacement) < 2 and found.end is not End.STOPPED:
+    found = follow(model, watch=seen, progress=progress, stop=stop, seconds=seconds)
+    if found is None:
         return None
     last = found.states[-1]
     verdict = {End.REACHED: Verdict.STABLE, End.FALLS: Verdict.UNSTABLE}
@@ -123,7 +156,7 @@ def _followed(
     )  # fmt: skip
     path = np.stack([one.positions for one in found.states])
     stage = _moved(result, contacts, path)
-    return Found(result, replace(stage, headline=_headline(found)), moved=True)
+    return Found(result, replace(stage, headline=moved_headline(found)), moved=True)
 
 
 def _on_the_way(model: Model, state: LargeState) -> Found:
@@ -146,18 +179,6 @@ def _of_model(model: Model, state: LargeState) -> tuple[Contacts, Floats]:
     """
     own = np.arange(state.contacts.count) < model.contacts.count
     return state.contacts.select(own), state.force[: model.contacts.corner_count]
-
-
-def _headline(found: LargeDisplacement) -> str:
-    last = found.states[-1]
-    far = units.quantity(float(found.displacement[-1]), "m")
-    if found.end is End.FALLS:
-        return f"Falls when the supports have moved by {far}"
-    if found.end is End.REACHED:
-        slides = f" and {counted(len(last.sliding), 'sliding joint')}" if last.sliding else ""
-        hinges = counted(len(last.hinges), "hinge")
-        return f"Stands with its supports moved by {far}: {hinges}{slides}"
-    return f"Not decided: followed until the supports had moved by {far}"
 
 
 def _moved(result: Result, contacts: Contacts, path: Floats) -> SceneStage:
@@ -187,4 +208,4 @@ def _carried(model: Model, motion: Floats) -> Contacts:
     return replace(contacts, point=contacts.point + 0.5 * moved)
 
 
-__all__ = ["after_moving", "at_once", "verdict_of"]
+__all__ = ["after_moving", "at_once", "follow", "verdict_of"]

@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats
 from drystone.geometry.frames import rotation_about
 from drystone.live.computing.wish import Wish, WishedModel
 from drystone.loads import DOWN
 from drystone.results import Result, Verdict
-from drystone.view import Layer, LayerKind, Scene, SceneStage, State, stage_of
+from drystone.view import Layer, LayerKind, Scene, SceneStage, stage_of
 from drystone.view.scenes.header import facts_of
+from drystone.view.scenes.widening import stage_among
 from drystone.view.web.encode import encode_stage
 
 QUICK = {
@@ -92,45 +93,8 @@ def widened(stage: SceneStage, asked: WishedModel) -> SceneStage:
         return stage
     here = np.zeros(blocks, dtype=bool)
     here[asked.kept] = True
-    joint = here[contacts.block_a] & here[contacts.block_b]
-    interface, corner = np.flatnonzero(joint), np.flatnonzero(joint[contacts.interface])
-    count = {"block": blocks, "interface": contacts.count, "corner": contacts.corner_count}
-    place = {"block": asked.kept, "interface": interface, "corner": corner}
-
-    def spread(values: Any, kind: str) -> Any:
-        if values is None:
-            return None
-        out = np.zeros((count[kind], *values.shape[1:]), dtype=values.dtype)
-        out[place[kind]] = values
-        return out
-
-    path = None
-    if stage.path is not None:
-        path = np.zeros((len(stage.path), blocks, 6))
-        path[:, asked.kept] = stage.path
-    state = np.full(blocks, State.ABSENT, dtype=np.intp)
-    state[asked.kept] = stage.state
-    return replace(
-        stage,
-        state=state,
-        motion=spread(stage.motion, "block"),
-        path=path,
-        prop=spread(stage.prop, "block"),
-        force=spread(stage.force, "corner"),
-        layers=tuple(_of_whole(layer, interface, asked.kept) for layer in stage.layers),
-        **{
-            name: spread(getattr(stage, name), "interface")
-            for name in ("normal", "tangential", "utilisation", "pressure_centre")
-        },
-    )
-
-
-def _of_whole(layer: Layer, interface: Ints, kept: Ints) -> Layer:
-    return replace(
-        layer,
-        interface=None if layer.interface is None else interface[layer.interface],
-        block=None if layer.block is None else kept[layer.block],
-    )
+    interface = np.flatnonzero(here[contacts.block_a] & here[contacts.block_b])
+    return stage_among(stage, blocks, contacts, asked.kept, interface)
 
 
 __all__ = ["Found", "snapshot", "widened"]

@@ -15,12 +15,13 @@ import numpy as np
 from drystone import io
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
-from drystone.design import Mend, find_mends, recut_joints
+from drystone.design import Mend, MendOptions, find_mends, recut_joints
 from drystone.design.surgery import cut_block
 from drystone.design.surgery.changed_model import acceleration_of
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.io.jsontext import Field
 from drystone.limits import limit_tilt
+from drystone.live.computing.moved_mends import FOLLOWED_KINDS, AfterMoving
 from drystone.live.computing.moved_supports import after_moving, verdict_of
 from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.loads import DOWN, LoadCase
@@ -29,7 +30,7 @@ from drystone.sequence import Order, PlanOptions, Rules, plan
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
-UNMOVED = "the supports were taken as not moved"
+WITH_MOTION = "it stands with its supports moved: nothing is to be mended"
 MOST_CASES = 20
 """Load cases that one window compares."""
 
@@ -67,10 +68,19 @@ class Work:
     tell: Callable[..., None]
     mends: list[Mend] = field(default_factory=list)
 
-    def noted(self, message: str) -> str:
-        """A message, and a note where the load case moves supports, which the task does not."""
-        note = UNMOVED if self.asked.motion is not None else ""
-        return "; ".join(one for one in (message, note) if one)
+    def require_still(self, what: str) -> None:
+        """Refuse what is done before supports move.
+
+        Raises
+        ------
+        InputError
+            The load case moves supports.
+        """
+        if self.asked.motion is not None:
+            raise InputError(
+                f"{what} needs supports that have not moved, and this load case moves them",
+                remedy="take the motion of the supports back first",
+            )
 
 
 def gravity_of(model: Model) -> float:
@@ -107,13 +117,22 @@ def _mends(work: Work) -> Iterator[Event]:
         work.tell("mend", number=len(work.mends), mend=_told(mend))
         work.mends.append(mend)
 
-    found = find_mends(work.asked.part, stop=work.stop, progress=work.progress, found_one=found_one)
+    part, motion = work.asked.part, work.asked.motion
+    options = MendOptions()
+    if motion is not None:
+        options = MendOptions(AfterMoving.of_supports(part, motion), FOLLOWED_KINDS)
+    found = find_mends(
+        part, options=options, stop=work.stop, progress=work.progress, found_one=found_one
+    )
     told = [{"number": work.mends.index(one), **_told(one)} for one in found.mends]
     tried = [
         {"blocks": list(blocks), "what": f"{one.kind}: {one.what}"} for blocks, one in found.tried
     ]
-    message, stopped = work.noted(found.message), work.stop()
-    yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": stopped}
+    message = found.message
+    if motion is not None and message:
+        first = found.diagnosis.result
+        message = WITH_MOTION if first.stable else first.message
+    yield "mends", {"mends": told, "tried": tried, "message": message, "stopped": work.stop()}
 
 
 def _told(mend: Mend) -> dict[str, Any]:
@@ -172,8 +191,9 @@ def _cut(work: Work) -> Iterator[Event]:
 
 def _recut(work: Work) -> Iterator[Event]:
     """The model with joints changed until every block is placed without help."""
+    work.require_still("a change of joints for the assembly")
     found = recut_joints(work.asked.part, stop=work.stop, progress=work.progress)
-    message = work.noted(found.message)
+    message = found.message
     if found.changes:
         yield "model", _made(work, found.model, message)
     else:
@@ -198,6 +218,7 @@ def _untilted(base: Model, made: Model) -> LoadCase:
 
 def _plan(work: Work) -> Iterator[Event]:
     """An order of assembly, or what becomes of a given one, as the data of a page."""
+    work.require_still("an order of assembly")
     given = work.extra["order"] if work.extra.has("order") else None
     order = [] if given is None else [one.text() for one in given.elements()]
     rules = Rules(order=order or Order.TOP, before=list(itertools.pairwise(order)))
@@ -208,7 +229,7 @@ def _plan(work: Work) -> Iterator[Event]:
         "order": list(found.order),
         "asked": order,
         "counts": found.counts,
-        "message": work.noted(found.message),
+        "message": found.message,
         "stopped": found.stopped,
         "impossible": {part.assembly.names[b]: why for b, why in found.impossible.items()},
     }

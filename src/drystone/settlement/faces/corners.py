@@ -197,7 +197,7 @@ def slid(ends: Ends, slide: Floats) -> tuple[Floats, Floats, Bools]:
     beyond = ends.sense * along > ends.reach
     if not beyond.any():
         carried = (ends.tangent @ slide[:, :, None])[:, :, 0]
-        return carried, ends.tangent, np.ones(len(along), dtype=bool)
+        return carried, ends.tangent, _on_both(ends, carried)
     weight = np.where(beyond, 1.0 - ends.share, ends.share)
     # of b: r beyond the end of the face of a; of a: s + r beyond the end of that of b
     shift = weight * along + np.where(beyond, ends.reach, 0.0)

@@ -44,7 +44,7 @@ class FlatFace(OneLine):
 
 
 def own_frame(shell: Shell, block: int | str) -> Block:
-    """A block moved into its own frame (:func:`drystone.shells.workshop.schedule.block_frame`)."""
+    """A block moved into its own frame (``drystone.shells.workshop.schedule.block_frame``)."""
     i = int(shell.assembly.indices([block])[0])
     axes, origin = block_frame(shell, i)
     return shell.assembly.blocks[i].transformed(axes, -axes @ origin)

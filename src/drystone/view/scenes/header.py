@@ -27,7 +27,7 @@ def sentence(result: Result) -> str:
         if falling == 0:
             return "Falls"
         if falling == 1:
-            return f"Falls: block {result.falling_names[0]}"
+            return f"Falls: block '{result.falling_names[0]}'"
         return f"Falls: {falling} of {total} blocks"
     if result.verdict is Verdict.UNDECIDED:
         return "Not decided: neither standing nor falling was shown"

@@ -9,8 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from drystone.base import units
 from drystone.base.arrays import Floats
+from drystone.base.errors import counted
+from drystone.checks import block_speed
 from drystone.fall import Film
-from drystone.settlement import LargeDisplacement, LargeState
+from drystone.settlement import Drive, End, LargeDisplacement, LargeState
 from drystone.view.scenes.header import directions, facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
 from drystone.view.scenes.staging import interface_layers
@@ -21,12 +23,14 @@ LEFT, RIGHT, TOP, BOTTOM = 48.0, 8.0, 10.0, 32.0
 """Size [px] of the drawing, and of its margins."""
 SECONDS = 6.0
 """Time in which the page plays the states. Chosen."""
+FALLS = 0.1
+"""Of the largest motion of a block that falls: those that move more fall with it. Chosen."""
 NO_VERDICT = "a simulated fall: no verdict"
 NAMES = {"load": "Push", "supports": "Motion of the supports", "friction": "Loss of friction"}
 
 
 def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
-    """A scene that plays the states from first to last.
+    """A scene that plays the states from first to last, and the fall where there is one.
 
     Examples
     --------
@@ -40,12 +44,17 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     up, gravity = directions(assembly, model.load)
     name = NAMES[found.drive.value]
-    headline = f"{name}: {found.message}"
+    moves = found.drive is Drive.SUPPORTS
+    headline = moved_headline(found) if moves else f"{name}: {found.message}"
     last = found.states[-1]
-    path = np.stack([one.positions for one in found.states])
+    seen = (*found.states, *([] if found.fallen is None else [found.fallen]))
+    path = np.stack([one.positions for one in seen])
+    if found.fallen is not None:
+        gone = block_speed(assembly, found.fallen.positions - last.positions)
+        state[~assembly.fixed & (gone > FALLS * gone.max())] = State.FALLING
     message = "; ".join([found.message, *model.notes])
     whole = SceneStage(
-        "all states", headline, message, state, motion=last.positions, motion_name=name,
+        "all states", headline, message, state, motion=path[-1], motion_name=name,
         path=path if len(path) > 1 else None, seconds=SECONDS, plays=True, up=up, gravity=gravity,
         layers=(*interface_layers(contacts), *_marks(found, last)),
     )  # fmt: skip
@@ -54,6 +63,27 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     return Scene(
         assembly, contacts, (whole,), title, facts, panels=(curve_panel(found),), preset="solid"
     )
+
+
+def moved_headline(found: LargeDisplacement) -> str:
+    """Whether blocks stand with their supports moved, in words for a person.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> from drystone.settlement import move_supports
+    >>> moved_headline(move_supports(tower(2), {0: (0.0, 0.0, -0.1)}))
+    'Stands with its supports moved by 100 mm'
+    """
+    last = found.states[-1]
+    far = units.quantity(float(found.displacement[-1]), "m")
+    if found.end is End.FALLS:
+        return f"Falls when the supports have moved by {far}"
+    if found.end is not End.REACHED:
+        return f"Not decided: followed until the supports had moved by {far}"
+    marks = [(len(last.hinges), "hinge"), (len(last.sliding), "sliding joint")]
+    told = " and ".join(counted(count, what) for count, what in marks if count)
+    return f"Stands with its supports moved by {far}{': ' if told else ''}{told}"
 
 
 def _marks(found: LargeDisplacement, state: LargeState) -> tuple[Layer, ...]:
@@ -119,7 +149,8 @@ def film_scene(film: Film, source: str = "") -> Scene:
     assembly, model = film.assembly, film.model
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
     state[film.fell] = State.FALLING
-    up, gravity = directions(assembly, model.load)
+    _, gravity = directions(assembly, model.load)
+    up = -gravity  # across the ground on which they fall
     headline = film.message[0].upper() + film.message[1:]
     message = "; ".join([NO_VERDICT, film.engine, *model.notes])
     stage = SceneStage(

@@ -10,22 +10,26 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.limits import Evaluation, Limit, TiltSweep
+from drystone.limits.limit_families import Shrunk
 from drystone.results import Result, Verdict
 from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import UP, Scene, SceneStage
 from drystone.view.scenes.staging import stage_of
+from drystone.view.scenes.widening import side_by_side
 
 WIDTH, HEIGHT = 280.0, 130.0
 LEFT, RIGHT, TOP, BOTTOM = 12.0, 12.0, 26.0, 30.0
 """Size [px] of the drawing, and of its margins."""
 
+MOST_DIGITS = 9
+"""Of a value; closer brackets are told alike."""
 NAMED_AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "-x": (-1, 0, 0), "-y": (0, -1, 0)}
 
 
 def limit_scene(limit: Limit, source: str = "") -> Scene:
     """A scene that compares the last state that stands with the first one that falls.
 
-    If their blocks differ (a limit of thickness), it shows the falling one.
+    If their blocks differ (a limit of thickness), the blocks of the other state are absent.
 
     Raises
     ------
@@ -51,16 +55,18 @@ def limit_scene(limit: Limit, source: str = "") -> Scene:
     if not states:
         raise InputError("there is no picture: no state is known on either side of the limit")
     last = states[-1][0]
-    same = [one for one in states if len(one[0].assembly) == len(last.assembly)]
-    if any(not _same_shape(state, last) for state, _, _ in same):
-        same = states[-1:]
     model = last.model
-    stages = tuple(_stage(limit, *one, alone=len(same) < len(states)) for one in same)
+    assembly, contacts = model.assembly, model.contacts
+    stages = tuple(_stage(limit, *one) for one in states)
+    if not all(_same_shape(state, last) for state, _, _ in states):
+        names = [" (falls)" if falls else " (stands)" for _, _, falls in states]
+        models = [state.model for state, _, _ in states]
+        assembly, contacts, stages = side_by_side(models, stages, names)
     facts = facts_of(model.assembly, model.contacts, model.load, source)
     asked = {name: text for name, text in facts.items() if name not in ("Load", "Friction")}
     title = f"drystone: {_summary(limit, last)}"
     panels = (evaluations_panel(limit),)
-    return Scene(model.assembly, model.contacts, stages, title, asked, panels=panels, still=-1)
+    return Scene(assembly, contacts, stages, title, asked, panels=panels, still=-1)
 
 
 def sweep_scene(sweep: TiltSweep, source: str = "") -> Scene:
@@ -86,19 +92,15 @@ def sweep_scene(sweep: TiltSweep, source: str = "") -> Scene:
 def _same_shape(first: Result, second: Result) -> bool:
     """Whether two results are of blocks in the same places."""
     one, other = first.assembly, second.assembly
-    if one is other:
-        return True
+    if one is other or len(one) != len(other):
+        return one is other
     return bool(np.array_equal(one.bounds, other.bounds))
 
 
-def _stage(limit: Limit, state: Result, value: float, falls: bool, alone: bool) -> SceneStage:
-    """One side of the limit; ``alone`` where the other side is not shown."""
+def _stage(limit: Limit, state: Result, value: float, falls: bool) -> SceneStage:
+    """One side of the limit."""
     told = quantity_text(limit, value, state)
-    stands = limit.best.stands
     headline = f"{'Falls at' if falls else _verb(limit)} {told}"
-    if alone and falls and stands is not None:
-        last = quantity_text(limit, stands, state)
-        headline = f"{_verb(limit)} {last}, then falls as shown"
     facts = facts_of(state.assembly, state.contacts, state.load)
     return replace(
         stage_of(state, f"{'falls' if falls else 'stands'} at {_short(limit, value)}"),
@@ -128,9 +130,19 @@ def quantity_text(limit: Limit, value: float, state: Result) -> str:
     See :func:`limit_scene`.
     """
     if limit.parameter == "tilt":
-        return f"{value:.3g} degrees{_about(state)}"
+        return f"{_told(limit, value, 3)} degrees{_about(state)}"
+    if limit.parameter == Shrunk.parameter:
+        return f"{_told(limit, value)} of the {limit.parameter}"
     unit = f" {limit.unit}" if limit.unit else ""
-    return f"{_name(limit)} {value:.4g}{unit}"
+    return f"{_name(limit)} {_told(limit, value)}{unit}"
+
+
+def _told(limit: Limit, value: float, digits: int = 4) -> str:
+    """A value with so many digits, or with as many more as tell both sides of the limit apart."""
+    both = [one for one in (limit.best.stands, limit.best.falls) if one is not None]
+    while digits < MOST_DIGITS and len({f"{one:.{digits}g}" for one in both}) < len(both):
+        digits += 1
+    return f"{value:.{digits}g}"
 
 
 def _name(limit: Limit) -> str:
@@ -140,7 +152,7 @@ def _name(limit: Limit) -> str:
 
 def _short(limit: Limit, value: float) -> str:
     mark = "\N{DEGREE SIGN}" if limit.unit == "deg" else f" {limit.unit}" if limit.unit else ""
-    return f"{value:.4g}{mark}"
+    return f"{_told(limit, value)}{mark}"
 
 
 def _about(state: Result) -> str:

@@ -73,7 +73,7 @@ class Layer(OneLine):
         For the legend.
     kind
     colour
-        A role of :mod:`drystone.view.style.palette`.
+        A role of ``drystone.view.style.palette``.
     position : (p, 3) [m]
     vector : (p, 3), arrows [N] or lines [m]
     start : (f + 1,) loops of polygons
@@ -236,7 +236,7 @@ class Scene(OneLine):
         The stage that a figure shows.
     preset
         The preset that is shown first: a key of
-        :data:`drystone.view.style.presets.PRESETS`; left empty, one that suits the first stage.
+        ``drystone.view.style.presets.PRESETS``; left empty, one that suits the first stage.
     section
         The axis (0, 1, 2) across which the model is cut, and the coordinate [m] of the cut: what
         lies between it and the eye is not drawn. None where nothing is cut.

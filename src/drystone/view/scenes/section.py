@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.geometry.body.cut_face import clip_loop
@@ -66,23 +67,35 @@ def read_section(text: str) -> tuple[int, float | None]:
     return axis, at
 
 
+def section_through(assembly: Assembly, section: str) -> tuple[int, float]:
+    """The axis and the coordinate [m] of a section through an assembly.
+
+    Raises
+    ------
+    InputError
+        The section is not an axis with or without a coordinate, or does not pass through a block.
+    """
+    axis, at = read_section(section)
+    low = float(assembly.bounds[:, 0, axis].min())
+    high = float(assembly.bounds[:, 1, axis].max())
+    at = 0.5 * (low + high) if at is None else at
+    if not low < at < high:
+        raise InputError(
+            f"the section {AXES[axis]} = {at:g} m does not pass through the model",
+            remedy=f"give {AXES[axis]} between {low:.6g} and {high:.6g} m",
+        )
+    return axis, at
+
+
 def cut_at(scene: Scene, section: str) -> Scene:
     """A scene with a section.
 
     Raises
     ------
     InputError
-        The section is not an axis with or without a coordinate, or does not pass through the model.
+        As :func:`section_through`.
     """
-    axis, at = read_section(section)
-    low, high = scene.bounds[:, axis]
-    at = float(scene.centre[axis]) if at is None else at
-    if not low < at < high:
-        raise InputError(
-            f"the section {AXES[axis]} = {at:g} m does not pass through the model",
-            remedy=f"give {AXES[axis]} between {low:.6g} and {high:.6g} m",
-        )
-    return replace(scene, section=(axis, at))
+    return replace(scene, section=section_through(scene.assembly, section))
 
 
 def plane_of(scene: Scene, eye: Floats) -> Plane | None:
@@ -144,4 +157,4 @@ def _polygons_behind(layer: Layer, height: Floats) -> Layer:
     )
 
 
-__all__ = ["Plane", "behind", "cut_at", "plane_of", "read_section"]
+__all__ = ["Plane", "behind", "cut_at", "plane_of", "read_section", "section_through"]

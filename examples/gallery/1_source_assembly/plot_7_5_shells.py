@@ -3,7 +3,7 @@ Shells (section 7.5)
 ====================
 
 A vault, a dome and a shell of three vaults: how many blocks can be set freely, and how many
-have to be held or propped.
+have to be held or propped. The shapes are ours: the source's dimensions are not known to us.
 """
 
 from drystone.reproduce import reproduce
@@ -13,6 +13,16 @@ case = reproduce("7.5")
 case.table()
 
 # %%
-# The shell of three vaults with its forces.
+# The vault, course by course.
+
+Frame(case.pictures["vault"])
+
+# %%
+# The dome.
+
+Frame(case.pictures["dome"])
+
+# %%
+# The shell of three vaults.
 
 Frame(case.pictures["three-vault-shell"])

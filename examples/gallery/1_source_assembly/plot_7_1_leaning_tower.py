@@ -1,0 +1,17 @@
+"""
+Leaning tower (figure 7.1, section 7.2)
+=======================================
+
+A leaning monolith is cut from the top down. Each cut is chosen so that the block above it can be
+taken off and the rest stands. Then the tower can be built from the ground without a prop. The
+shape is ours: the source gives no dimensions.
+"""
+
+from drystone.models import prism
+from drystone.sequence import CutOptions, cut_until_free
+from drystone.view import Frame
+
+monolith = prism([(0.0, 0.0), (1.0, 0.0), (2.5, 4.0), (1.5, 4.0)], (0.0, 1.0), "tower")
+cut = cut_until_free(monolith, options=CutOptions(blocks=8))
+print(cut.plan)
+Frame(cut.plan)
