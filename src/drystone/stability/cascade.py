@@ -241,7 +241,8 @@ class Cascade:
     def _followed(self, uniform: Candidate) -> Result:
         """The verdict of finite steps, where the contact stiffness decides."""
         found = self._follow()
-        if found.outcome is Outcome.UNKNOWN:
+        moves = found.outcome in (Outcome.FALLS, Outcome.DISPLACED)
+        if found.outcome is Outcome.UNKNOWN or (moves and self._first_motion() is None):
             self._other_stiffnesses(uniform)
         stood, tried = len(self.attempts.standing), self.attempts.tried
         held = f"{stood or 'none'} of {tried} contact stiffnesses tried would hold it in place"
@@ -251,16 +252,20 @@ class Cascade:
             return self.answers.rests(found, held)
         if found.outcome is Outcome.UNKNOWN and not stood and tried > self.options.samples:
             return replace(self.answers.first_motion(), settlement=found)
-        if found.outcome not in (Outcome.FALLS, Outcome.DISPLACED):
+        if not moves:
             return self.answers.undecided(found, held)
-        motions = (first_motion(self.problem, one.state) for one in self.attempts.falling)
-        motion = next((one for one in motions if one is not None), None)
+        motion = self._first_motion()
         if motion is None:
             motion = self.problem.normalised(found.displacement)
         words = f"{found.message}; {held}: {SENSITIVE}"
         if not stood and self.answers.balances:
             words = f"{NOT_REACHED}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
         return replace(self.answers.unstable(words, motion), settlement=found)
+
+    def _first_motion(self) -> Floats | None:
+        """The first motion (n, 6) of a state on ground springs; None where there is none."""
+        motions = (first_motion(self.problem, one.state) for one in self.attempts.falling)
+        return next((one for one in motions if one is not None), None)
 
     @cached_property
     def collapse(self) -> Floats | None:
