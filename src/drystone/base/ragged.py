@@ -220,4 +220,27 @@ def expand(first: Ints, count: Ints) -> tuple[Ints, Ints]:
     return source, value.astype(np.intp)
 
 
-__all__ = ["Ragged", "expand"]
+def runs_by_length(first: Ints, total: int) -> list[tuple[Ints, Ints]]:
+    """Runs of rows by their length c: numbers (r,) of the runs, and their rows (r c,).
+
+    Parameters
+    ----------
+    first
+        Row at which each run begins, ascending.
+    total
+        Number of rows.
+
+    Examples
+    --------
+    >>> [(run.tolist(), row.tolist()) for run, row in runs_by_length(np.array([0, 2, 3]), 5)]
+    [([1], [2]), ([0, 2], [0, 1, 3, 4])]
+    """
+    count = np.diff(np.append(first, total))
+    found = []
+    for length in np.unique(count):
+        runs = np.flatnonzero(count == length)
+        found.append((runs, (first[runs, None] + np.arange(length)).ravel()))
+    return found
+
+
+__all__ = ["Ragged", "expand", "runs_by_length"]

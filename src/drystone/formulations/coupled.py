@@ -73,7 +73,10 @@ def equal_overlap(
         return EqualOverlap(start, False, 0)
     spring = mean * normal_stiffness(statics)
     reach = SlipLength(FrictionBound(statics.friction), slip * corner_load(statics) / spring)
-    options = RestOptions(ground=1e-10, tolerance=1e-9, iteration_limit=40, warm_relaxation=1e-2)
+    # near the end of the path Newton's method on the unrelaxed law needs a point near the state
+    options = RestOptions(
+        ground=1e-10, tolerance=1e-9, iteration_limit=40, warm_relaxation=1e-2, polish=1e-7
+    )
     state = replace(start, motion=start.motion / mean)
     left, factor, iterations = 1.0, 0.3, 0
     for _ in range(step_limit):
@@ -92,7 +95,7 @@ def equal_overlap(
             break
     if left > SPRING_LEFT:
         return EqualOverlap(state, False, iterations)
-    free = RestOptions(ground=1e-16, tolerance=1e-10, iteration_limit=30, warm_relaxation=1e-8)
+    free = replace(options, ground=1e-16, tolerance=1e-10, iteration_limit=30, warm_relaxation=1e-8)
     final = find_rest(system, law, free, start=state, stop=stop)
     iterations += final.iterations
     return EqualOverlap(final, final.converged, iterations)

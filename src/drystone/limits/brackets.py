@@ -64,6 +64,10 @@ class Bracket(OneLine):
             return self.computed
         return 0.5 * (self.stands + self.falls)
 
+    def closes(self, stands: float, distance: float) -> bool:
+        """Whether it falls within a distance of a value that stands."""
+        return self.falls is not None and abs(self.falls - stands) <= distance
+
 
 @dataclass(frozen=True, eq=False)
 class FoundBracket:

@@ -35,6 +35,11 @@ COARSE = 1.0 / 96.0
 equilibrium. A finer bracket would depend more on the iteration than on the structure. It is the
 result of a scan of six steps, each halved four times."""
 
+CLOSING = 2.0
+"""Widths of that bracket between a value that stands and a proven fall at which it is the answer of
+larger models. Between them blocks would be followed very near to the limit of equilibrium, where it
+takes longest: 50 s for a cross vault of 188 blocks."""
+
 SENSITIVE = 1e-3
 """Default width where blocks are followed by finite steps, as a share of the same distance: three
 digits. The limit itself depends on the joints by more."""
@@ -171,28 +176,39 @@ def _in_two_steps(
     """Limits for uniform stiffness, of the verdict, and of standing for every stiffness.
 
     The scan and the first bisection use uniform stiffness, which is fast. The verdict is computed
-    on both sides of that limit, and beyond them only if these do not close the bracket. The limit
-    of standing for every stiffness is searched only if contact stiffness decides before the limit
-    of the verdict.
+    on both sides of that limit, and beyond them only if these do not close the bracket. Where
+    contact stiffness decides at that limit, the limit of standing for every stiffness comes first:
+    it is cheaper than following the blocks, and if they fall just beyond it, it is the answer.
     """
     (start, last), scan = span, means.options.scan
+    closing = 0.0
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
         width = max(width, COARSE * abs(last - start))
+        closing = CLOSING * width
     search = means.search(family, one_stiffness, STANDS_OR_NOT)
     uniform = search.from_start(start, last, width=width, scan=scan, beyond=outer)
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     means.tell("verdict where stiffness decides", 2)
     full = means.search(family, verdict)
+    every = means.search(family, every_stiffness, STANDS_OR_NOT)
     near = start if edge is None else edge
     far = last if edge is None or falls in (None, outer.falls) else falls
     if means.options.width is None:
         width = max(width, SENSITIVE * abs(last - start))
     try:
-        rest = full.around(near, far, span, width=width, beyond=outer)
+        if edge is not None and not every.stands(near):
+            first = every.around(near, near, (start, near), width=width).bracket
+            robust = start if first.stands is None else first.stands
+            if first.stands is not None and outer.closes(robust, closing):
+                near = robust
+            elif first.falls is not None and full.stands(first.falls) is False:
+                near, far = robust, first.falls
+        full.results.update({v: one for v, one in every.results.items() if _is_robust(one)})
+        rest = full.around(near, far, span, width=width, beyond=outer, closing=closing)
         stands_again = [all(full.stands(end) is True for end in run) for run in uniform.islands]
         islands = tuple(run for run, yes in zip(uniform.islands, stands_again, strict=True) if yes)
         rest = replace(rest, islands=islands, evaluations=full.evaluations())
-        return uniform, rest, _robust(family, full, rest.bracket, start, width, means)
+        return uniform, rest, _robust(every, full, rest.bracket, start, width)
     except Stopped:
         so_far = full.so_far(start).bracket
         inside = uniform.bracket if so_far.stands is None else so_far
@@ -201,26 +217,20 @@ def _in_two_steps(
 
 
 def _robust(
-    family: Family,
-    full: VerdictSearch,
-    rest: Bracket,
-    start: float,
-    width: float,
-    means: SearchSettings,
+    every: VerdictSearch, full: VerdictSearch, rest: Bracket, start: float, width: float
 ) -> Bracket | None:
     """The limit of standing for every stiffness, from known values of the verdict."""
-    search = means.search(family, every_stiffness, STANDS_OR_NOT)
     for value, result in full.results.items():
         robust = _is_robust(result)
-        search.results[value] = result if robust else replace(result, verdict=Verdict.UNDECIDED)
+        every.results[value] = result if robust else replace(result, verdict=Verdict.UNDECIDED)
     if rest.stands is None or _is_robust(full.results[rest.stands]):
-        return search.so_far(start).bracket
-    in_order = sorted(search.results, key=lambda value: abs(value - start))
-    sensitive = next(value for value in in_order if search.stands(value) is False)
+        return every.so_far(start).bracket
+    in_order = sorted(every.results, key=lambda value: abs(value - start))
+    sensitive = next(value for value in in_order if every.stands(value) is False)
     try:
-        return search.around(in_order[0], sensitive, (start, rest.stands), width=width).bracket
+        return every.around(in_order[0], sensitive, (start, rest.stands), width=width).bracket
     except Stopped:
-        return search.so_far(start).bracket
+        return every.so_far(start).bracket
 
 
 def _is_robust(result: Result) -> bool:

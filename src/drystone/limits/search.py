@@ -144,6 +144,7 @@ class VerdictSearch:
         *,
         width: float,
         beyond: Bracket | None = None,
+        closing: float = 0.0,
     ) -> FoundBracket:
         """Bracket the change of the verdict by growing steps from two guesses.
 
@@ -157,6 +158,8 @@ class VerdictSearch:
             The start, from where it should stand, and the end.
         width, beyond
             As for :meth:`run`.
+        closing
+            Distance from a guess that stands to the fall ``beyond`` within which nothing is tried.
 
         Raises
         ------
@@ -165,7 +168,10 @@ class VerdictSearch:
         """
         start, end = span
         self._walk(near, start, width, True)
-        if self.stands(near) is not False:
+        held = self.stands(near)
+        if held and beyond is not None and beyond.closes(near, closing):
+            return self.so_far(start, beyond)
+        if held is not False:
             self._walk(far, end, width, False)
         bracket = self.so_far(start, beyond).bracket
         inside, outside = bracket.stands, bracket.falls

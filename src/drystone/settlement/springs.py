@@ -11,6 +11,7 @@ from scipy import sparse
 from scipy.spatial.transform import Rotation
 
 from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.ragged import runs_by_length
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import slid
 from drystone.solvers.dense_factor import inverse
@@ -235,18 +236,22 @@ class SparseMaps:
         slot_a, slot_b = bodies.slot[bodies.block_a], bodies.slot[bodies.block_b]
         self.free_a, self.free_b = slot_a >= 0, slot_b >= 0
         self.slot_a, self.slot_b = slot_a, slot_b
+        begins = np.ones(k, dtype=bool)
+        begins[1:] = (np.diff(bodies.block_a) != 0) | (np.diff(bodies.block_b) != 0)
+        first = np.flatnonzero(begins)
+        self.groups = runs_by_length(first, k)
+        self.joints = m = len(first)
         keys, sources = [np.arange(f) * (f + 1)], []
-        for kind, (i, j) in enumerate(
-            ((slot_a, slot_a), (slot_a, slot_b), (slot_b, slot_a), (slot_b, slot_b))
-        ):
+        a, b = slot_a[first], slot_b[first]
+        for kind, (i, j) in enumerate(((a, a), (a, b), (b, a), (b, b))):
             here = np.flatnonzero((i >= 0) & (j >= 0))
             keys.append(i[here] * f + j[here])
-            sources.append(kind * k + here)
+            sources.append(kind * m + here)
         unique, where = np.unique(np.concatenate(keys), return_inverse=True)
         source = np.concatenate(sources)
         self.diagonal = where[:f]
         self.sum = sparse.csr_matrix(
-            (np.ones(len(source)), (where[f:], source)), shape=(len(unique), 4 * k)
+            (np.ones(len(source)), (where[f:], source)), shape=(len(unique), 4 * m)
         )
         self.ordering = BlockOrdering(bodies.centroid[bodies.free], unique // f, unique % f, 6)
         corner = np.arange(k)
@@ -277,15 +282,15 @@ class SparseMaps:
 
     def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
         """As in :class:`DenseMaps`."""
-        k = len(tangent)
-        parts = np.empty((4, k, 6, 6))
-        along_a, along_b = tangent @ self.of_a, tangent @ self.of_b
-        back_a, back_b = np.swapaxes(self.of_a, 1, 2), np.swapaxes(self.of_b, 1, 2)
-        np.matmul(back_a, along_a, out=parts[0])
-        np.matmul(back_a, along_b, out=parts[1])
-        np.matmul(back_b, along_a, out=parts[2])
-        np.matmul(back_b, along_b, out=parts[3])
-        blocks = np.asarray(self.sum @ parts.reshape(4 * k, 36)).reshape(-1, 6, 6)
+        parts = np.empty((4, self.joints, 6, 6))
+        along = tangent @ self.of_a, tangent @ self.of_b
+        for joints, corners in self.groups:
+            rows = len(joints), -1, 6
+            back = [part[corners].reshape(rows).swapaxes(1, 2) for part in (self.of_a, self.of_b)]
+            ahead = [part[corners].reshape(rows) for part in along]
+            for kind, (i, j) in enumerate(((0, 0), (0, 1), (1, 0), (1, 1))):
+                parts[kind, joints] = back[i] @ ahead[j]
+        blocks = np.asarray(self.sum @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
         blocks[self.diagonal[:, None], index, index] += weight
         return self.ordering.factorise(blocks).solve

@@ -11,17 +11,39 @@ Sources: George 1973 (nested dissection); Duff and Reid 1983 (multifrontal metho
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.blas import dgemm
-from scipy.linalg.lapack import dgetrf, dgetrs
+from scipy.linalg.blas import dgemm, dtrsm
+from scipy.linalg.lapack import dgetrf, dgetrs, dlaswp
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import SolverError
+
+MOST_RUNS = 16
+"""Runs up to which a front is added to the next one run by run, by slices."""
 
 LEAF = 20
 """Nodes that are not divided further. Chosen by timing: smaller fronts cost more in bookkeeping
 than they save in arithmetic."""
+
+
+class _Run(NamedTuple):
+    """Nodes that follow each other both in the boundary of a front and in the next front.
+
+    Attributes
+    ----------
+    inner
+        Whether they are eliminated in the next front.
+    here, there
+        Place in the boundary, and among the pivots or in the boundary of the next front. Places
+        are those of matrix rows: slices, or indices where the nodes are scattered.
+    """
+
+    inner: bool
+    here: slice
+    there: slice | Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,18 +54,13 @@ class _Front:
     ----------
     pivots, boundary
         Nodes eliminated here, and later nodes that they are coupled with.
-    entry, row, column
-        Matrix blocks that enter here, and their place in the front.
     children
         Earlier fronts, with the place of their boundary in this front.
     """
 
     pivots: Ints
     boundary: Ints
-    entry: Ints
-    row: Ints
-    column: Ints
-    children: tuple[tuple[int, Ints], ...]
+    children: tuple[tuple[int, tuple[_Run, ...]], ...]
 
 
 class BlockOrdering:
@@ -61,11 +78,12 @@ class BlockOrdering:
         self.count = len(position)
         self.width = width
         if self.count <= LEAF:
-            self.fronts = _one_front(self.count, row, column)
+            self.fronts = _one_front(self.count)
         else:
             neighbours = _adjacency(self.count, row, column)
             tree = _dissect(position, neighbours)
-            self.fronts = _fronts(tree, neighbours, self.count, row, column)
+            self.fronts = _fronts(tree, neighbours, self.count, width)
+        self.entry, self.size = _places(self.fronts, self.count, row, column, width)
 
     def factorise(self, blocks: Floats) -> BlockFactor:
         """Factors of the matrix with the given blocks (e, w, w), in the order of row and column.
@@ -78,35 +96,32 @@ class BlockOrdering:
         w = self.width
         schur: dict[int, Floats] = {}
         factors = []
-        turned = blocks.transpose(0, 2, 1)
+        parts = np.zeros(self.size)
+        parts[self.entry] = blocks
+        at = 0
         for number, front in enumerate(self.fronts):
-            p, size = len(front.pivots), len(front.pivots) + len(front.boundary)
-            # column by column in memory, as LAPACK takes it
-            dense = np.zeros((size, w, size, w))
-            dense[front.column, :, front.row, :] = turned[front.entry]
-            for child, place in front.children:
+            p, b = len(front.pivots), len(front.boundary)
+            first, right, below = _parts(parts, at, p * w, b * w)
+            at += (p + 2 * b) * p * w * w
+            rest = np.zeros((b * w, b * w))
+            quarter = ((rest, right), (below, first))
+            for child, runs in front.children:
                 update = schur.pop(child).T
-                b = len(place)
-                dense[place[:, None], :, place[None, :], :] += update.reshape(b, w, b, w).transpose(
-                    0, 2, 1, 3
-                )
-            flat = dense.reshape(size * w, size * w).T
-            inner = p * w
-            first = np.asfortranarray(flat[:inner, :inner])
-            lu, pivots, info = dgetrf(first, overwrite_a=True)
+                for of in runs:
+                    for by in runs:
+                        target = quarter[of.inner][by.inner]
+                        if isinstance(of.there, slice) or isinstance(by.there, slice):
+                            target[of.there, by.there] += update[of.here, by.here]
+                        else:
+                            target[of.there[:, None], by.there] += update[of.here, by.here]
+            lu, pivots, info = dgetrf(first.T, overwrite_a=True)
             if info != 0:
                 raise SolverError(f"front {number} of the elimination is singular")
-            if size > p:
-                right = np.asfortranarray(flat[:inner, inner:])
-                coupling, _ = dgetrs(lu, pivots, right, overwrite_b=True)
-                below, rest = (
-                    np.asfortranarray(flat[inner:, cut])
-                    for cut in (slice(0, inner), slice(inner, None))
-                )
-                schur[number] = dgemm(-1.0, below, coupling, 1.0, rest, overwrite_c=True)
-            else:
-                coupling = below = np.zeros((0, 0))
-            factors.append((lu, pivots, coupling, below))
+            multiple = below.T
+            if b:
+                multiple = _from_right(lu, pivots, multiple)
+                schur[number] = dgemm(-1.0, multiple, right.T, 1.0, rest.T, overwrite_c=True)
+            factors.append((lu, pivots, multiple, right.T))
         return BlockFactor(self, factors)
 
 
@@ -123,23 +138,48 @@ class BlockFactor:
         """X (n, w) with ``matrix @ x = right``."""
         x = np.array(right, dtype=np.float64).reshape(self.ordering.count, self.ordering.width)
         fronts = self.ordering.fronts
-        for front, (lu, pivots, _, below) in zip(fronts, self.factors, strict=True):
-            part, _ = dgetrs(lu, pivots, x[front.pivots].ravel())
+        for front, (_, _, multiple, _) in zip(fronts, self.factors, strict=True):
+            if len(front.boundary):
+                x[front.boundary] -= (multiple @ x[front.pivots].ravel()).reshape(-1, x.shape[1])
+        for front, (lu, pivots, _, right) in zip(fronts[::-1], self.factors[::-1], strict=True):
+            part = x[front.pivots].ravel()
+            if len(front.boundary):
+                part -= right @ x[front.boundary].ravel()
+            part, _ = dgetrs(lu, pivots, part, overwrite_b=True)
             x[front.pivots] = part.reshape(-1, x.shape[1])
-            if len(front.boundary):
-                x[front.boundary] -= (below @ part).reshape(-1, x.shape[1])
-        for front, (_, _, coupling, _) in zip(fronts[::-1], self.factors[::-1], strict=True):
-            if len(front.boundary):
-                x[front.pivots] -= (coupling @ x[front.boundary].ravel()).reshape(-1, x.shape[1])
         return x
 
 
-def _one_front(count: int, row: Ints, column: Ints) -> list[_Front]:
+def _parts(parts: Floats, at: int, p: int, b: int) -> tuple[Floats, Floats, Floats]:
+    """Pivots by pivots, pivots by boundary and boundary by pivots of a front, from one place on.
+
+    They are transposed: column by column in memory, as LAPACK takes them.
+    """
+    right, below, end = at + p * p, at + (p + b) * p, at + (p + 2 * b) * p
+    return (
+        parts[at:right].reshape(p, p),
+        parts[right:below].reshape(b, p),
+        parts[below:end].reshape(p, b),
+    )
+
+
+def _from_right(lu: Floats, pivots: Ints, rows: Floats) -> Floats:
+    """``rows @ inverse(a)`` for a factorised matrix a; ``rows`` is overwritten.
+
+    Faster than the solution with a on the left, which swaps rows across the memory.
+    """
+    solved = dtrsm(1.0, lu, rows, side=1, overwrite_b=True)
+    solved = dtrsm(1.0, lu, solved, side=1, lower=1, diag=1, overwrite_b=True)
+    swapped = dlaswp(np.arange(float(len(pivots)))[:, None], pivots)[:, 0].astype(np.intp)
+    solved.T[swapped] = solved.T.copy()
+    return solved
+
+
+def _one_front(count: int) -> list[_Front]:
     """A matrix of few nodes as one front."""
     if not count:
         return []
-    none = np.zeros(0, dtype=np.intp)
-    return [_Front(np.arange(count), none, np.arange(len(row)), row, column, ())]
+    return [_Front(np.arange(count), np.zeros(0, dtype=np.intp), ())]
 
 
 def _adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
@@ -196,41 +236,91 @@ def _dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints
 
 
 def _fronts(
-    tree: list[tuple[Ints, list[int]]],
-    neighbours: tuple[Ints, Ints],
-    count: int,
-    row: Ints,
-    column: Ints,
+    tree: list[tuple[Ints, list[int]]], neighbours: tuple[Ints, Ints], count: int, width: int
 ) -> list[_Front]:
     start, other = neighbours
     front_of = np.empty(count, dtype=np.intp)
     for number, (nodes, _) in enumerate(tree):
         front_of[nodes] = number
-    first = np.minimum(front_of[row], front_of[column])
-    by_front = np.argsort(first, kind="stable")
-    bounds = np.searchsorted(first[by_front], np.arange(len(tree) + 1))
+    rank = _ranks(front_of, neighbours)
     place = np.empty(count, dtype=np.intp)
     boundaries: list[Ints] = []
     fronts = []
     for number, (nodes, children) in enumerate(tree):
+        pivots = nodes[np.argsort(rank[nodes])]
         later = [boundaries[c] for c in children]
-        later += [other[start[i] : start[i + 1]] for i in nodes.tolist()]
+        later += [other[start[i] : start[i + 1]] for i in pivots.tolist()]
         reach = np.unique(np.concatenate(later)) if later else np.zeros(0, dtype=np.intp)
         boundary = reach[front_of[reach] > number]
-        boundary = boundary[np.argsort(front_of[boundary], kind="stable")]
+        boundary = boundary[np.argsort(rank[boundary])]
         boundaries.append(boundary)
-        members = np.concatenate([nodes, boundary])
-        place[members] = np.arange(len(members))
-        entry = by_front[bounds[number] : bounds[number + 1]]
-        fronts.append(
-            _Front(
-                nodes,
-                boundary,
-                entry,
-                place[row[entry]],
-                place[column[entry]],
-                # a front without a boundary is a separate part
-                tuple((c, place[boundaries[c]].copy()) for c in children if len(boundaries[c])),
-            )
+        place[pivots], place[boundary] = np.arange(len(pivots)), np.arange(len(boundary))
+        # a front without a boundary is a separate part
+        moved = tuple(
+            (c, _runs(place[boundaries[c]], front_of[boundaries[c]] == number, width))
+            for c in children
+            if len(boundaries[c])
         )
+        fronts.append(_Front(pivots, boundary, moved))
     return fronts
+
+
+def _places(
+    fronts: list[_Front], count: int, row: Ints, column: Ints, width: int
+) -> tuple[Ints, int]:
+    """The place (e, w, w) of the matrix blocks in the parts of all fronts, and their size."""
+    front_of = np.empty(count, dtype=np.intp)
+    for number, front in enumerate(fronts):
+        front_of[front.pivots] = number
+    by_front = np.minimum(front_of[row], front_of[column])
+    order = np.argsort(by_front, kind="stable")
+    bounds = np.searchsorted(by_front[order], np.arange(len(fronts) + 1))
+    place = np.empty(count, dtype=np.intp)
+    corner, stride = np.empty(len(row), dtype=np.intp), np.empty(len(row), dtype=np.intp)
+    at = 0
+    for number, front in enumerate(fronts):
+        p, b = len(front.pivots), len(front.boundary)
+        place[front.pivots], place[front.boundary] = np.arange(p), np.arange(b)
+        here = order[bounds[number] : bounds[number + 1]]
+        outer_row, outer_column = front_of[row[here]] > number, front_of[column[here]] > number
+        skipped = np.where(outer_row, p + b, np.where(outer_column, p, 0)) * p * width * width
+        stride[here] = np.where(outer_row, b, p) * width
+        corner[here] = (
+            at + skipped + width * (place[row[here]] + place[column[here]] * stride[here])
+        )
+        at += (p + 2 * b) * p * width * width
+    inside = np.arange(width)
+    entry = corner[:, None, None] + inside[:, None] + inside * stride[:, None, None]
+    return entry, at
+
+
+def _ranks(front_of: Ints, neighbours: tuple[Ints, Ints]) -> Ints:
+    """A rank (n,) per node: front by front, and within it after the first front that it touches.
+
+    The nodes of a separator that a part of the graph touches then follow each other.
+    """
+    start, other = neighbours
+    touched = front_of.copy()
+    np.minimum.at(touched, np.repeat(np.arange(len(front_of)), np.diff(start)), front_of[other])
+    rank = np.empty(len(front_of), dtype=np.intp)
+    rank[np.lexsort((touched, front_of))] = np.arange(len(front_of))
+    return rank
+
+
+def _runs(place: Ints, inner: Bools, width: int) -> tuple[_Run, ...]:
+    """The runs of the boundary of a front, with its places in the next front."""
+    breaks = (np.diff(place) != 1) | (inner[1:] != inner[:-1])
+    ends = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(place)]
+    runs = []
+    if len(ends) - 1 > MOST_RUNS:
+        split = int(np.count_nonzero(inner))
+        for low, high in ((0, split), (split, len(place))):
+            if high > low:
+                index = width * place[low:high, None] + np.arange(width)
+                runs.append(_Run(low < split, slice(low * width, high * width), index.ravel()))
+        return tuple(runs)
+    for low, high in pairwise(ends):
+        at = int(place[low])
+        there = slice(at * width, (at + high - low) * width)
+        runs.append(_Run(bool(inner[low]), slice(low * width, high * width), there))
+    return tuple(runs)

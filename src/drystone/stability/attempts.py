@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -82,6 +83,21 @@ class Candidate:
     def stands(self) -> bool:
         """Whether every residual is small enough for a proof."""
         return self.residuals.largest <= FORCE_TOLERANCE
+
+
+class Rest(NamedTuple):
+    """A rest state from which another one begins.
+
+    Attributes
+    ----------
+    displacement : (n, 6) [m, rad]
+    same
+        Whether the normal stiffnesses are the same. Newton's method on the unrelaxed law reaches
+        the other one then in a few steps, or it stops soon.
+    """
+
+    displacement: Floats
+    same: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,23 +245,23 @@ class Attempts(Record):
         return self._stood(state)
 
     def attempt_from(
-        self, springs: Compliance, rests: Sequence[Floats], *, lead: bool = False
+        self, springs: Compliance, rests: Sequence[Rest], *, lead: bool = False
     ) -> Candidate:
-        """As :meth:`attempt`, first from displacements (n, 6) [m, rad] of similar rest states.
+        """As :meth:`attempt`, first from similar rest states.
 
         With ``lead`` the last of them, of uniform stiffness, is then led to these springs.
         """
         start = None
-        for displacement in rests:
-            start = self.start(springs, displacement)
-            found = self.nearby(springs, start)
+        for one in rests:
+            start = self.start(springs, one.displacement)
+            found = self.nearby(springs, start) if one.same else None
             if found is not None:
                 return found
         if start is not None:
             state = self._rest(springs, FROM_OTHER, start)
             found = self._stood(state) if state.converged else None
             if found is None and lead:
-                found = self._led(springs, rests[-1])
+                found = self._led(springs, rests[-1].displacement)
             if found is not None:
                 return found
         falling = len(self.falling)
@@ -324,9 +340,9 @@ class Attempts(Record):
 
 @one_blas_thread()
 def attempt_sample(
-    problem: Problem, clock: Clock, lead: bool, sample: tuple[Compliance, Sequence[Floats]]
+    problem: Problem, clock: Clock, lead: bool, sample: tuple[Compliance, Sequence[Rest]]
 ) -> Record:
-    """One try of other stiffnesses, first from displacements (n, 6) of similar rest states."""
+    """One try of other stiffnesses, first from similar rest states."""
     tries = Attempts(problem, clock)
     tries.attempt_from(*sample, lead=lead)
     return Record(*(getattr(tries, each.name) for each in fields(Record)))

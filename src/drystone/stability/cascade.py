@@ -21,7 +21,7 @@ from drystone.results import Result, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import CLEARLY, MUCH, Candidate, attempt_sample
+from drystone.stability.attempts import CLEARLY, MUCH, Candidate, Rest, attempt_sample
 from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
@@ -116,7 +116,7 @@ class Cascade:
             self.rests[0] = uniform.displacement
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
-        if not (settle and attempts.falling):  # otherwise the stiffness decides, whatever others do
+        if not settle or uniform.stands:  # otherwise the stiffness decides, whatever others do
             self._other_stiffnesses(uniform)
         decided = not settle or len(attempts.standing) == attempts.tried
         if attempts.standing and (decided or self.clock.late()):
@@ -154,11 +154,11 @@ class Cascade:
             return
         count, seed = self.options.samples, self.options.seed
         springs = compliance.samples(statics, count, seed, self.within)
-        samples: list[tuple[Compliance, Sequence[Floats]]] = []
+        samples: list[tuple[Compliance, Sequence[Rest]]] = []
         for number, sample in enumerate(springs, start=1):
-            rests = [self.known[number]] if number in self.known else []
+            rests = [Rest(self.known[number], True)] if number in self.known else []
             if uniform.stands:
-                rests.append(uniform.displacement)
+                rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
             # a start is scaled as if forces were in proportion to the motion
             samples.append((sample, rests if statics.dry else ()))
         self.answers.report("stiffness samples", 2)
@@ -247,7 +247,8 @@ class Cascade:
     def _followed(self, uniform: Candidate) -> Result:
         """The verdict of finite steps, where the contact stiffness decides."""
         found = self._follow()
-        if found.outcome is Outcome.UNKNOWN:
+        moves = found.outcome in (Outcome.FALLS, Outcome.DISPLACED)
+        if found.outcome is Outcome.UNKNOWN or (moves and self._first_motion() is None):
             self._other_stiffnesses(uniform)
         stood, tried = len(self.attempts.standing), self.attempts.tried
         held = f"{stood or 'none'} of {tried} contact stiffnesses tried would hold it in place"
@@ -257,16 +258,20 @@ class Cascade:
             return self.answers.rests(found, held)
         if found.outcome is Outcome.UNKNOWN and not stood and tried > self.options.samples:
             return replace(self.answers.first_motion(), settlement=found)
-        if found.outcome not in (Outcome.FALLS, Outcome.DISPLACED):
+        if not moves:
             return self.answers.undecided(found, held)
-        motions = (first_motion(self.problem, one.state) for one in self.attempts.falling)
-        motion = next((one for one in motions if one is not None), None)
+        motion = self._first_motion()
         if motion is None:
             motion = self.problem.normalised(found.displacement)
         words = f"{found.message}; {held}: {SENSITIVE}"
         if not stood and self.answers.balances:
             words = f"{NOT_REACHED}; {found.message}; shims or prestress might hold it: {SENSITIVE}"
         return replace(self.answers.unstable(words, motion), settlement=found)
+
+    def _first_motion(self) -> Floats | None:
+        """The first motion (n, 6) of a state on ground springs; None where there is none."""
+        motions = (first_motion(self.problem, one.state) for one in self.attempts.falling)
+        return next((one for one in motions if one is not None), None)
 
     @cached_property
     def collapse(self) -> Floats | None:

@@ -13,7 +13,7 @@ from drystone.formulations.rest.rest_state import Start
 from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import Attempts, Candidate
+from drystone.stability.attempts import Attempts, Candidate, Rest
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
@@ -148,10 +148,13 @@ def stands_for_all(
             return False
         # as in a check: a smooth law converges more easily
         found = attempts.attempt(compliance.uniform(statics, slip=SLIP_LENGTH), again=True)
-    rests = (found.displacement,) if statics.dry else ()  # as in a check
-    return found.stands and all(
-        attempts.attempt_from(one, rests).stands for one in compliance.samples(statics, count, seed)
-    )
+
+    def stands(springs: Compliance) -> bool:
+        near = Rest(found.displacement, compliance.is_even(statics, springs))
+        rests = (near,) if statics.dry else ()  # as in a check
+        return attempts.attempt_from(springs, rests).stands
+
+    return found.stands and all(map(stands, compliance.samples(statics, count, seed)))
 
 
 def _start(attempts: Attempts, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:

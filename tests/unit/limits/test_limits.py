@@ -298,22 +298,45 @@ def test_a_limit_where_stiffness_decides_is_that_of_the_verdict(
     assert limit.to_dict()["sensitive_between"] == list(limit.sensitive_between)
 
 
-def test_a_robust_limit_needs_two_verdicts_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    from drystone.limits import inside
+def asked_of(
+    name: str, asked: list[str], check: Callable[[Model], Result]
+) -> Callable[..., Result]:
+    """A check that notes that it was asked."""
 
-    asked: list[float] = []
-    check = stands_up_to(7.0, 5)
-
-    def verdict(model: Model, *, stop: object = None) -> Result:
-        asked.append(1.0)
+    def noted(model: Model, *, stop: object = None) -> Result:
+        asked.append(name)
         return check(model)
 
+    return noted
+
+
+def test_a_robust_limit_needs_one_verdict_on_either_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    from drystone.limits import inside
+
+    asked: list[str] = []
+    check = stands_up_to(7.0, 5)
+    for name in ("verdict", "every_stiffness"):
+        monkeypatch.setattr(inside, name, asked_of(name, asked, check))
     monkeypatch.setattr(inside, "one_stiffness", check)
-    monkeypatch.setattr(inside, "verdict", verdict)
     limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
-    assert len(asked) == 2
+    assert asked == ["every_stiffness", "verdict"]
     assert limit.sensitive_between is None
     assert limit.remarks == ()
+
+
+def test_blocks_that_fall_beyond_the_robust_limit_are_followed_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from drystone.limits import inside
+
+    asked: list[str] = []
+    monkeypatch.setattr(inside, "one_stiffness", stands_up_to(10.0, 1))
+    monkeypatch.setattr(inside, "every_stiffness", stands_up_to(8.0, 5))
+    monkeypatch.setattr(inside, "verdict", asked_of("verdict", asked, stands_up_to(8.0, 5)))
+    limit = limit_tilt(Model(TOWER, JOINTS), "x", options=LimitOptions(scan=4, width=0.1))
+    assert limit.rest is not None
+    assert limit.rest.value == pytest.approx(8.0, abs=0.1)
+    assert asked == ["verdict"]
 
 
 def test_a_uniform_stiffness_that_falls_at_the_start_is_tried_once(

@@ -110,6 +110,11 @@ def samples(
             yield Compliance(normal, law, tension=tension)
 
 
+def is_even(statics: Statics, springs: Compliance) -> bool:
+    """Whether the normal stiffness is the uniform one."""
+    return np.array_equal(springs.normal, normal_stiffness(statics))
+
+
 def _bound(statics: Statics) -> FrictionBound:
     return FrictionBound(statics.friction, statics.cohesion, statics.shear)
 

@@ -42,11 +42,8 @@ from drystone.formulations.rest.tangent import TangentSystem
 SHORTEST_STEP = 2e-3
 """Smallest share of a Newton step: rounding makes a shorter one meaningless."""
 
-POLISH_FROM = 1e-7
-"""Relative tau at which the unrelaxed law is tried first."""
-
-POLISH_AGAIN = 1e-6
-"""Share of tau after which it is tried again."""
+POLISH_AGAIN = 1e-4
+"""Share of tau after which the unrelaxed law is tried again."""
 
 POLISH_STEPS = 6
 """Largest number of Newton steps of one try."""
@@ -117,7 +114,7 @@ class _Path:
         motion, normal, tau = self.begin(start)
         point = self.evaluate(motion, normal, tau)
         best, since = point.merit, 0
-        polish_at = POLISH_FROM
+        polish_at = options.polish
         while True:
             if tau <= polish_at:
                 state = self.polish(point)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
 from drystone.solvers.multifrontal import BlockOrdering
@@ -39,8 +40,6 @@ class TangentSystem:
         np.not_equal(statics.interface[1:], statics.interface[:-1], out=begins[1:])
         first = np.flatnonzero(begins)
         self.joints = len(first)
-        # sums over corners and interfaces as sparse products: ten times as fast as reduceat
-        self.of_joint = _sums(np.arange(k), np.append(first, k), (len(first), k))
         interface = np.cumsum(begins) - 1
         a, b = statics.block_a[first], statics.block_b[first]
         # each block has its own unit of length: lever arms are scaled for each block
@@ -50,8 +49,12 @@ class TangentSystem:
         use_b = (b >= 0)[interface]
         lever = np.where(use_b[:, None], local_b, local_a)
         axes = np.swapaxes(statics.frame, 1, 2)
-        self.spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
-        self.gather = np.ascontiguousarray(np.swapaxes(self.spread, 1, 2))
+        spread = np.concatenate([axes, skew(lever) @ axes], axis=1)
+        self.gather = np.ascontiguousarray(np.swapaxes(spread, 1, 2))
+        self.groups = [
+            (joints, corners, _side_by_side(spread[corners], len(joints)))
+            for joints, corners in runs_by_length(first, k)
+        ]
         ratio = _length_ratio(statics, a, b)
         self.to_a[:, 3:, 3:] *= ratio[:, None, None]
         self.from_a = np.ascontiguousarray(np.swapaxes(self.to_a, 1, 2))
@@ -63,6 +66,7 @@ class TangentSystem:
         self.diagonal = where[:n]
         order = np.argsort(where[n:], kind="stable")
         ends = np.cumsum(np.bincount(where[n:], minlength=len(unique)))
+        # a sum as a sparse product: ten times as fast as reduceat
         self.of_block = _sums(
             (kind * len(first) + source)[order], np.append(0, ends), (len(unique), 4 * len(first))
         )
@@ -72,8 +76,10 @@ class TangentSystem:
         """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
         out = np.zeros((len(self.row), 6, 6))
         if self.joints:
-            corner = self.spread @ tangent @ self.gather
-            joint = (self.of_joint @ corner.reshape(-1, 36)).reshape(-1, 6, 6)
+            local = tangent @ self.gather
+            joint = np.empty((self.joints, 6, 6))
+            for joints, corners, spread in self.groups:
+                joint[joints] = spread @ local[corners].reshape(len(joints), -1, 6)
             left_a, left_b = self.to_a @ joint, self.to_b @ joint
             parts = np.empty((4, self.joints, 6, 6))
             np.matmul(left_a, self.from_a, out=parts[0])
@@ -99,6 +105,12 @@ class TangentSystem:
         matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
         return inverse(matrix)
+
+
+def _side_by_side(maps: Floats, count: int) -> Floats:
+    """(j, 6, 3 c) of the maps (j c, 6, 3) of all corners of each of the j = count interfaces."""
+    each = maps.reshape(count, -1, 6, 3).swapaxes(1, 2)
+    return each.reshape(count, 6, -1)
 
 
 def _sums(column: Ints, start: Ints, shape: tuple[int, int]) -> sparse.csr_matrix:

@@ -178,7 +178,8 @@ def _states(
 ) -> Iterator[_OverlapState]:
     """Candidates for eq. 5.6: the equal-overlap path per slip length, convex steps, the search."""
     statics = problem.statics
-    loose = RestOptions(ground=1e-8, tolerance=1e-8)
+    # the path of equal overlaps starts best from a state that the relaxed law led to
+    loose = RestOptions(ground=1e-8, tolerance=1e-8, polish=1e-7)
     for slip in options.slips:
         start = find_rest(
             problem.system, compliance.uniform(statics, slip=slip), loose, stop=clock.late
