@@ -99,7 +99,7 @@ def write_models(folder: Path, names: set[str], lines: str) -> None:
                 built = moved(built, [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
             if re.search(rf"{re.escape(name)}.* --units mm", lines):
                 built = moved(built, 1000.0 * np.eye(3))
-            drystone.write(Model.of(built, friction=0.7), path)
+            drystone.write(Model.of(built, friction=0.9 if stem == "shelf" else 0.7), path)
 
 
 def run(line: str) -> tuple[int, str, float]:

@@ -106,7 +106,7 @@ class DesignMargin(Options):
             Asked often; once it is True, nothing is found to stand.
         near
             Rest states in each case of the last model that stood, among models with the same
-            blocks; changed. For large models, see :func:`quickly_stands`.
+            blocks; changed. For large models, see ``quickly_stands``.
         """
         cases = (model, *self.cases(model))
         if near is not None and (quick or self.robust):
