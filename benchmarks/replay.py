@@ -3,11 +3,14 @@
 Every stage of a plan is simulated for two seconds with the blocks that are in place, held and
 propped ones fixed. It stays when no block moves by more than a hundredth of its size. MuJoCo's
 contacts are soft and slide a little (docs/robots.md), so this is a referee well inside the limits.
+With ``--rows FILE`` every stage is kept as soon as it is known, and a later run goes on from there.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import math
 import time
 from pathlib import Path
@@ -19,6 +22,8 @@ from benchmarks.field.solve_mujoco import moved
 from benchmarks.machine import description
 from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone import Model
+from drystone.base.files import write_bytes
+from drystone.io.simulators import mjcf_text
 from drystone.models import bridge
 from drystone.reproduce.assembly_cases import niche, ring_dome
 from drystone.sequence import Plan, PlanOptions, plan
@@ -26,7 +31,7 @@ from drystone.sequence import Plan, PlanOptions, plan
 PAGE = Path(__file__).parents[1] / "docs" / "robots.md"
 STAYS = 0.01
 """Largest displacement by the size of a block; after ``SECONDS`` of simulated time."""
-CONTACT = {"bridge": 0.005, "vault": 0.01, "dome": 0.01}
+CONTACT = {"bridge": 0.005, "vault": 0.01, "dome": 0.01, "dome-0.75": 0.01}
 """[s], time constant of contacts. The bridge creeps with a large one, many contacts need one."""
 
 
@@ -51,37 +56,47 @@ def stages(found: Plan) -> list[tuple[str, Model]]:
     return out
 
 
-def replay(name: str, found: Plan, contact_s: float, some: slice) -> str:
-    """A row of the table, for some of the stages."""
-    began = time.process_time()
-    worst, where, stays = 0.0, "", 0
-    every = stages(found)[some]
-    for block, some in every:
-        far = moved(some, contact_s)
-        stays += far <= STAYS
-        if far > worst:
-            worst, where = far, block
-    spent = time.process_time() - began
+def replay(name: str, found: Plan, contact_s: float, kept: Path | None) -> str:
+    """A row of the table; stages in the file ``kept`` of an earlier run are not simulated again."""
+    rows = json.loads(kept.read_text("utf-8")) if kept is not None and kept.exists() else {}
+    far: dict[str, float] = {}
+    spent = 0.0
+    for block, some in stages(found):
+        stage = hashlib.sha256(mjcf_text(some, contact_s=contact_s).encode()).hexdigest()[:16]
+        if stage not in rows:
+            began = time.process_time()
+            rows[stage] = {
+                "plan": name,
+                "block": block,
+                "moved": moved(some, contact_s),
+                "cpu_s": time.process_time() - began,
+            }
+            if kept is not None:
+                write_bytes(kept, json.dumps(rows, indent=1).encode())
+        far[block] = rows[stage]["moved"]
+        spent += rows[stage]["cpu_s"]
     counts = found.counts
+    worst = max(far, key=far.__getitem__)
     return (
         f"| {name} | {len(found.model.assembly.free)} | {counts['free']} | {counts['held']} "
-        f"| {counts['propped']} | {contact_s:g} | {len(every)} | {stays} "
-        f"| {worst:.1e} | {where} | {spent:.0f} |"
+        f"| {counts['propped']} | {contact_s:g} | {len(far)} "
+        f"| {sum(one <= STAYS for one in far.values())} | {far[worst]:.1e} | {worst} "
+        f"| {spent:.0f} |"
     )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("names", nargs="*", help="bridge, vault, dome; all when left out")
-    parser.add_argument("--stages", nargs=2, type=int, metavar=("FIRST", "END"))
+    parser.add_argument("names", nargs="*", help="bridge, vault, dome, dome-0.75")
+    parser.add_argument("--rows", type=Path, help="keep every stage in this file, and go on there")
     arguments = parser.parse_args()
-    some = slice(*(arguments.stages or (None,)))
     best = PlanOptions(patience=math.inf)
     course = PlanOptions(rules=BY_COURSE)
     plans = {
         "bridge": lambda: plan(Model.of(bridge(), friction=0.66), options=best),
         "vault": lambda: plan(Model.of(niche(0.2), friction=VAULT_FRICTION), options=course),
         "dome": lambda: plan(Model.of(ring_dome(), friction=DOME_FRICTION), options=course),
+        "dome-0.75": lambda: plan(Model.of(ring_dome(), friction=0.75), options=course),
     }
     lines = [
         "| plan | blocks | free | held | propped | contact [s] | stages | stay "
@@ -89,7 +104,7 @@ def main() -> None:
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name in arguments.names or plans:
-        lines.append(replay(name, plans[name](), CONTACT[name], some))
+        lines.append(replay(name, plans[name](), CONTACT[name], arguments.rows))
         print(lines[-1], flush=True)
     if not arguments.names:
         text = "\n".join(lines)

@@ -47,7 +47,16 @@ def seen_from_the_front(tab: Tab, point: np.ndarray) -> tuple[float, float]:
     )
 
 
+def distance_of_the_eye(tab: Tab) -> float:
+    """[m] where all that is shown fills the view from the front."""
+    tab.key("1")
+    tab.click("#link")
+    view = parse_qs(str(tab.run("document.getElementById('address').value")).split("#")[1])
+    return float(view["v"][0].split(",")[2])
+
+
 def test_a_support_is_dragged_and_the_blocks_follow(tab: Tab, live: Live) -> None:
+    near = distance_of_the_eye(tab)
     tab.click("[data-mode=move]")
     blocks = io.read(live.desk.file).assembly
     middle = 0.5 * (blocks.bounds[:, 0].min(axis=0) + blocks.bounds[:, 1].max(axis=0))
@@ -68,6 +77,7 @@ def test_a_support_is_dragged_and_the_blocks_follow(tab: Tab, live: Live) -> Non
     assert tab.run(f"Number({way}.value)") > 0.0
     tab.run(f"{way}.value = 500; {way}.dispatchEvent(new Event('change'))")
     assert verdict(tab, "UNSTABLE").startswith("Falls when the supports have moved by ")
+    assert distance_of_the_eye(tab) > 1.02 * near  # what has moved is in the view
     tab.click("#undo")
     says(tab, "headline", told)
     verdict(tab, "STABLE")

@@ -255,6 +255,29 @@ def test_the_version_has_one_source() -> None:
     assert named == []
 
 
+def test_a_release_is_refused_until_its_addresses_date_and_version_are_there(
+    tmp_path: Path,
+) -> None:
+    missing = runpy.run_path(str(ROOT / ".ci" / "check_release.py"))["missing"]
+    assert "python .ci/check_release.py" in (ROOT / ".github/workflows/release.yml").read_text()
+    names = ("Repository", "Issues", "Documentation", "Changelog")
+    urls = "".join(f'{name} = "https://host.org/{name}"\n' for name in names)
+    for name, text in {
+        "pyproject.toml": f"[project.urls]\n{urls}",
+        "CITATION.cff": 'repository-code: "https://host.org/drystone"\n',
+        "CHANGELOG.md": "## 1.2.3 (2027-01-31)\n",
+        "src/drystone/__init__.py": '__version__ = "1.2.3"\n',
+    }.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, "utf-8")
+    assert missing(tmp_path, "v1.2.3") == []
+    assert missing(tmp_path, "v1.2.4") == ["the tag is v1.2.4, the version is 1.2.3"]
+    (tmp_path / "CHANGELOG.md").write_text("## 1.2.3 (not released)\n", "utf-8")
+    (tmp_path / "CITATION.cff").write_text("title: drystone\n", "utf-8")
+    (tmp_path / "pyproject.toml").write_text('[project.urls]\nIssues = "to be told"\n', "utf-8")
+    assert len(missing(tmp_path)) == 6
+
+
 def test_every_dependency_of_the_core_is_imported() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     source = "".join(path.read_text("utf-8") for path in (ROOT / "src").rglob("*.py"))

@@ -72,6 +72,8 @@ def bridge() -> Case:
     none = plans[0.34].counts["free"] < 9
     lines.append(_counted("friction 0.34: order", "none without help", plans[0.34], none))
     loaded = Model.of(models.bridge(load=True), friction=0.9)
+    order = plan(loaded.with_friction(0.35), options=THOROUGH)
+    lines.append(_counted("with load, friction 0.35: order", "", order, None))
     result = check(loaded)
     lines.append(Line("with load: complete", "stable", result.verdict.value, _stands(result)))
     state = solve_cra(loaded, options=CRAOptions(tolerance=2e-6))

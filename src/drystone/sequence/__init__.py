@@ -8,7 +8,7 @@ from drystone.sequence.friction_sweeps import (
     least_buildable_friction,
     sweep_friction,
 )
-from drystone.sequence.handling import GripFace, Handling, Hold, Placement, handling
+from drystone.sequence.handling import Handling, Hold, Placement, handling
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.interlocking import (
     GravityRegion,
@@ -18,6 +18,7 @@ from drystone.sequence.interlocking import (
 )
 from drystone.sequence.margins import Margin, MarginOptions, Margins, margins
 from drystone.sequence.motion.directions import Freedom, freedom
+from drystone.sequence.motion.grips import GripFace
 from drystone.sequence.motion.joint_cones import Obstacle
 from drystone.sequence.motion.path_search import find_path
 from drystone.sequence.motion.removal_paths import NoPath, PathOptions, RemovalPath

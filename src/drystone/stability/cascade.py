@@ -8,7 +8,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.progress import Clock, Progress, Workers
 from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
@@ -48,6 +48,9 @@ class Cascade:
     known : (n, 6) [m, rad] each
         Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
         one. The same stiffness is tried from there first.
+    within
+        Numbers (m,) of the interfaces in a larger model, and how many interfaces that has: the
+        stiffness of each interface is then drawn as it is there.
 
     Attributes
     ----------
@@ -63,12 +66,14 @@ class Cascade:
         clock: Clock,
         executor: Workers | None = None,
         known: Mapping[int, Floats] | None = None,
+        within: tuple[Ints, int] | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
         self.clock = clock
         self.executor = executor
         self.known = known or {}
+        self.within = within
         self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)
@@ -147,7 +152,8 @@ class Cascade:
         attempts, statics = self.attempts, self.problem.statics
         if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
-        springs = compliance.samples(statics, self.options.samples, self.options.seed)
+        count, seed = self.options.samples, self.options.seed
+        springs = compliance.samples(statics, count, seed, self.within)
         samples: list[tuple[Compliance, Sequence[Floats]]] = []
         for number, sample in enumerate(springs, start=1):
             rests = [self.known[number]] if number in self.known else []
@@ -156,7 +162,7 @@ class Cascade:
             # a start is scaled as if forces were in proportion to the motion
             samples.append((sample, rests if statics.dry else ()))
         self.answers.report("stiffness samples", 2)
-        task = partial(attempt_sample, self.problem, self.clock)
+        task = partial(attempt_sample, self.problem, self.clock, self.options.uniform)
         tried = self.pool.answers(task, samples, self.clock.late)
         for number, record in enumerate(tried, start=1):
             attempts.add(record)

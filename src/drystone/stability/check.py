@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Unpack
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, supported_model
@@ -72,6 +72,7 @@ def check_near(
     known: Mapping[int, Floats],
     *,
     options: CheckOptions,
+    within: tuple[Ints, int] | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -86,6 +87,11 @@ def check_near(
         Displacements of the rest states of a similar model with the same blocks, by the number of
         the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
     options
+    within
+        Where the model is a part of a structure: the number (m,) of each interface among those of
+        the structure that a free block takes part in, and how many these are. An interface then has
+        the same random stiffness in every part, so a rest state of one part is near that of the
+        next.
 
     Returns
     -------
@@ -93,7 +99,9 @@ def check_near(
         The verdict, and the displacements of the rest states that were found.
     """
     clock = Clock(time_limit_s, stop)
-    cascade = Cascade(Problem.build(model), options, progress, clock, executor, known)
+    if within is not None:
+        within = within[0][model.active], within[1]
+    cascade = Cascade(Problem.build(model), options, progress, clock, executor, known, within)
     return cascade.run(), cascade.rests
 
 

@@ -94,3 +94,20 @@ def test_stopping_returns_what_is_there():
     state = find_rest(problem.system, compliance.uniform(problem.statics), stop=lambda: True)
     assert not state.converged
     assert state.iterations == 0
+
+
+def test_an_interface_has_the_same_random_stiffness_in_a_part_and_in_the_whole():
+    whole = problem_of(arch(0.2, 9), 0.8).model
+    chosen = np.arange(whole.contacts.count) >= 4
+    part = whole.with_contacts(whole.contacts.select(chosen))
+    statics = [Problem.build(one).statics for one in (whole, part)]
+    within = np.flatnonzero(chosen), whole.contacts.count
+    corner = chosen[statics[0].interface]
+    drawn = zip(
+        compliance.samples(statics[0], 4, 0),
+        compliance.samples(statics[1], 4, 0, within),
+        strict=True,
+    )
+    for ours, theirs in drawn:
+        ratio = ours.normal[corner] / theirs.normal
+        np.testing.assert_allclose(ratio, ratio[0])  # the mean area of a corner is another one

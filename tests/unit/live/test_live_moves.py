@@ -30,6 +30,7 @@ from drystone.settlement import (
     move_supports,
     support_response,
 )
+from drystone.view import State
 from tests.unit.live.live_client import Window, ask, served_arch
 
 FOOT = "springer-right"
@@ -82,8 +83,13 @@ def test_a_moved_support_is_answered_to_first_order_and_then_followed(
 
 
 def test_an_arch_whose_support_moves_too_far_falls(live: Live, window: Window) -> None:
-    answer = window.answer(moves=[{"block": FOOT, "by": [0.5, 0.0, 0.0]}])
+    whole = window.until("whole", window.wish(moves=[{"block": FOOT, "by": [0.5, 0.0, 0.0]}]))
+    answer = whole["answer"]
     assert answer["verdict"] == "unstable"
+    shown = json.loads(whole["picture"])
+    falls = np.frombuffer(base64.b64decode(shown["blobs"][shown["stage"]["state"]["blob"]]), "u1")
+    assert (falls[1:-1] == State.FALLING).sum() > 3
+    assert (falls[[0, -1]] == State.SUPPORT).all()
     found = move_supports(io.read(live.desk.file), {FOOT: (0.5, 0.0, 0.0)})
     far = units.quantity(float(found.displacement[-1]), "m")
     assert answer["headline"] == f"Falls when the supports have moved by {far}"

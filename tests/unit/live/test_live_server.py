@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import drystone
-from drystone import io
+from drystone import Assembly, io
 from drystone.base.errors import InputError
 from drystone.cli import main
 from drystone.io.jsontext import Field
@@ -26,7 +26,7 @@ from drystone.live.computing.python_lines import python_lines
 from drystone.live.computing.wish import Wish, asked
 from drystone.live.serving import Live
 from drystone.live.watching import Watch
-from drystone.models import arch, leaning_column
+from drystone.models import arch, leaning_column, prism
 from tests.unit.live.live_client import Window, ask, overhang
 
 KEYSTONE = "voussoir-06"
@@ -197,6 +197,23 @@ def test_joints_are_changed_and_a_block_is_cut(
         assert kept.assembly.volume[lower] == pytest.approx(kept.assembly.volume[upper])
         window.task("cut", {"block": "none"})
         assert "none" in window.until("error", window.number)["what"]
+        window.close()
+
+
+def test_a_monolith_is_cut_until_its_blocks_are_free(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    whole = prism([(0, 0), (1, 0), (1.7, 4), (0.7, 4)], (0, 1), "tower")
+    io.write(Assembly((whole,), [True]), "tower.json")
+    with Live("tower.json", port=0) as live:
+        window = Window(live, "monolith")
+        made = window.until("model", window.task("recut"))
+        assert made["what"] == "every block of 4 is free after 0 recuts"
+        kept = pickle.loads(live.desk.models[made["model"]].blob)
+        assert kept.assembly.volume.sum() == pytest.approx(whole.volume)
+        number = window.task("plan", model=made["model"], **made["state"])
+        assert window.until("plan", number)["plan"]["counts"]["free"] == 3
         window.close()
 
 

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from drystone import CheckOptions, LoadCase, Model, Verdict, check
+from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check
 from drystone.checks import check_forces
 from drystone.models import arch, tower, wedge
+from drystone.reproduce.assembly_cases import niche
 from drystone.stability import check_near
 
 X = (1.0, 0.0, 0.0)
@@ -50,3 +51,19 @@ def test_without_friction_one_stiffness_decides():
     found = check(Model.of(tower(3), friction=0.0))
     assert found.message == "stands"
     assert found.samples.tried == 1
+
+
+def test_a_part_whose_joints_keep_their_stiffness_is_near_the_whole():
+    built = niche(0.3)  # turned round: the last block is the first, and all interfaces move up
+    whole = Model.of(Assembly(built.blocks[::-1], built.fixed[::-1]), friction=0.6)
+    _, rests = check_near(whole, {}, options=CheckOptions())
+    out = whole.assembly.index("c04-b00")
+    kept = np.arange(len(whole.assembly)) != out
+    number = np.cumsum(whole.active) - 1
+    joins = (whole.contacts.block_a != out) & (whole.contacts.block_b != out)
+    part, known = whole.without([out]), {number: one[kept] for number, one in rests.items()}
+    steps = [
+        check_near(part, known, options=CheckOptions(), within=within)[0].iterations
+        for within in (None, (number[joins], int(whole.active.sum())))
+    ]
+    assert steps[1] < 0.7 * steps[0]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.formulations.rest.friction import FrictionBound, FrictionLaw, SlipLength, StickSlip
 from drystone.statics import Statics
 
@@ -79,22 +79,32 @@ def uniform(
     return Compliance(normal, law, glue=glue, tension=_tension(statics))
 
 
-def samples(statics: Statics, count: int, seed: int) -> Iterator[Compliance]:
+def samples(
+    statics: Statics, count: int, seed: int, within: tuple[Ints, int] | None = None
+) -> Iterator[Compliance]:
     """Other stiffness distributions: uniform with several slip lengths, and random ones.
 
     A random distribution has a stiffness within one decade for every interface, like joints of one
     building, and one slip length for all.
+
+    Parameters
+    ----------
+    statics, count, seed
+    within
+        Numbers (m,) of the interfaces in a larger model, and how many interfaces that has. Each
+        interface has the stiffness that it has there, so that all parts of one structure agree.
     """
     rng = np.random.default_rng(seed)
     base = normal_stiffness(statics)
     load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
-    joints = int(statics.interface.max(initial=-1)) + 1
+    number, joints = within or (None, int(statics.interface.max(initial=-1)) + 1)
+    place = statics.interface if number is None else number[statics.interface]
     slips = (1.0, 10.0, 0.1, 100.0)
-    for number in range(count):
-        if number % 2 == 0 and number // 2 < len(slips):
-            yield uniform(statics, slip=slips[number // 2])
+    for turn in range(count):
+        if turn % 2 == 0 and turn // 2 < len(slips):
+            yield uniform(statics, slip=slips[turn // 2])
         else:
-            normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[statics.interface]
+            normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[place]
             slip = 10.0 ** rng.uniform(-0.5, 1.0)
             law = SlipLength(bound, slip * load / base)
             yield Compliance(normal, law, tension=tension)

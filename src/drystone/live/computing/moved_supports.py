@@ -25,8 +25,8 @@ from drystone.settlement import (
     support_response,
 )
 from drystone.stability import check
-from drystone.view import LayerKind, SceneStage, stage_of
-from drystone.view.scenes.large_scenes import moved_headline
+from drystone.view import LayerKind, SceneStage, State, stage_of
+from drystone.view.scenes.large_scenes import blocks_that_fall, moved_headline
 from drystone.view.scenes.settlement_scenes import moved_assembly
 
 MOST_AT_ONCE = 50
@@ -156,7 +156,9 @@ def _followed(
     )  # fmt: skip
     path = np.stack([one.positions for one in found.states])
     stage = _moved(result, contacts, path)
-    return Found(result, replace(stage, headline=moved_headline(found)), moved=True)
+    state = stage.state.copy()
+    state[blocks_that_fall(found)] = State.FALLING
+    return Found(result, replace(stage, headline=moved_headline(found), state=state), moved=True)
 
 
 def _on_the_way(model: Model, state: LargeState) -> Found:

@@ -26,7 +26,7 @@ from drystone.live.computing.moved_supports import after_moving, verdict_of
 from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
-from drystone.sequence import Order, PlanOptions, Rules, plan
+from drystone.sequence import CutOptions, Order, PlanOptions, Rules, cut_until_free, plan
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
@@ -190,12 +190,22 @@ def _cut(work: Work) -> Iterator[Event]:
 
 
 def _recut(work: Work) -> Iterator[Event]:
-    """The model with joints changed until every block is placed without help."""
+    """The model with joints changed, or its only block cut, until all is placed without help."""
     work.require_still("a change of joints for the assembly")
-    found = recut_joints(work.asked.part, stop=work.stop, progress=work.progress)
-    message = found.message
-    if found.changes:
-        yield "model", _made(work, found.model, message)
+    part = work.asked.part
+    if len(part.assembly) == 1:
+        friction = work.wish.friction
+        options = CutOptions() if friction is None else CutOptions(friction=friction)
+        cut = cut_until_free(
+            part.assembly.blocks[0], options=options, stop=work.stop, progress=work.progress
+        )
+        message = cut.message
+        made = None if cut.plan is None else cut.plan.model.model
+    else:
+        found = recut_joints(part, stop=work.stop, progress=work.progress)
+        message, made = found.message, found.model if found.changes else None
+    if made is not None:
+        yield "model", _made(work, made, message)
     else:
         yield "unchanged", {"message": message}
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypeAlias
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, Ints
 from drystone.model import Model
 from drystone.results import Result
 from drystone.settlement import SettlementOptions
@@ -44,13 +44,15 @@ def check_both(model: Model) -> Result:
 
 
 def check_both_near(
-    model: Model, known: Mapping[int, Floats]
+    model: Model, known: Mapping[int, Floats], within: tuple[Ints, int] | None = None
 ) -> tuple[Result, Mapping[int, Floats]]:
     """As :func:`check_both`, begun at known rest states; see :func:`drystone.stability.check_near`.
 
-    A stage with one block more or less has almost the same rest states.
+    A stage with one block more or less has almost the same rest states, if its joints have the same
+    stiffness: ``within`` has the number (m,) of each interface in the complete structure, and how
+    many that has.
     """
-    return check_near(model, known, options=BOTH)
+    return check_near(model, known, options=BOTH, within=within)
 
 
 def check_thoroughly(model: Model) -> Result:

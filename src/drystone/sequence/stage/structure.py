@@ -171,7 +171,7 @@ class Structure(OfModel, OneLine):
         blocks = np.array(sorted([*moving, *held, *ground]), dtype=np.intp)
         resting = self.assembly.fixed[blocks] | np.isin(blocks, held)
         some = Assembly(tuple(self.assembly.blocks[b] for b in blocks.tolist()), resting)
-        contacts, corner = self._contacts_of(blocks, resting)
+        contacts, chosen = self._contacts_of(blocks, resting)
         load = LoadCase(self.load.wrench[blocks], self.load.name)
         stage = Model(some, contacts, load)
         near = {number: motion[blocks] for number, motion in (known or {}).items()}
@@ -179,7 +179,8 @@ class Structure(OfModel, OneLine):
         if part.screening is not None:
             result = try_rest(stage, screening=part.screening, start=near.get(0))
         elif self.check is check_both:
-            result, rests = check_both_near(stage, near)
+            within = self.joints[chosen], int(self.joints[-1]) + 1
+            result, rests = check_both_near(stage, near, within)
         else:
             result = self.check(stage)
         if not rests and result.displacement is not None:
@@ -196,14 +197,20 @@ class Structure(OfModel, OneLine):
             place = np.searchsorted(blocks, held)
             reaction = {b: -pressing[i] for b, i in zip(held, place.tolist(), strict=True)}
         used = _friction_used(contacts, result.force)
+        corner = np.flatnonzero(chosen[self.contacts.interface])
         force = np.array(result.force)
         moved = {number: motion[~some.fixed] for number, motion in rests.items()}
         return StageAnswer(
             result.verdict, result.message, (), reaction, used, corner, force, moved, settled
         )
 
-    def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Ints]:
-        """Contacts of some blocks, at least one movable, and their corners in the model."""
+    @cached_property
+    def joints(self) -> Ints:
+        """Number (m,) of each interface among those that do not join two fixed blocks."""
+        return np.cumsum(self.model.active) - 1
+
+    def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Bools]:
+        """Contacts of some blocks, at least one movable, and which (m,) of the model they are."""
         n = len(self.assembly)
         new = np.full(n, -1, dtype=np.intp)
         new[blocks] = np.arange(len(blocks))
@@ -211,8 +218,7 @@ class Structure(OfModel, OneLine):
         still[blocks] = resting
         a, b = self.contacts.block_a, self.contacts.block_b
         chosen = (new[a] >= 0) & (new[b] >= 0) & ~(still[a] & still[b])
-        corner = np.flatnonzero(chosen[self.contacts.interface])
-        return self.contacts.select(chosen, new), corner
+        return self.contacts.select(chosen, new), chosen
 
     def combine(self, stage: Stage, parts: Iterable[StageAnswer]) -> StageAnswer:
         """The answer of a stage from those of its parts."""

@@ -157,11 +157,12 @@ def save_gravity(region: GravityRegion, title: str) -> Figure:
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         axes.plot(np.cos(turn), np.sin(turn), "-", color=ROLE_COLOUR["light"]["edge"], linewidth=1)
         axes.set_title(f"gravity pointing {name}", fontsize=10)
-        axes.set_aspect("equal")
+        axes.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")
         axes.set_axis_off()
     figure.suptitle(title, fontsize=11)
     handles = figure.axes[0].get_legend_handles_labels()
-    figure.legend(*handles, loc="lower center", ncol=2, frameon=False, fontsize=9, markerscale=0.6)
+    mark = 8.0 / float(np.sqrt(size))  # discs of 8 points, however many directions there are
+    figure.legend(*handles, loc="lower center", ncol=2, frameon=False, fontsize=9, markerscale=mark)
     figure.text(0.5, 0.16, "seen from above, x to the right", ha="center", fontsize=8)
     figure.subplots_adjust(left=0.02, right=0.98, bottom=0.2, top=0.86, wspace=0.02)
     return figure

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from drystone.base import units
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import counted
 from drystone.checks import block_speed
 from drystone.fall import Film
@@ -49,9 +49,7 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     last = found.states[-1]
     seen = (*found.states, *([] if found.fallen is None else [found.fallen]))
     path = np.stack([one.positions for one in seen])
-    if found.fallen is not None:
-        gone = block_speed(assembly, found.fallen.positions - last.positions)
-        state[~assembly.fixed & (gone > FALLS * gone.max())] = State.FALLING
+    state[blocks_that_fall(found)] = State.FALLING
     message = "; ".join([found.message, *model.notes])
     whole = SceneStage(
         "all states", headline, message, state, motion=path[-1], motion_name=name,
@@ -63,6 +61,15 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     return Scene(
         assembly, contacts, (whole,), title, facts, panels=(curve_panel(found),), preset="solid"
     )
+
+
+def blocks_that_fall(found: LargeDisplacement) -> Bools:
+    """Which blocks (n,) fall at the end."""
+    falls = ~found.assembly.fixed
+    if found.fallen is None:
+        return falls & False
+    gone = block_speed(found.assembly, found.fallen.positions - found.states[-1].positions)
+    return falls & (gone > FALLS * float(gone.max()))
 
 
 def moved_headline(found: LargeDisplacement) -> str:
@@ -163,4 +170,4 @@ def film_scene(film: Film, source: str = "") -> Scene:
     return Scene(assembly, film.contacts, (stage,), title, facts, preset="solid")
 
 
-__all__ = ["curve_panel", "film_scene", "large_scene"]
+__all__ = ["blocks_that_fall", "curve_panel", "film_scene", "large_scene", "moved_headline"]

@@ -28,13 +28,13 @@ function someCorners(use) {
   }
 }
 
-// Where a motion that plays by itself leads, and where blocks come from that are placed.
+// Where a motion that plays by itself leads or the forces of a stage are, and where blocks come from that are placed.
 function motionEnds() {
   const places = [];
   const { centroid } = data.blocks;
   const middle = (block) => centroid.subarray(3 * block, 3 * block + 3);
-  for (const { arrives, plays, motion } of data.stages) {
-    if (!motion || !(arrives || plays)) continue;
+  for (const { arrives, plays, moved, motion } of data.stages) {
+    if (!motion || !(arrives || plays || moved)) continue;
     const way = (block) => motion.subarray(6 * block, 6 * block + 3);
     if (arrives) {
       for (let block = 0; block < data.count; block++) {
