@@ -51,7 +51,23 @@ class ShapeSearch(ShapeValues):
         self.firmest: tuple[float, Floats] = np.inf, np.zeros(moves.count)
 
     def run(self, start: Floats | None = None) -> Shaped:
-        """The best shape, from variables (p,) that nearly stand; from zero when left out."""
+        """The best shape, from variables (p,) that nearly stand; from zero when left out.
+
+        A structure that falls is shaped on stiff ground first, and where that leads to nothing that
+        stands, on weak ground from the beginning.
+        """
+        options = self.options
+        rests = options.aim is ShapeAim.STAND and options.help is HelpMeasure.REST
+        if not rests or start is not None:
+            return self.followed(start, GROUND)
+        found = self.followed(None, SOFT)
+        if found.stands or self.late():
+            return found
+        again = self.followed(None, GROUND)
+        return again if again.stands or again.value < found.value else found
+
+    def followed(self, start: Floats | None, ground: float) -> Shaped:
+        """The best shape with a stiffness of the ground at first."""
         options, moves = self.options, self.moves
         stand_only = options.aim is ShapeAim.STAND
         best = np.zeros(moves.count) if start is None else start
@@ -66,8 +82,7 @@ class ShapeSearch(ShapeValues):
                 remedy="shape it to stand first",
             )
         trust, slack, rounds, centred = options.trust, 1.0, 0, False
-        rests = options.help is HelpMeasure.REST
-        self.ground = SOFT if stand_only and rests and start is None else GROUND
+        self.ground = ground
         words = "the rounds were used up"
         try:
             for rounds in range(1, options.rounds + 1):
