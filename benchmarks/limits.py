@@ -298,6 +298,9 @@ def main() -> int:
         INTRODUCTION,
         "## Known limits",
         "",
+        "A bracket is a value that was checked and stands, and one that falls. *Apart* is the "
+        "difference between the known value and the middle of *balances*.",
+        "",
         f"| limit | source | known | balances | apart | uniform | stands | {CPU_NOTE} |",
         "|---|---|---|---|---|---|---|---|",
     ]

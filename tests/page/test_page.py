@@ -45,7 +45,7 @@ def test_the_page_of_a_result_says_the_answer_and_shows_the_forces(opened, stand
     for one in ("10 blocks", "free mass ", "density 2400 kg/m³", "friction 0.7", "gravity"):
         assert one in asked
     assert "supports: springer-left, springer-right" in asked
-    assert asked.endswith(f"drystone {drystone.__version__}")
+    assert asked.endswith(f"drystone\u00a0{drystone.__version__}")
     assert "normal force at a corner" in tab.text("#legend")
     assert "force network, up to" in tab.text("#legend")
     assert tab.run("document.querySelector('[data-preset=forces]').ariaPressed") == "true"

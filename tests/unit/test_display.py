@@ -67,7 +67,11 @@ def values(folder: Path) -> Iterator[object]:
     yield from (stands.resultants, stands.joints(), stands.contacts[0])
     yield drystone.check(arch(), friction=0.9).thrust_line()
     yield drystone.check(shelf(), friction=0.9)
-    yield from (drystone.diagnose(shelf(), friction=0.9), design.Ballast(1, 10.0))
+    yield from (
+        drystone.diagnose(shelf(), friction=0.9),
+        design.Ballast(1, 10.0),
+        design.JointTurn(0, 8.0),
+    )
     yield design.DiagnosisOptions(regions=3)
     few = design.MendOptions(kinds=("friction", "ballast"))
     rare = Model.of(tower(2), friction=0.0).with_load((1.0, 0.0, -9.81))

@@ -125,7 +125,7 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
         """Why does a model fall, and what would hold it? One sentence for each region that falls.
 
         'needs' of a region: the force that is missing and its point, a support from below,
-        the least friction, ballast on one block, and whether glue would hold.
+        the least friction, ballast on one block, turn of one joint, and whether glue would hold.
         """
         return await ask("diagnose", model=model.model_dump(), needs=needs)
 

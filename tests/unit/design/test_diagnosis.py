@@ -110,7 +110,12 @@ def test_both_pieces_of_the_shelf_that_fall_are_named_with_their_cause(fallen: D
         assert states[0].motion is JointMotion.DROPS
         assert states[0].idle
         assert region.needs.support is not None
-    assert found.regions[1].needs.friction == pytest.approx(np.tan(np.deg2rad(50.08)), rel=0.012)
+    needs = found.regions[1].needs
+    assert needs.friction == pytest.approx(np.tan(np.deg2rad(50.08)), rel=0.012)
+    assert needs.turn is not None
+    assert needs.turn.angle == pytest.approx(50.08 - np.rad2deg(np.arctan(0.9)), abs=0.1)
+    assert found.model.contacts[needs.turn.interface].blocks == (8, 10)
+    assert "the lower joint, with 'block-8', turned by 8.1 degrees" in found.sentences[1]
 
 
 def test_the_props_that_are_named_hold_the_whole_shelf(fallen: Diagnosis) -> None:
@@ -120,8 +125,8 @@ def test_the_props_that_are_named_hold_the_whole_shelf(fallen: Diagnosis) -> Non
         held = least_prop(alone, region.blocks, fallen.motion)
         assert held is not None
         assert region.needs.support is not None
-        assert held[1].size == pytest.approx(region.needs.support.size, rel=1e-6)
-        model, _ = propped(model, held[0])
+        assert held.size == pytest.approx(region.needs.support.size, rel=1e-6)
+        model, _ = propped(model, held.seat)
     assert drystone.check(model).stable
 
 

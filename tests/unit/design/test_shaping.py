@@ -16,6 +16,7 @@ from drystone.design import (
     ShapeOptions,
     block_moves,
     free_vertices,
+    joint_moves,
     shape,
     thickening,
 )
@@ -27,6 +28,12 @@ def stack(bricks: int) -> Model:
     """Bricks of 1 m, one on the other, the lowest one fixed."""
     blocks = [box((1.0, 0.5, 0.25), (0.0, 0.0, 0.25 * i), f"brick-{i}") for i in range(bricks + 1)]
     return Model.of(Assembly(tuple(blocks)).with_fixed([0]), friction=0.6)
+
+
+def flat_arch() -> Model:
+    """Three cubes between two fixed ones: forces could balance them, but nothing presses."""
+    blocks = [box((1.0, 1.0, 1.0), (float(i), 0.0, 0.0), f"block-{i}") for i in range(5)]
+    return Model.of(Assembly(tuple(blocks)).with_fixed([0, 4]), friction=0.5)
 
 
 def staggered() -> Model:
@@ -61,6 +68,46 @@ def test_the_gradient_is_that_of_central_differences(model: Model) -> None:
     ahead, behind = form.help_at(vertex + step * way)[0], form.help_at(vertex - step * way)[0]
     slope = (ahead - behind) / (2.0 * step)
     assert float((gradient * way).sum()) == pytest.approx(slope, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        Model.of(arch(0.08, 8), friction=0.7),
+        Model.of(arch(0.15, 9), friction=0.6).with_load((4.0, 0.0, -9.81)),
+        Model.of(dome(), friction=0.3).with_load((12.0, 3.0, -9.81)),
+    ],
+    ids=["thin arch", "tilted arch", "dome"],
+)
+def test_the_mechanism_is_the_gradient_of_the_convex_problem(model: Model) -> None:
+    """Arches as prisms: where they are twisted the forces that hold them are not unique."""
+    form = Form.of(model)
+    vertex = form.bodies.vertex
+    size = float(np.ptp(vertex, axis=0).max())
+    rng = np.random.default_rng(0)
+    if len(model) < 20:
+        moves = free_vertices(model, 0.1)
+        way = (moves.matrix @ rng.normal(size=moves.count)).reshape(-1, 3)
+    else:
+        _, place = np.unique(np.round(vertex / (1e-6 * size)), axis=0, return_inverse=True)
+        way = rng.normal(size=vertex.shape)[place.ravel()]
+    value, gradient = form.imbalance_at(vertex)
+    assert value > 1e-6
+    step = 1e-6 * size
+    ahead, behind = (form.imbalance_at(vertex + s * step * way)[0] for s in (1.0, -1.0))
+    assert float((gradient * way).sum()) == pytest.approx((ahead - behind) / (2 * step), rel=1e-5)
+
+
+def test_the_convex_problem_shapes_to_balance_which_may_fall() -> None:
+    options = ShapeOptions(help="balance")
+    thin = Model.of(arch(0.09, 8), friction=0.8)
+    assert shape(thin, free_vertices(thin, 0.05, mirror="x"), options=options).stands
+    falls = flat_arch()
+    found = shape(falls, joint_moves(falls, 0.3, mirror="x"), options=options)
+    assert found.value < 1e-6
+    assert found.message.endswith("it does not stand")
+    with pytest.raises(InputError, match="contradict"):
+        ShapeOptions(aim="volume", help="balance")
 
 
 def test_an_arch_gets_as_thin_as_it_stands(tmp_path: Path) -> None:
@@ -98,6 +145,35 @@ def test_a_thin_arch_is_shaped_until_it_stands_with_its_joints_shared() -> None:
     assert drystone.check(found.model).stable
     assert found.model.contacts.count == model.contacts.count
     assert (Form.of(found.model).corners.at >= 0).all()
+
+
+def test_a_flat_arch_stands_once_its_joints_are_turned(tmp_path: Path) -> None:
+    """Between vertical joints nothing presses on blocks; wedges press on each other."""
+    model = flat_arch()
+    found = shape(model, joint_moves(model, 0.3, mirror="x"))
+    assert found.stands
+    level = np.concatenate([block.vertices[:, 2] for block in found.model.assembly.blocks])
+    assert set(np.round(level, 12)) == {0.0, 1.0}
+    volume = found.model.assembly.volume.sum()
+    assert volume == pytest.approx(model.assembly.volume.sum(), rel=1e-12)
+    path = tmp_path / "flat.json"
+    drystone.write(found.model, path)
+    assert drystone.check(drystone.read(path)).stable
+
+
+@pytest.mark.parametrize("side", ["intrados", "extrados"])
+def test_the_side_that_is_kept_stays(side: str) -> None:
+    model = Model.of(arch(0.09, 8), friction=0.8)
+    found = shape(model, free_vertices(model, 0.05, mirror="x", keep_side=side))
+    assert found.stands
+    before, after = (
+        np.concatenate([block.vertices for block in one.assembly.blocks[1:-1]])
+        for one in (model, found.model)
+    )
+    inner = np.hypot(before[:, 0], before[:, 2]) < 1.0
+    moved = np.abs(after - before).max(axis=1) > 0.0
+    assert not moved[inner == (side == "intrados")].any()
+    assert moved.any()
 
 
 def test_no_edge_gets_shorter_than_the_least() -> None:
@@ -202,6 +278,10 @@ def test_moves_that_make_no_sense_are_refused() -> None:
         free_vertices(model, 0.1, keep=every)
     with pytest.raises(InputError, match="would not stay plane"):
         free_vertices(model, 0.1, along=None)
+    with pytest.raises(InputError, match="no side 'top'"):
+        free_vertices(model, 0.1, keep_side="top")
+    with pytest.raises(InputError, match="no joint has ends"):
+        joint_moves(staggered(), 0.1)
     with pytest.raises(InputError, match="no axis 'w'"):
         free_vertices(model, 0.1, directions="w")
     with pytest.raises(InputError, match="largest move"):

@@ -132,6 +132,15 @@ def test_a_check_from_a_similar_rest_state_has_the_same_verdict_sooner():
         check(nearly, start=np.zeros((3, 6)))
 
 
+def test_a_path_that_does_not_converge_goes_over_longer_slips():
+    """Least thickness 0.1075: the path of one of five friction laws leads away, far above it."""
+    model = Model.of(models.arch(0.112, 100), friction=0.8)
+    found = check(model, options=CheckOptions(settle=False))
+    assert found.message == "stands for all 5 contact stiffnesses tried"
+    assert stands_for_all(model)
+    assert not stands_for_all(Model.of(models.arch(0.107, 100), friction=0.8))
+
+
 @pytest.mark.parametrize("start", [np.zeros((3, 6)), np.full((len(ARCH), 6), np.nan)])
 def test_a_start_of_another_assembly_is_refused(start):
     with pytest.raises(InputError, match="start"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated, Any
 
+from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
@@ -37,6 +38,15 @@ def shape(
         float | None,
         Option("Least length of an edge that moves, in m.", kind=kinds.POSITIVE, expert=True),
     ] = None,
+    move: Annotated[
+        str,
+        Option(
+            "Move vertices freely, or slide the ends of joints along the sides of blocks, so that "
+            "joint planes turn and move (free).",
+            kind=kinds.one_of(("free", "joints")),
+            expert=True,
+        ),
+    ] = "free",
     directions: Annotated[
         str, Option("Axes along which vertices may move (xz).", metavar="AXES", expert=True)
     ] = "xz",
@@ -60,6 +70,14 @@ def shape(
         tuple[str, ...],
         Option("Block whose vertices stay. Can be given several times.", metavar="BLOCK"),
     ] = (),
+    keep_side: Annotated[
+        str | None,
+        Option(
+            "Side whose vertices stay, with --move free.",
+            kind=kinds.one_of(("intrados", "extrados")),
+            expert=True,
+        ),
+    ] = None,
     changed: Changed,
     waiting: Waiting,
 ) -> Answer:
@@ -71,19 +89,21 @@ def shape(
     Exit code 0: it stands. 1: it does not. 2: bad input. 130: stopped by Ctrl-C, with the best
     shape so far.
     """
+    if move == "joints" and keep_side is not None:
+        raise InputError(
+            "joints slide along both sides", where="--keep-side", remedy="leave it out"
+        )
     stands_at = margins(changed.margin)
     model = subject.prepared(waiting, finding)
     from drystone import design  # work is imported when there is some
 
     size = float(model.assembly.size[model.assembly.free].mean())
-    moves = design.free_vertices(
-        model,
-        0.1 * size if most is None else most,
-        directions,
-        None if along == "none" else along,
-        mirror,
-        keep,
-    )
+    farthest = 0.1 * size if most is None else most
+    prisms = None if along == "none" else along
+    if move == "joints":
+        moves = design.joint_moves(model, farthest, prisms, mirror, keep)
+    else:
+        moves = design.free_vertices(model, farthest, directions, prisms, mirror, keep, keep_side)
     chosen = design.ShapeOptions(
         aim=design.ShapeAim(aim), margin=stands_at, least_edge=least_edge or 0.0
     )

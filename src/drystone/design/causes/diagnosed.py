@@ -174,6 +174,14 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
             "ballast": None
             if needs.ballast is None
             else {"block": names[needs.ballast.block], "force": needs.ballast.force},
+            "turn": None
+            if needs.turn is None
+            else {
+                "interface": needs.turn.interface,
+                "blocks": [names[model.contacts.block_a[needs.turn.interface]],
+                           names[model.contacts.block_b[needs.turn.interface]]],
+                "degrees": needs.turn.angle,
+            },
             "glue_holds": needs.glue_holds,
             "tension": [
                 {

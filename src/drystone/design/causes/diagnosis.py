@@ -25,8 +25,16 @@ from drystone.design.causes.missing import (
     friction_needed,
     one_force,
     pulls_of,
+    turn_needed,
 )
-from drystone.design.causes.prop_forces import QUICK, least_prop, quickly_stands
+from drystone.design.causes.prop_forces import (
+    LARGE_REGION,
+    QUICK,
+    SHARES,
+    SMALL_REGION,
+    least_prop,
+    quickly_stands,
+)
 from drystone.design.causes.regions import first_motion_of, interfaces_of, local_model, regions_of
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -98,11 +106,12 @@ def diagnose(
     --------
     >>> from drystone.models import h_model
     >>> found = diagnose(h_model(), friction=0.9)
-    >>> for part in found.sentences[0].split("; "):
-    ...     print(part)
+    >>> for part in found.sentences[0].replace(", or", ";or").split(";"):
+    ...     print(part.strip())
     block 'block' slides down along 'left' and 'right'
     nothing presses on it
-    a support that takes 33.9 kN at (0, 0, -0.2) m would hold it
+    a support that takes 33.9 kN at (0, 0, -0.2) m
+    or the joint with 'right' turned by 0.1 degrees would hold it
     """
     chosen = DiagnosisOptions.of(options)
     model = as_model(given, **how)
@@ -174,22 +183,28 @@ def _region(
         answer.force if answer.force is not None else answer.force_with_props,
     )
     force, point = one_force(model, blocks, wrench)
-    support = friction = ballast = None
+    support = friction = ballast = turn = None
+    between = np.flatnonzero(interfaces)
     if options.needs and not alone.stable and not late():
-        neediest = sorted(own, key=lambda i: -float(np.linalg.norm(wrench[i, :3])))[:SEARCHED]
+        few = SEARCHED if len(own) <= LARGE_REGION else SMALL_REGION
+        neediest = sorted(own, key=lambda i: -float(np.linalg.norm(wrench[i, :3])))[:few]
         with contextlib.suppress(Stopped):
-            held = least_prop(local, neediest, motion[position], late)
+            shares = SHARES if len(own) <= SMALL_REGION else SHARES[:1]
+            held = least_prop(local, neediest, motion[position], late, shares)
             if held is not None:
-                support = replace(held[1], block=blocks[held[1].block])
+                support = replace(held, seat=replace(held.seat, block=blocks[held.block]))
             friction = friction_needed(local, late)
             ballast = ballast_needed(local, own, late)
             if ballast is not None:
                 ballast = replace(ballast, block=blocks[ballast.block])
-    between = np.flatnonzero(interfaces)
+            if len(blocks) <= SMALL_REGION:
+                turn = turn_needed(local, late)
+            if turn is not None:
+                turn = replace(turn, interface=int(between[turn.interface]))
     pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
     glued = "glue cannot" not in alone.message and bool(pulls)
     needs = Needs(
-        frozen(wrench), frozen(force), frozen(point), support, pulls, glued, friction, ballast
+        frozen(wrench), frozen(force), frozen(point), support, pulls, glued, friction, ballast, turn
     )
     return Region(
         blocks,

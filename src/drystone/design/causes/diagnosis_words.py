@@ -16,6 +16,10 @@ from drystone.results import Result
 NAMED = 4
 """Number of blocks of a region that are named. Chosen. The others are counted."""
 
+UPRIGHT = 0.1
+"""A joint is neither upper nor lower if the vertical component of its normal is below this: 6
+degrees."""
+
 STEEP = 0.5
 """A motion is downwards or upwards if the vertical component of its direction is larger than
 this."""
@@ -40,6 +44,19 @@ def names_of(model: Model, blocks: Sequence[int]) -> str:
     if len(named) > NAMED:
         named = [*named[: NAMED - 1], f"{len(named) - NAMED + 1} more"]
     return " and ".join([", ".join(named[:-1]), named[-1]] if len(named) > 1 else named)
+
+
+def joint_name(model: Model, blocks: Sequence[int], interface: int) -> str:
+    """A joint of some blocks as text: lower, upper, upright or inner, and the other block."""
+    contacts = model.contacts
+    a, b = int(contacts.block_a[interface]), int(contacts.block_b[interface])
+    if a in blocks and b in blocks:
+        return f"the joint of {names_of(model, [a, b])}"
+    own, other = (a, b) if a in blocks else (b, a)
+    if abs(contacts.frame[interface, 0, 2]) < UPRIGHT:
+        return f"the joint with {names_of(model, [other])}"
+    above = contacts.centroid[interface][2] > model.assembly.centroid[own][2]
+    return f"the {'upper' if above else 'lower'} joint, with {names_of(model, [other])},"
 
 
 def nothing(result: Result) -> str:
@@ -148,6 +165,9 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     if needs.ballast is not None:
         name = model.assembly.names[needs.ballast.block]
         ways.append(f"a weight of {newtons(needs.ballast.force)} on '{name}'")
+    if needs.turn is not None:
+        name = joint_name(model, blocks, needs.turn.interface)
+        ways.append(f"{name} turned by {needs.turn.angle:.1f} degrees")
     if needs.glue_holds and needs.pulls:
         pull = needs.pulls[0]
         a, b = (model.contacts.block_a[pull.interface], model.contacts.block_b[pull.interface])
@@ -162,4 +182,4 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
     return "; ".join(part for part in (missing, hold) if part)
 
 
-__all__ = ["friction_of_all", "names_of", "newtons", "nothing", "place", "sentence"]
+__all__ = ["friction_of_all", "joint_name", "names_of", "newtons", "nothing", "place", "sentence"]

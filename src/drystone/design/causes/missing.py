@@ -9,8 +9,10 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
-from drystone.design.causes.prop_forces import PropForce, quickly_stands
+from drystone.base.errors import InputError
+from drystone.design.causes.prop_forces import LARGE_REGION, PropForce, quickly_stands
 from drystone.design.surgery.changed_model import acceleration_of
+from drystone.design.surgery.joint_changes import change_of
 from drystone.geometry.body.solid import crossings
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.model import Model
@@ -23,12 +25,19 @@ a key."""
 HEAVIEST = 10.0
 """Largest tried ballast, relative to the weight of the region. Chosen."""
 
+TURNED = 0.05
+"""[degrees] Width at which the search for a turn ends. Chosen."""
+
+TURNS = (5.0, 15.0, 35.0)
+"""[degrees] Turns of a joint that are tried before the least one is searched. Chosen."""
+
 CLOSE = 0.01
 """Relative width at which a search for a least value ends."""
 
 SEARCHED = 12
-"""Number of blocks of a region for which a prop is tried, those with the largest need first. In a
-region of more blocks no ballast is tried: a weight on one of them hardly ever holds it."""
+"""Number of blocks of a region for which a prop is tried, those with the largest need first; fewer
+in a large region. In a region of more blocks no ballast is tried: a weight on one of them hardly
+ever holds it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +76,21 @@ class Ballast(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
+class JointTurn(OneLine):
+    """A turn of a joint plane that makes a region stand.
+
+    Attributes
+    ----------
+    interface
+    angle : [degrees]
+        About one edge of the joint; without a sign.
+    """
+
+    interface: int
+    angle: float
+
+
+@dataclass(frozen=True, eq=False)
 class Needs(OneLine):
     """Help with which a region would stand; ``None`` if not found.
 
@@ -87,6 +111,8 @@ class Needs(OneLine):
         Least coefficient of the joints of the region.
     ballast
         The least weight on one block.
+    turn
+        The least turn of one joint; interface of the whole model.
     """
 
     wrench: Floats
@@ -97,16 +123,20 @@ class Needs(OneLine):
     glue_holds: bool
     friction: float | None
     ballast: Ballast | None
+    turn: JointTurn | None = None
 
 
-def least(stands: Callable[[float], bool], low: float, high: float) -> float | None:
+def least(
+    stands: Callable[[float], bool], low: float, high: float, width: float = 0.0
+) -> float | None:
     """The least value at which ``stands`` is true, between ``low`` and ``high``.
 
-    It is false at ``low``. The returned value was tried; ``None`` if it is false at ``high``.
+    It is false at ``low``. The returned value was tried; ``None`` if it is false at ``high``. The
+    search ends at a width, or at :data:`CLOSE` of the value when left out.
     """
     if not stands(high):
         return None
-    while high - low > CLOSE * high:
+    while high - low > (width or CLOSE * high):
         middle = 0.5 * (low + high)
         if stands(middle):
             high = middle
@@ -121,10 +151,11 @@ def friction_needed(model: Model, stop: Callable[[], bool] | None = None) -> flo
     Joints with a larger coefficient keep it.
     """
     own = model.contacts.friction
+    near: dict[int, Floats] | None = {} if len(model) > LARGE_REGION else None
 
     def stands(value: float) -> bool:
         rough = np.where(model.active, np.maximum(own, value), own)
-        return quickly_stands(model.with_friction(rough), stop)
+        return quickly_stands(model.with_friction(rough), stop, near)
 
     return least(stands, float(own[model.active].min(initial=0.0)), ROUGHEST)
 
@@ -168,6 +199,31 @@ def ballasted(model: Model, block: int, weight: float) -> Model:
     wrench[block, :3] += weight * down / np.linalg.norm(down)
     name = f"{model.load.name} + {weight:.3g} N on {model.assembly.names[block]}"
     return model.with_load(replace(model.load, wrench=wrench, name=name))
+
+
+def turn_needed(model: Model, stop: Callable[[], bool] | None = None) -> JointTurn | None:
+    """The least turn of one joint plane, about one of its edges, with which a model stands."""
+    best: JointTurn | None = None
+    every = np.arange(model.contacts.count)
+    for interface in every.tolist():
+        for side in (1.0, -1.0):
+
+            def stands(angle: float, interface: int = interface, side: float = side) -> bool:
+                try:
+                    turned = change_of("turn", [interface], side, angle)(model, every, every)
+                except InputError:  # a face would be swallowed
+                    return False
+                return quickly_stands(turned, stop)
+
+            low = 0.0
+            for high in TURNS:
+                most = high if best is None else min(high, best.angle)
+                found = least(stands, low, most, TURNED) if most > low else None
+                if found is not None:
+                    best = JointTurn(interface, found)
+                    break
+                low = high
+    return best
 
 
 def pulls_of(glued: Result, interfaces: Ints) -> tuple[Pull, ...]:
@@ -235,6 +291,7 @@ def _entry(
 
 __all__ = [
     "Ballast",
+    "JointTurn",
     "Needs",
     "Pull",
     "ballast_needed",
@@ -243,4 +300,5 @@ __all__ = [
     "least",
     "one_force",
     "pulls_of",
+    "turn_needed",
 ]

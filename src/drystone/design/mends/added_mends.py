@@ -74,11 +74,12 @@ def support_mends(bench: Bench) -> Iterator[MendCandidate]:
 
 def prop_mends(bench: Bench) -> Iterator[MendCandidate]:
     """One prop on a free face, with the least force; else the fewest props that hold the region."""
-    motion = bench.motion[bench.blocks]
-    held = least_prop(bench.local, bench.own[:MANY], motion, bench.stop)
-    chosen = (
-        [held[0]] if held is not None else fewest_props(bench.local, bench.own, motion, bench.stop)
-    )
+    held, motion = bench.region.needs.support, bench.motion[bench.blocks]
+    if bench.as_diagnosed and held is not None:
+        held = replace(held, seat=replace(held.seat, block=bench.region.blocks.index(held.block)))
+    elif not bench.as_diagnosed:
+        held = least_prop(bench.local, bench.own[:MANY], motion, bench.stop)
+    chosen = [held.seat] if held else fewest_props(bench.local, bench.own, motion, bench.stop)
     if not chosen:
         more = ", nor one under each of its blocks" if len(bench.own) <= ALL else ""
         bench.fail("prop", f"no prop on a free face holds it{more}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,8 +13,8 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.design.causes.diagnosed import Region
-from drystone.design.causes.diagnosis_words import names_of
-from drystone.design.causes.prop_forces import quick_check
+from drystone.design.causes.diagnosis_words import joint_name, names_of
+from drystone.design.causes.prop_forces import LARGE_REGION, quick_check
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.surgery.joint_changes import Change
@@ -24,9 +25,13 @@ MANY = 4
 """Largest number of blocks of a region with which every joint and every block is tried alone.
 Chosen. In a larger region all joints, or all blocks, are changed together."""
 
-ALL = 40
+ALL = LARGE_REGION
 """Largest number of blocks of a region whose joints or blocks are all cut anew together, and that
 is held by several props. Chosen: a cut takes a twentieth of a second, and each prop is checked."""
+
+
+Near: TypeAlias = list[dict[int, Floats]] | None
+"""Rest states of the last model that stood, in each case of the margin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,24 +124,32 @@ class Bench:
         self.stop = stop
         self.tried: list[Tried] = []
         self.own = list(range(len(region.blocks)))
+        before = region.local
+        self.as_diagnosed = before.contacts.count == self.local.contacts.count and np.array_equal(
+            before.assembly.centroid, self.local.assembly.centroid
+        )  # where supports have moved, blocks are diagnosed where they fall
 
-    def stands(self, make: Change) -> bool:
+    def nearby(self) -> Near:
+        """Rest states for a search over one value; none in a small region."""
+        return [] if len(self.own) > ALL else None
+
+    def stands(self, make: Change, near: Near = None) -> bool:
         """Whether the local model stands after a change; False if the change is impossible."""
         try:
             changed = self.changed(make)
         except InputError:
             return False
-        return self.keeps_margin(changed, quick=True)
+        return self.keeps_margin(changed, quick=True, near=near)
 
-    def keeps_margin(self, model: Model, *, quick: bool = False) -> bool:
-        """Whether a model stands at the margin.
+    def keeps_margin(self, model: Model, *, quick: bool = False, near: Near = None) -> bool:
+        """Whether a model stands at the margin; ``near`` as for :meth:`DesignMargin.stands`.
 
         Raises
         ------
         Stopped
             The search is to end; what was found by then says nothing.
         """
-        stands = self.margin.stands(model, quick=quick, stop=self.stop)
+        stands = self.margin.stands(model, quick=quick, stop=self.stop, near=near)
         if not stands and self.stop is not None and self.stop():
             raise Stopped
         return stands
@@ -169,11 +182,12 @@ class Bench:
 
         No value below ``low`` is tried.
         """
+        near = self.nearby()
         for high in steps:
-            if self.stands(make(high)):
+            if self.stands(make(high), near):
                 while high - low > width:
                     middle = 0.5 * (low + high)
-                    if self.stands(make(middle)):
+                    if self.stands(make(middle), near):
                         high = middle
                     else:
                         low = middle
@@ -194,13 +208,7 @@ class Bench:
 
     def joint_name(self, interface: int) -> str:
         """A joint as text: lower, upper or inner, and the other block."""
-        contacts, count = self.local.contacts, len(self.own)
-        a, b = int(contacts.block_a[interface]), int(contacts.block_b[interface])
-        if a < count and b < count:
-            return f"the joint of {names_of(self.local, [a, b])}"
-        own, other = (a, b) if a < count else (b, a)
-        above = contacts.centroid[interface][2] > self.local.assembly.centroid[own][2]
-        return f"the {'upper' if above else 'lower'} joint, with {names_of(self.local, [other])},"
+        return joint_name(self.local, self.own, interface)
 
     def fail(self, kind: str, what: str, *nearest: Change) -> None:
         """Note a kind of mend that does not hold the region, and how close it came.
@@ -209,9 +217,10 @@ class Bench:
         ----------
         kind, what
         nearest
-            The changes that went farthest.
+            The changes that went farthest; of a large region only the first one is examined.
         """
-        shares = [share for share in map(self._not_carried, nearest) if share is not None]
+        some = nearest if len(self.own) <= ALL else nearest[:1]
+        shares = [share for share in map(self._not_carried, some) if share is not None]
         if shares:
             what += f"; {100.0 * min(shares):.0f} % of its load is then still not carried"
         self.tried.append(Tried(kind, what))

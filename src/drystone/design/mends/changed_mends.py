@@ -10,19 +10,16 @@ import numpy as np
 from drystone.base.arrays import Ints
 from drystone.base.errors import InputError
 from drystone.design.causes.diagnosis_words import names_of, newtons
-from drystone.design.causes.missing import CLOSE, ROUGHEST
+from drystone.design.causes.missing import CLOSE, ROUGHEST, TURNED, TURNS
 from drystone.design.mends.bench import ALL, MANY, Bench, MendCandidate
 from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import Change, change_of, joint_width, words_of
 from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 
-TURNS = (5.0, 15.0, 35.0)
-"""[degrees] Rotations that are tried before the least one is searched."""
-
 SHARPNESSES = (5.0, 10.0, 25.0, 45.0)
-"""[degrees] The same for wedges. A very small wedge locks rigid blocks, but not real ones, so none
-below the first value is tried."""
+"""[degrees] Wedges that are tried before the least one is searched. A very small wedge locks rigid
+blocks, but not real ones, so none below the first value is tried."""
 
 DEPTHS = (0.1, 0.25, 0.5, 1.0)
 """The same for blocks that are let into each other, relative to the width of the joint; none below
@@ -103,17 +100,26 @@ def joints_mends(bench: Bench, kind: str) -> Iterator[MendCandidate]:
             bench.fail(kind, str(error))
             continue
         steps, close = {
-            "turn": (TURNS, 0.05),
+            "turn": (TURNS, TURNED),
             "wedge": (SHARPNESSES, 0.25),
             "let-in": (tuple(share * width for share in DEPTHS), 0.01 * width),
         }[kind]
+        low = steps[0] if kind != "turn" else 0.0
+        hopeless = False
+        if kind == "turn" and len(bench.own) <= MANY and bench.as_diagnosed:
+            # the least one without a margin is known
+            known = bench.region.needs.turn
+            hopeless = known is None
+            if known is not None:
+                low = known.angle - close
+                steps = (known.angle, *(x for x in TURNS if x > known.angle))
         best: tuple[float, Callable[[float], Change]] | None = None
-        for side in (1.0, -1.0):
+        for side in () if hopeless else (1.0, -1.0):
             make = partial(change_of, kind, group, side)
             within = [x for x in steps if best is None or x < best[0]]
             if best is not None:
                 within.append(best[0] - close)
-            value = bench.least(make, within, close, steps[0] if kind != "turn" else 0.0)
+            value = bench.least(make, within, close, low)
             if value is not None:
                 best = value, make
         most = f"{steps[-1]:g} degrees" if kind != "let-in" else f"{1e3 * steps[-1]:.0f} mm"
@@ -206,7 +212,8 @@ def _glue_in_all(bench: Bench) -> Iterator[MendCandidate]:
         bench.fail("glue", f"its joints may not be changed (kept: {bench.kept(*ends)})")
         return
     most = max(pull.force for pull in pulls)
-    make, close = partial(_glued, np.array(joints)), 0.02 * most
+    width = 0.1 if len(bench.own) > ALL else 0.02
+    make, close = partial(_glued, np.array(joints)), width * most
     steps = [share * most for share in SHARED]
     value = bench.least(make, steps, close)
     if value is None:

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.design.causes.prop_forces import stands_near
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
@@ -86,7 +88,12 @@ class DesignMargin(Options):
         return first
 
     def stands(
-        self, model: Model, *, quick: bool = False, stop: Callable[[], bool] | None = None
+        self,
+        model: Model,
+        *,
+        quick: bool = False,
+        stop: Callable[[], bool] | None = None,
+        near: list[dict[int, Floats]] | None = None,
     ) -> bool:
         """Whether a model stands at the margin, for searches: the first case that falls ends it.
 
@@ -97,8 +104,18 @@ class DesignMargin(Options):
             Try one stiffness only, and do not follow settlement.
         stop
             Asked often; once it is True, nothing is found to stand.
+        near
+            Rest states in each case of the last model that stood, among models with the same
+            blocks; changed. For large models, see :func:`quickly_stands`.
         """
         cases = (model, *self.cases(model))
+        if near is not None and (quick or self.robust):
+            near.extend({} for _ in cases[len(near) :])
+            samples = 0 if quick else None
+            return all(
+                stands_near(case, rests, samples=samples, stop=stop)
+                for case, rests in zip(cases, near, strict=True)
+            )
         if quick:
             return all(stands_for_all(case, samples=0, stop=stop) for case in cases)
         if self.robust:

@@ -7,22 +7,23 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
-from drystone.base.arrays import Floats, Ints, number
+from drystone.base.arrays import Bools, Floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.design.shaping.vertex_measures import vertices_of
+from drystone.design.shaping.block_sides import on_side, slides
+from drystone.design.shaping.vertex_measures import owners_of, vertices_of
+from drystone.design.shaping.vertex_places import (
+    TOGETHER,
+    Places,
+    axis_of,
+    places_of,
+    require_plane,
+)
 from drystone.model import Model
-
-TOGETHER = 1e-6
-"""Vertices are at the same place when they are nearer than this share of the size of the model."""
 
 LISTED = 6
 """Blocks that a message names."""
-
-AXES = {"x": 0, "y": 1, "z": 2}
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +78,7 @@ def free_vertices(
     along: str | None = "y",
     mirror: str | None = None,
     keep: Sequence[int | str] = (),
+    keep_side: str | None = None,
 ) -> Moves:
     """Vertices that move freely; those at one place move together, so that joints stay shared.
 
@@ -95,40 +97,69 @@ def free_vertices(
         mirror images.
     keep
         Names or positions of blocks whose vertices stay. Those of fixed blocks stay in any case.
+    keep_side
+        ``intrados`` or ``extrados``: the vertices of that side stay.
 
     Raises
     ------
     InputError
-        An axis is unknown, a face would not stay plane, or nothing is left to move.
+        An axis or a side is unknown, a face would not stay plane, or nothing is left to move.
     """
-    vertex, owner = vertices_of(model.assembly), _owners(model)
-    size = float(np.ptp(vertex, axis=0).max())
-    axes = [_axis(axis) for axis in directions]
+    ways = np.eye(3)[[axis_of(axis) for axis in directions]]
     kept = model.assembly.fixed.copy()
     kept[model.assembly.indices(list(keep))] = True
-    group = _places(_flattened(vertex, along), TOGETHER * size)
-    _require_plane(model, along)
-    stays = np.zeros(group.max() + 1, dtype=bool)
-    stays[group[kept[owner]]] = True
-    image, sign = np.arange(len(stays)), np.ones((len(stays), 3))
-    if mirror is not None:
-        image, sign = _images(_flattened(vertex, along), group, _axis(mirror), TOGETHER * size)
-        stays |= stays[image]
-    rows: list[int] = []
-    columns: list[int] = []
-    values: list[float] = []
-    count = 0
-    for one in np.flatnonzero(~stays & (np.arange(len(stays)) <= image)).tolist():
-        for axis in axes:
-            if image[one] == one and sign[one, axis] == 0.0:
-                continue  # on the mirror plane, and moving off it
-            for place, turn in {one: 1.0, int(image[one]): float(sign[one, axis])}.items():
-                some = np.flatnonzero(group == place)
-                rows += (3 * some + axis).tolist()
-                columns += [count] * len(some)
-                values += [turn if place != one else 1.0] * len(some)
-            count += 1
-    if not count:
+    require_plane(model, along, kept)
+    places = Places.of(model, along, mirror)
+    side = None if keep_side is None else on_side(model, keep_side, along)
+    return _moves(model, places, [ways] * places.count, kept, most, side)
+
+
+def joint_moves(
+    model: Model,
+    most: float,
+    along: str | None = "y",
+    mirror: str | None = None,
+    keep: Sequence[int | str] = (),
+) -> Moves:
+    """Joint planes that turn and move: the ends of each joint slide along the sides of its blocks.
+
+    At each end a joint slides along the mean direction of the two sides that meet there: along the
+    intrados at one end, along the extrados at the other one. Joints with supports move too.
+
+    Parameters
+    ----------
+    model
+    most : [m]
+        Largest move of each end of a joint.
+    along, mirror
+        As for :func:`free_vertices`.
+    keep
+        Names or positions of blocks whose vertices stay.
+
+    Raises
+    ------
+    InputError
+        An axis is unknown, a face would not stay plane, or no joint has ends that two blocks share.
+    """
+    kept = np.zeros(len(model), dtype=bool)
+    kept[model.assembly.indices(list(keep))] = True
+    require_plane(model, along, kept)
+    places = Places.of(model, along, mirror)
+    return _moves(model, places, slides(model, places), kept, most)
+
+
+def _moves(
+    model: Model,
+    places: Places,
+    ways: Sequence[Floats],
+    kept: Bools,
+    most: float,
+    side: Bools | None = None,
+) -> Moves:
+    """The moves of places along ways (w, 3) each; blocks (n,) and a side (v,) may stay."""
+    still = kept[owners_of(model.assembly)]
+    matrix = places.matrix(ways, still if side is None else still | side)
+    if not matrix.shape[1]:
         names = [model.assembly.names[i] for i in np.flatnonzero(kept)]
         stay = f": the blocks {', '.join(names[:LISTED])} stay" if names else ""
         more = f", and {len(names) - LISTED} more" if len(names) > LISTED else ""
@@ -136,8 +167,7 @@ def free_vertices(
             f"no vertex may move{stay}{more}",
             remedy="keep fewer blocks, or allow more directions",
         )
-    matrix = sparse.csr_matrix((values, (rows, columns)), shape=(vertex.size, count))
-    return Moves(matrix, _largest(most, count))
+    return Moves(matrix, _largest(most, matrix.shape[1]))
 
 
 def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
@@ -152,12 +182,12 @@ def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
         A vertex is on the line.
     """
     vertex = vertices_of(model.assembly)
-    free = ~model.assembly.fixed[_owners(model)]
+    free = ~model.assembly.fixed[owners_of(model.assembly)]
     away = (vertex - np.asarray(middle, dtype=np.float64)) * np.array([1.0, 0.0, 1.0])
     radius = np.linalg.norm(away, axis=1)
     if not radius[free].min() > 0.0:
         raise InputError("a vertex is on the line in the middle", remedy="give another point")
-    group = _places(vertex, TOGETHER * float(np.ptp(vertex, axis=0).max()))
+    group = places_of(vertex, TOGETHER * float(np.ptp(vertex, axis=0).max()))
     takes_part = np.isin(group, group[free])
     mean = 0.5 * (radius[free].min() + radius[free].max())
     side = np.where(takes_part, np.where(radius > mean, 0.5, -0.5), 0.0)
@@ -169,7 +199,7 @@ def block_moves(
     model: Model, blocks: Sequence[int | str], direction: Sequence[float], most: float
 ) -> Moves:
     """One variable for each block, which moves as a whole along a direction (3,)."""
-    owner = _owners(model)
+    owner = owners_of(model.assembly)
     unit = np.asarray(direction, dtype=np.float64)
     size = float(np.linalg.norm(unit))
     if not 0.0 < size < np.inf:
@@ -187,70 +217,4 @@ def _largest(most: float, count: int) -> Floats:
     return np.full(count, float(most))
 
 
-def _owners(model: Model) -> Ints:
-    counts = [len(block.vertices) for block in model.assembly.blocks]
-    return np.repeat(np.arange(len(counts)), counts)
-
-
-def _axis(name: str) -> int:
-    if name not in AXES:
-        raise InputError(f"there is no axis '{name}'", remedy="give x, y or z")
-    return AXES[name]
-
-
-def _flattened(vertex: Floats, along: str | None) -> Floats:
-    """The vertices with the coordinate along an axis left out."""
-    out = vertex.copy()
-    if along is not None:
-        out[:, _axis(along)] = 0.0
-    return out
-
-
-def _places(point: Floats, near: float) -> Ints:
-    """A number (v,) for each place: points that are nearer than this have the same."""
-    pairs = cKDTree(point).query_pairs(near, output_type="ndarray")
-    links = sparse.coo_matrix(
-        (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(point),) * 2
-    )
-    return np.asarray(connected_components(links, directed=False)[1], dtype=np.intp)
-
-
-def _images(point: Floats, group: Ints, axis: int, near: float) -> tuple[Ints, Floats]:
-    """The mirror image of each place, and the signs of its moves; zero off a plane it is on."""
-    first = np.unique(group, return_index=True)[1]
-    place = point[first]
-    middle = 0.5 * (place[:, axis].min() + place[:, axis].max())
-    other = place.copy()
-    other[:, axis] = 2.0 * middle - other[:, axis]
-    away = np.linalg.norm(place[:, None] - other[None], axis=2)
-    image = away.argmin(axis=0)
-    if away.min(axis=0).max() > 10.0 * near:
-        raise InputError("the model is not its own mirror image", remedy="leave the mirror out")
-    sign = np.ones((len(place), 3))
-    sign[:, axis] = np.where(image == np.arange(len(place)), 0.0, -1.0)
-    return image, sign
-
-
-def _require_plane(model: Model, along: str | None) -> None:
-    """Refuse where free vertices would bend a face: it is neither a triangle nor lies along."""
-    if all(len(loop) == 3 for block in model.assembly.blocks for loop in block.faces):
-        return
-    if along is None:
-        raise InputError(
-            "faces with more than three corners would not stay plane",
-            remedy="name an axis along which the blocks are prisms",
-        )
-    axis = _axis(along)
-    for i in np.flatnonzero(~model.assembly.fixed):
-        block = model.assembly.blocks[i]
-        level = np.unique(np.round(block.vertices[:, axis] / (TOGETHER * block.size)))
-        ends = _flattened(block.vertices, along)
-        if len(np.unique(_places(ends, TOGETHER * block.size))) * 2 != len(ends) or len(level) != 2:
-            raise InputError(
-                f"is no prism along {along}: its faces would not stay plane",
-                where=f"block '{block.name}'",
-                remedy="keep it, or name another axis",
-            )
-
-
-__all__ = ["Moves", "block_moves", "free_vertices", "thickening"]
+__all__ = ["Moves", "block_moves", "free_vertices", "joint_moves", "thickening"]

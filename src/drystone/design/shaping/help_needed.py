@@ -11,8 +11,12 @@ S' lambda = dJ/dq, h = -D' A' lambda,
     dJ = lambda . (dA f) + q . (dA h) + lambda . dp,
 
 where dA and dp are the changes of the equilibrium matrix and of the load with the vertices.
-Whiting, Shin, Wang, Ochsendorf and Durand 2012 use the same derivative for the convex problem, with
-the multipliers of equilibrium instead of lambda.
+Of the convex problem, without stiffnesses and with associative friction:
+
+    J = v . v / (p . p),    v = A f + p,    f within friction, such that |v| is least,
+
+v is a mechanism, the multiplier of equilibrium. So dJ = 2 v . (dA f + dp) / (p . p), the work of
+the mechanism on the change (Whiting, Shin, Wang, Ochsendorf and Durand 2012).
 """
 
 from __future__ import annotations
@@ -22,9 +26,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drystone.base.arrays import Floats, cross
+from drystone.base.errors import SolverError
 from drystone.design.shaping.corner_following import Corners
 from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.design.surgery.changed_model import acceleration_of
+from drystone.formulations.equilibrium import project_on_mechanisms
 from drystone.formulations.rest.compliance import Compliance, uniform
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions, RestState, mass_matrix
@@ -136,6 +142,28 @@ class Form:
         gradient = self._work_gradient(vertex, statics, state.force, adjoint)
         gradient += self._work_gradient(vertex, statics, turned, state.motion)
         by_load = adjoint - 2.0 * value / whole * statics.load
+        return value, gradient + self._load_gradient(vertex, by_load)
+
+    def imbalance_at(self, vertex: Floats) -> tuple[float, Floats]:
+        """The help of the convex problem, J, and its gradient (v, 3) [1/m].
+
+        It is zero where forces balance the load, also of structures that fall.
+
+        Raises
+        ------
+        SolverError
+            The convex problem was not solved.
+        """
+        statics = self.statics_at(vertex)
+        found = project_on_mechanisms(statics)
+        if found is None:
+            raise SolverError("the convex problem was not solved")
+        left, whole = found.multiplier, float((statics.load**2).sum())
+        force = found.raw.z.reshape(-1, 3).copy()
+        force[:, 1:] *= statics.friction[:, None]
+        value = float((left**2).sum()) / whole
+        gradient = 2.0 / whole * self._work_gradient(vertex, statics, force, left)
+        by_load = 2.0 / whole * (left - value * statics.load)
         return value, gradient + self._load_gradient(vertex, by_load)
 
     def _adjoint(

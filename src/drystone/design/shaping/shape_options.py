@@ -24,6 +24,13 @@ class ShapeAim(enum.Enum):
     TILT = "tilt"
 
 
+class HelpMeasure(enum.Enum):
+    """How the help that a structure needs is measured."""
+
+    REST = "rest"
+    BALANCE = "balance"
+
+
 @dataclass(frozen=True)
 class ShapeOptions(Options):
     """Options of :func:`shape`.
@@ -33,6 +40,10 @@ class ShapeOptions(Options):
     aim
         To stand; the least volume, or the farthest reach, with which it stands at the margin; or
         the largest tilt to each of four sides at which it stands.
+    help
+        What weak ground carries in the rest state; or the convex problem, which shapes until forces
+        balance the load. Some structures in balance fall, so the second one may end at a false
+        shape, and says so. It is for shapes that are to stand.
     margin
         How far from falling the shape has to stand.
     reach : (3,)
@@ -52,6 +63,7 @@ class ShapeOptions(Options):
     """
 
     aim: ShapeAim = ShapeAim.STAND
+    help: HelpMeasure = HelpMeasure.REST
     margin: DesignMargin = field(default_factory=DesignMargin)
     reach: tuple[float, float, float] = (1.0, 0.0, 0.0)
     block: int | str = -1
@@ -65,6 +77,11 @@ class ShapeOptions(Options):
         super().__post_init__()
         if self.rounds < 1 or self.iterations < 1:
             raise InputError("there is no round or no iteration", remedy="give 1 or more")
+        if self.aim is not ShapeAim.STAND and self.help is HelpMeasure.BALANCE:
+            raise InputError(
+                f"the convex problem and the aim '{self.aim.value}' contradict each other",
+                remedy="shape it to stand, or measure help by rest states",
+            )
         if self.aim is ShapeAim.TILT and self.margin.tilt > 0.0:
             raise InputError(
                 "the largest tilt and a margin of tilt contradict each other",
@@ -105,4 +122,4 @@ class Shaped(ChangedStructure):
         return super().to_dict() | own
 
 
-__all__ = ["ShapeAim", "ShapeOptions", "Shaped"]
+__all__ = ["HelpMeasure", "ShapeAim", "ShapeOptions", "Shaped"]

@@ -12,7 +12,7 @@ from drystone.base.errors import DrystoneError, InputError
 from drystone.base.progress import Progress, Stop, Stopped
 from drystone.design.mends.mends import stands_already
 from drystone.design.shaping.help_needed import GROUND
-from drystone.design.shaping.shape_options import ShapeAim, Shaped, ShapeOptions
+from drystone.design.shaping.shape_options import HelpMeasure, ShapeAim, Shaped, ShapeOptions
 from drystone.design.shaping.shape_values import ShapeValues
 from drystone.design.shaping.variables import ShapeVariables
 from drystone.model import Model
@@ -66,7 +66,8 @@ class ShapeSearch(ShapeValues):
                 remedy="shape it to stand first",
             )
         trust, slack, rounds, centred = options.trust, 1.0, 0, False
-        self.ground = SOFT if stand_only and start is None else GROUND
+        rests = options.help is HelpMeasure.REST
+        self.ground = SOFT if stand_only and rests and start is None else GROUND
         words = "the rounds were used up"
         try:
             for rounds in range(1, options.rounds + 1):

@@ -11,7 +11,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.base.progress import Stop, Stopped
 from drystone.design.shaping.help_needed import GROUND, Form
-from drystone.design.shaping.shape_options import ShapeAim, ShapeOptions
+from drystone.design.shaping.shape_options import HelpMeasure, ShapeAim, ShapeOptions
 from drystone.design.shaping.variables import ShapeVariables
 from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.design.surgery.changed_model import changed
@@ -129,7 +129,10 @@ class ShapeValues:
         key = np.asarray(x).tobytes()
         if key not in self.known:
             vertex = self.vertices(x)
-            both = [form.help_at(vertex) for form in self.forms]
+            convex = self.options.help is HelpMeasure.BALANCE
+            both = [
+                form.imbalance_at(vertex) if convex else form.help_at(vertex) for form in self.forms
+            ]
             size = float(np.sqrt(sum(value for value, _ in both)))
             gradient = np.sum([one for _, one in both], axis=0) / (2.0 * max(size, 1e-30))
             self.known[key] = size, self.pulled_back(gradient)

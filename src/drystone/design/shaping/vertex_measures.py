@@ -17,6 +17,12 @@ def vertices_of(assembly: Assembly) -> Floats:
     return np.concatenate([block.vertices for block in assembly.blocks])
 
 
+def owners_of(assembly: Assembly) -> Ints:
+    """The block (v,) of each vertex."""
+    counts = [len(block.vertices) for block in assembly.blocks]
+    return np.repeat(np.arange(len(counts)), counts)
+
+
 @dataclass(frozen=True, eq=False)
 class BlockVertices:
     """The blocks of an assembly as one array of vertices.
@@ -57,7 +63,7 @@ class BlockVertices:
             assembly,
             vertices_of(assembly),
             start,
-            np.repeat(np.arange(len(counts)), counts),
+            owners_of(assembly),
             np.array(fan, dtype=np.intp),
             np.array(owner, dtype=np.intp),
         )
@@ -127,4 +133,4 @@ class BlockVertices:
         return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
 
 
-__all__ = ["BlockVertices", "vertices_of"]
+__all__ = ["BlockVertices", "owners_of", "vertices_of"]

@@ -61,12 +61,17 @@ class AfterMoving(DesignMargin):
         return Result("settlement", Verdict.UNSTABLE, there, found.message)
 
     def stands(
-        self, model: Model, *, quick: bool = False, stop: Callable[[], bool] | None = None
+        self,
+        model: Model,
+        *,
+        quick: bool = False,
+        stop: Callable[[], bool] | None = None,
+        near: list[dict[int, Floats]] | None = None,
     ) -> bool:
         """Whether a model stands after the motion; ``quick`` by longer increments."""
         found = self._followed(model, stop, HASTE if quick else 1.0)
         if found is None:
-            return super().stands(model, quick=quick, stop=stop)
+            return super().stands(model, quick=quick, stop=stop, near=near)
         return found.end is End.REACHED
 
     def meets(self, result: Result) -> bool:

@@ -94,9 +94,9 @@ function showHeader(data, stage) {
   headline.textContent = stage.headline || data.title;
   headline.className = stage.verdict ?? "";
   const facts = [...new Map([...data.facts, ...stage.facts])];
-  // No line begins with a dot, and no date is broken.
+  // No line begins with a dot, and no date and no version is broken.
   document.getElementById("asked").textContent = stage.asked.replaceAll(" \u00b7", "\u00a0\u00b7")
-    .replace(/(\d{4})-(\d\d)-(\d\d)/, "$1\u2011$2\u2011$3");
+    .replace(/(\d{4})-(\d\d)-(\d\d)/, "$1\u2011$2\u2011$3").replace(/drystone (?=\d)/, "drystone\u00a0");
   document.getElementById("message").textContent = stage.message;
   const list = document.getElementById("facts");
   list.replaceChildren();
