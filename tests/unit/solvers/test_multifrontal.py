@@ -1,5 +1,7 @@
 """Block elimination against dense algebra."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -42,6 +44,25 @@ def test_parts_that_nothing_couples_are_solved_side_by_side(last):
     dense[row, column] = blocks[:, 0, 0]
     x = BlockOrdering(position, row, column, 1).factorise(blocks).solve(np.ones((60, 1)))
     np.testing.assert_allclose(dense @ x.ravel(), 1.0, atol=1e-12)
+
+
+def test_memory_is_used_again_only_when_its_factors_are_gone():
+    rng = np.random.default_rng(8)
+    position, row, column, blocks, _ = random_system(120, 3, rng, 0.25)
+    ordering, right = BlockOrdering(position, row, column, 3), rng.normal(size=(120, 3))
+    first = ordering.factorise(blocks)
+    expected = first.solve(right)
+    second = ordering.factorise(2.0 * blocks)
+    assert np.array_equal(first.solve(right), expected)
+    np.testing.assert_allclose(second.solve(right), expected / 2.0, rtol=1e-12)
+    memory = first.factors[0][3].base
+    del first
+    third = ordering.factorise(blocks)
+    assert third.factors[0][3].base is memory
+    assert np.array_equal(third.solve(right), expected)
+    copy = pickle.loads(pickle.dumps(ordering))
+    del third
+    assert np.array_equal(copy.factorise(blocks).solve(right), expected)
 
 
 def test_every_node_is_eliminated_once_after_all_its_children():
