@@ -299,7 +299,9 @@ Published: Kao 2023 (doctoral dissertation, ETH Zurich), with 3DEC as its refere
 RBE with the eight-sided pyramid around the cone, as in the source, and with the exact cone; a rest
 state with uniform contact stiffness (as in a discrete-element program); a rest state with some
 contact stiffness, found by a search, with a stiffness ratio of at most 200; rest after [finite
-steps](settlement.md), which is the verdict of `check`; and the conditions of eq. 5.6.
+steps](settlement.md), the ends of joints carried by the block that moves; and the conditions of eq.
+5.6. `check` follows the steps with either block as carrier, and is undecided where the two differ:
+for the wedges b and c some degrees below the column, because wedge and groove end in one line.
 The hooked planks show how much the joints decide. After a small rotation they jam between their
 walls if one corner is 3 to 10 times as stiff as another. Sofistik as published for the curved
 joints (table 6.4).

@@ -39,7 +39,7 @@ napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 
-nitpicky = True  # a reference to nothing is a warning, and with -W an error
+nitpicky = True  # a reference to nothing is a warning, and with -W an error; classes: see below
 nitpick_ignore_regex = [("py:class", ".*")]
 """Shapes, units, and types that are not public, in the place where Sphinx expects a class."""
 nitpick_ignore = [("py:exc", "Stopped")]

@@ -164,7 +164,8 @@ def _limit(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     model = model_of(given["model"], folder)
     of, live = given["of"], given.get("load")
     if (of == "load") != bool(live):
-        raise InputError("is for the limit of load, which needs one", where="load")
+        what = "is missing, and the limit of load grows it" if of == "load" else "is not used"
+        raise InputError(what, where="load", remedy="give a load with 'of' = 'load', and only then")
 
     def late() -> bool:
         return time.monotonic() > end
@@ -206,7 +207,8 @@ def _plan(given: Given, folder: Folder, end: float) -> dict[str, Any]:
     chosen = PlanOptions(rules=rules, anyway=anyway)
     found = plan(model, options=chosen, time_limit_s=_left(end))
     told = found.to_dict()
-    impossible = {row["block"]: row["why"] for row in told["blocks"] if row["why"]}
+    names = model.assembly.names
+    impossible = {names[block]: why for block, why in found.impossible.items()}
     return {
         "verdict": found.verdict.value,
         "message": found.message,

@@ -203,6 +203,12 @@ def test_a_plan_in_counts(session: Session) -> None:
     assert (told["props"], told["impossible"], told["verdict"]) == ([], {}, "stable")
 
 
+def test_blocks_that_are_propped_are_not_called_impossible(session: Session) -> None:
+    told = session.answer("plan", model={"file": "arch.obj", "supports": "springer-*"})
+    assert told["counts"]["propped"] > 0
+    assert told["counts"]["impossible"] == len(told["impossible"]) == 0
+
+
 def test_what_is_in_a_file(session: Session) -> None:
     told = session.answer("inspect", model={"file": "arch.obj", "supports": "springer-*"})
     assert (told["blocks"], told["fixed"]["count"]) == (14, 2)
@@ -256,7 +262,9 @@ def test_what_cannot_be_used_is_refused_in_words(case: str, session: Session) ->
 
 def test_a_limit_of_load_needs_a_load(session: Session) -> None:
     model = {"file": "nested/tower.json"}
-    assert "needs one" in session.refusal("limit", model=model, of="load")
+    assert "load: is missing" in session.refusal("limit", model=model, of="load")
+    push = [{"kind": "mass", "block": "block-2", "mass": 1.0}]
+    assert "load: is not used" in session.refusal("limit", model=model, of="tilt", load=push)
     assert "of" in session.refusal("limit", model=model, of="thickness")
 
 

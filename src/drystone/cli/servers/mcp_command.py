@@ -20,7 +20,7 @@ def mcp(
     size_limit: Annotated[float, Option("MiB of one model.", kind=POSITIVE)] = 16.0,
     waiting: Waiting,  # noqa: ARG001  # the client waits
 ) -> Answer:
-    """Serve check, diagnose, limit, plan and inspect to programs: Model Context Protocol.
+    """Serve check, diagnose, mend, limit, plan and inspect to programs: Model Context Protocol.
 
     It uses standard input and output, and ends when the client disconnects.
     """

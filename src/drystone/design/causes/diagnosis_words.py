@@ -167,7 +167,7 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
         ways.append(f"a weight of {newtons(needs.ballast.force)} on '{name}'")
     if needs.turn is not None:
         name = joint_name(model, blocks, needs.turn.interface)
-        ways.append(f"{name} turned by {needs.turn.angle:.1f} degrees")
+        ways.append(f"{name} turned by {needs.turn.angle:.2g} degrees")
     if needs.glue_holds and needs.pulls:
         pull = needs.pulls[0]
         a, b = (model.contacts.block_a[pull.interface], model.contacts.block_b[pull.interface])
