@@ -10,7 +10,7 @@ import drystone
 from drystone.design import MendOptions, find_mends
 from drystone.models import arch, vault
 
-SIZE = (7.0, 4.2)
+SIZE = (8.0, 4.4)
 """Inches."""
 
 

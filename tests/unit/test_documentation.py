@@ -235,6 +235,26 @@ def test_the_commands_of_a_page_have_arguments_and_options_that_exist(page: Path
             pass
 
 
+def names_of_commands(group: click.Group, before: str = "") -> list[str]:
+    """Every command of a group, with the names that lead to it."""
+    return [
+        name
+        for key, command in group.commands.items()
+        for name in (
+            names_of_commands(command, f"{before}{key} ")
+            if isinstance(command, click.Group)
+            else [before + key]
+        )
+    ]
+
+
+def test_every_command_answers_a_question() -> None:
+    page = (ROOT / "docs" / "which-command.md").read_text("utf-8")
+    names = names_of_commands(app)
+    assert "limit tilt" in names
+    assert [name for name in names if not re.search(rf"`drystone {name}[ `]", page)] == []
+
+
 def test_every_dependency_has_its_line_and_every_line_its_dependency() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     extras = project["optional-dependencies"]

@@ -2,7 +2,8 @@
 Bridge (section 7.2.4)
 ======================
 
-Eleven blocks hook into each other over two abutments. All nine can be set without a prop.
+Nine blocks hook into each other over two abutments: eleven together. All nine can be set without a
+prop.
 """
 
 from drystone.reproduce import reproduce
