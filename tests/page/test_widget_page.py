@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +93,7 @@ def test_sliders_and_picked_blocks_reach_python_and_python_reaches_the_page(
         tab.run("model.saved = 0")
         tab.press(left + 0.5 * width, top + down)
         tab.until("model.saved > 0")  # the frame has answered
+        time.sleep(0.3)  # it may say a block and a joint one after the other
         told(tab, live)
         if live.picked not in ("", "voussoir-03"):
             break
