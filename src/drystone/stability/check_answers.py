@@ -70,7 +70,7 @@ class Answers:
         if tried == 1:
             words = "stands"
         elif stood == tried:
-            words = f"stands for all {tried} contact stiffnesses tried"
+            words = f"stands, whichever joints press more ({tried} contact stiffnesses tried)"
         else:
             words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
         left = 1 + self.options.samples - tried
