@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, dot
 from drystone.checks import block_speed, check_forces, mechanism_defects, point_motion
 from drystone.contacts import Contacts
 from drystone.formulations.equilibrium import (
@@ -178,10 +178,10 @@ def closing_blocks(assembly: Assembly, contacts: Contacts, motion: Floats) -> Bo
 def _along_normals(assembly: Assembly, contacts: Contacts, motion: Floats) -> tuple[Floats, Floats]:
     """(k,) motion of each corner along the normal of its joint, with block a and with block b."""
     of_a, of_b = (
-        (
-            point_motion(assembly, contacts, motion, block[contacts.interface])
-            * contacts.frame[contacts.interface, 0]
-        ).sum(axis=1)
+        dot(
+            point_motion(assembly, contacts, motion, block[contacts.interface]),
+            contacts.frame[contacts.interface, 0],
+        )
         for block in (contacts.block_a, contacts.block_b)
     )
     return of_a, of_b
