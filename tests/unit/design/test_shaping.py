@@ -69,7 +69,7 @@ def staggered() -> Model:
     ids=["arch", "shelf", "dome", "concave plank", "staggered"],
 )
 def test_the_gradient_is_that_of_central_differences(model: Model) -> None:
-    form = Form.of(model, ground=1e-3)
+    form = Form.of(model, ground=1e-3, glue=1.0)
     vertex = form.bodies.vertex
     way = together(vertex, np.random.default_rng(0))  # no joint is torn apart
     _, gradient = form.help_at(vertex)

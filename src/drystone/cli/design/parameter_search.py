@@ -25,8 +25,8 @@ class SearchRequest:
     vary: Annotated[
         tuple[str, ...],
         Option(
-            "A parameter and its bounds, or values separated by commas. Can be given several "
-            "times.",
+            "A parameter and its bounds, or values separated by commas, to be searched. Can be "
+            "given several times.",
             MODEL,
             metavar="NAME=LOW:HIGH",
         ),
@@ -96,6 +96,8 @@ class SearchRequest:
             props=self.props,
         )
         workers = 1 if self.workers is None else self.workers
+        if workers < 1:
+            raise InputError(f"is {workers}", where="--workers", remedy="give 1 or more")
         waiting.stage("tune", "searching")
         with waiting.keywords(time_limit, workers) as common:
             return design.tune(

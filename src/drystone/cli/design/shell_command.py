@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.command import OUTPUT, Experts, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
@@ -33,7 +33,6 @@ BLOCK_FORMATS = ("obj", "stl", "ply", "glb", "3dm", "json")
 @command(
     "drystone shell barrel --courses 5 --blocks 2 --thickness 0.6 --out barrel.json",
     "drystone shell dome --courses 4 --blocks 8 --thickness 0.4 --html dome.html",
-    "drystone shell barrel --courses 5 --vary thickness=0.2:0.6 --vary wedge=0:0.3 --props 0",
 )
 def shell(
     *,
@@ -46,7 +45,7 @@ def shell(
             "course, so that the fewest blocks are propped, then held, while it is built."
         ),
     ] = False,
-    search: SearchRequest,
+    search: Annotated[SearchRequest, Experts(but=("vary",))],
     friction: options.Friction = None,
     time_limit: options.TimeLimit = None,
     out: Annotated[

@@ -49,7 +49,12 @@ class SurfaceRequest:
     ] = None
     length: Annotated[
         float | None,
-        Option("Length of a barrel, depth of a free-edge plan, in m.", MODEL, kind=kinds.POSITIVE),
+        Option(
+            "Length of a barrel, depth of a free-edge plan, in m.",
+            MODEL,
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
     ] = None
     rise: Annotated[
         float | None,
