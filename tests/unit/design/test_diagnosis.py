@@ -12,7 +12,6 @@ from drystone.cli import main
 from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
 from drystone.design.causes.prop_forces import least_prop, propped
 from drystone.design.causes.regions import regions_of
-from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, h_model, prism, shelf, tower
 
 G = 9.81
@@ -202,26 +201,3 @@ def test_mend_says_that_a_model_stands(tmp_path: Path, capsys: pytest.CaptureFix
     drystone.write(Model.of(tower(2), friction=0.6), path)
     assert main(["mend", str(path)]) == 0
     assert "it stands: nothing is missing" in capsys.readouterr().out
-
-
-def test_a_structure_with_a_glued_joint_that_falls_is_told_as_such(tmp_path: Path) -> None:
-    """The penalty form takes dry joints only; check and diagnosis do without it."""
-    base, middle, out = (
-        box((1.0, 1.0, 1.0), name="base"),
-        box((1.0, 1.0, 0.2), (0.2, 0.0, 1.0), "middle"),
-        box((1.0, 1.0, 0.2), (0.9, 0.0, 1.2), "out"),
-    )
-    dry = Model.of(Assembly((base, middle, out)).with_fixed([0]), friction=0.6)
-    glue = JointCapacity.of(dry.contacts, tension=[1e5, 0.0], cohesion=[1e5, 0.0])
-    model = dry.with_capacity(glue)
-    found = diagnose(model)
-    assert found.result.verdict is Verdict.UNSTABLE
-    assert [region.blocks for region in found.regions] == [(2,)]
-    path = tmp_path / "glued.json"
-    drystone.write(model, path)
-    assert main(["check", str(path), "--json"]) == 1
-    # no compression at all, and a region with glue of its own
-    weak = dry.with_capacity(JointCapacity.of(dry.contacts, tension=1.0, cohesion=1.0))
-    assert diagnose(weak).result.verdict is Verdict.UNSTABLE
-    drystone.write(weak, path)
-    assert main(["check", str(path), "--json"]) == 1

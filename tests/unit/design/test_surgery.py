@@ -258,15 +258,3 @@ def test_blocks_that_would_overlap_are_refused_and_those_that_did_before_are_not
     deep = Model.of(both, friction=0.6)
     upward = faces_toward(sunk, (0.0, 0.0, 1.0))[0]
     assert move_face(deep, "sunk", upward, 0.1).assembly.volume[1] == pytest.approx(1.1)
-
-
-def test_a_joint_with_a_capacity_elsewhere_is_kept() -> None:
-    model = Model.of(tower(6), friction=0.6)
-    strength = np.zeros(model.contacts.count)
-    strength[0] = 100.0
-    glued = model.with_capacity(JointCapacity.of(model.contacts, tension=strength))
-    wedged = wedge_joint(glued, 4, 20.0)
-    capacity = wedged.contacts.capacity
-    assert capacity is not None
-    assert capacity.tension.tolist().count(100.0) == 1
-    assert wedged.contacts.count == model.contacts.count + 1

@@ -123,7 +123,7 @@ def diagnose(
     answer = check(model, stop=clock.late) if result is None else result
     if answer.stable:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))))
-    if (answer.prop is None or not answer.falling) and model.contacts.dry.all():
+    if answer.prop is None or not answer.falling:
         answer = solve_cra_penalty(
             model, options=AS_IT_LIES, stop=clock.late, time_limit_s=clock.left_s
         )
@@ -164,7 +164,7 @@ def _region(
     inside[list(blocks)] = True
     alone = (
         solve_cra_penalty(local, options=AS_IT_LIES, stop=late)
-        if options.needs and local.contacts.dry.all()
+        if options.needs
         else check(local, options=QUICK, stop=late)
     )
     own = tuple(range(len(blocks)))
