@@ -389,6 +389,8 @@ def test_moves_that_make_no_sense_are_refused() -> None:
         joint_moves(staggered(), 0.1)
     with pytest.raises(InputError, match="no axis 'w'"):
         free_vertices(model, 0.1, directions="w")
+    with pytest.raises(InputError, match="cannot move along y"):
+        free_vertices(model, 0.1, directions="y")
     with pytest.raises(InputError, match="largest move"):
         free_vertices(model, 0.0)
     with pytest.raises(InputError, match="make the moves of this model"):

@@ -206,4 +206,6 @@ def test_the_command_writes_the_best_model(
     assert told["front"][0]["stands"]
     assert drystone.check(drystone.read(out)).stable
     assert main(["tune", "arch", "--vary", "width=1:2"]) == 2
+    assert main([*words, "--vary", "voussoirs=6:9"]) == 2
+    assert "voussoirs is set, and varied" in capsys.readouterr().err
     assert main(["tune", "arch"]) == 2

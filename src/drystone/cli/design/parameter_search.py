@@ -127,12 +127,17 @@ def parameter_range(text: str, known: families.Parameters) -> Parameter:
     return Parameter(name, float(ends[0]), float(ends[1]), whole=whole)
 
 
+UNITS = {"volume": " m3", "height": " m", "reach": " m"}
+"""Of the goals that have one."""
+
+
 def show_front(data: Mapping[str, Any], screen: Screen) -> None:
     """The best structures: their goals and values, a line each."""
     for one in data["front"]:
         values = ", ".join(f"{name} {_short(value)}" for name, value in one["values"].items())
         pairs = zip(data["goals"], one["goals"], strict=True)
-        told = ", ".join(f"{goal.removeprefix('-')} {value:.4g}" for goal, value in pairs)
+        names = [(goal.removeprefix("-"), value) for goal, value in pairs]
+        told = ", ".join(f"{name} {value:.4g}{UNITS.get(name, '')}" for name, value in names)
         screen.line(f"{told}: {values}")
 
 

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from drystone.base.errors import InputError
 from drystone.cli.base import kinds
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
@@ -61,6 +62,13 @@ def tune(
     build, known = families.shell_family(family) or families.family(family)
     given = dict(families.setting(text, known) for text in set)
     how: dict[str, Any] = {} if friction is None else {"friction": friction}
+    twice = {text.partition("=")[0].replace("-", "_") for text in search.vary} & set(given)
+    if twice:
+        raise InputError(
+            f"{', '.join(sorted(twice))} is set, and varied",
+            where="--set",
+            remedy="give one of them",
+        )
     made = partial(build, **given)
     found = search.run(made, known, how, waiting, time_limit)
     data = {"family": family, "message": found._summary(), **found.to_dict()}

@@ -129,6 +129,11 @@ def free_vertices(
     if directions is None:
         directions = "".join(axis for axis in AXES if axis != along)
     ways = np.eye(3)[[axis_of(axis) for axis in directions]]
+    if along is not None and along in directions:
+        raise InputError(
+            f"vertices along {along} cannot move along {along}",
+            remedy="leave that direction out, or name no axis of prisms",
+        )
     kept = model.assembly.fixed.copy()
     kept[model.assembly.indices(list(keep))] = True
     if along is not None:
@@ -137,11 +142,7 @@ def free_vertices(
     still = kept[owners_of(model.assembly)]
     if keep_side is not None:
         still |= on_side(model, keep_side, along)
-    moves = _moves(model, places, [ways] * places.count, kept, most, still)
-    plane = PlaneMoves.of(
-        moves.matrix, moves.most, SharedPlanes.of(model, still), vertices_of(model.assembly)
-    )
-    return plane if plane.bending.shape[1] else moves
+    return _moves(model, places, [ways] * places.count, kept, most, still)
 
 
 def joint_moves(
@@ -150,7 +151,7 @@ def joint_moves(
     along: str | None = "y",
     mirror: str | None = None,
     keep: Sequence[int | str] = (),
-) -> Moves:
+) -> Moves | PlaneMoves:
     """Joint planes that turn and move: the ends of each joint slide along the sides of its blocks.
 
     At each end a joint slides along the mean direction of the two sides that meet there: along the
@@ -187,7 +188,7 @@ def _moves(
     kept: Bools,
     most: float,
     still: Bools,
-) -> Moves:
+) -> Moves | PlaneMoves:
     """The moves of places along ways (w, 3) each; blocks (n,), or vertices (v,), may stay."""
     matrix = places.matrix(ways, still)
     if not matrix.shape[1]:
@@ -198,7 +199,10 @@ def _moves(
             f"no vertex may move{stay}{more}",
             remedy="keep fewer blocks, or allow more directions",
         )
-    return Moves(matrix, _largest(most, matrix.shape[1]))
+    moves = Moves(matrix, _largest(most, matrix.shape[1]))
+    planes, vertex = SharedPlanes.of(model, still), vertices_of(model.assembly)
+    plane = PlaneMoves.of(moves.matrix, moves.most, planes, vertex)
+    return plane if plane.bending.shape[1] else moves
 
 
 def thickening(model: Model, middle: Sequence[float], most: float) -> Moves:
