@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints, cross, lengths
 from drystone.contacts import Contacts
 from drystone.joint_capacity import NO_LIMIT
 from drystone.model import Model
@@ -60,8 +60,8 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
     world = np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
     size = assembly.size
     total = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
-    scale = np.linalg.norm(total[:, :3], axis=1) + np.linalg.norm(total[:, 3:], axis=1)
-    strength = np.linalg.norm(force, axis=1)
+    scale = lengths(total[:, :3]) + np.linalg.norm(total[:, 3:], axis=1)
+    strength = lengths(force)
     for block, sign in ((a, -1.0), (b, 1.0)):
         arm = (contacts.point - assembly.centroid[block]) / size[block, None]
         np.add.at(total, block, sign * np.concatenate([world, cross(arm, world)], axis=1))
@@ -91,13 +91,13 @@ def check_forces(
     total, scale = unbalanced_wrench(model, force)
     if prop is not None:
         total = total + np.concatenate([prop[:, :3], prop[:, 3:] / assembly.size[:, None]], axis=1)
-    equilibrium = float((np.linalg.norm(total[free], axis=1) / scale[free]).max(initial=0.0))
+    equilibrium = float((lengths(total[free]) / scale[free]).max(initial=0.0))
     if not contacts.corner_count:
         return Residuals(equilibrium=equilibrium)
     a, b = _corner_blocks(contacts)
     local = np.minimum(scale[a], scale[b])
     normal = force[:, 0]
-    tangential = np.linalg.norm(force[:, 1:], axis=1)
+    tangential = lengths(force[:, 1:])
     friction = contacts.friction[contacts.interface]
     pull, cohesion, shear = contacts.corner_capacity
     tension = float((np.maximum(0.0, -normal - pull) / local).max())
@@ -107,7 +107,7 @@ def check_forces(
     complementarity = alignment = 0.0
     if displacement is not None:
         moved = corner_motion(assembly, contacts, displacement)
-        reach = np.linalg.norm(moved, axis=1)
+        reach = lengths(moved)
         largest = np.zeros(len(assembly))
         np.maximum.at(largest, a, reach)
         np.maximum.at(largest, b, reach)
@@ -120,10 +120,10 @@ def check_forces(
         )
         pulled = np.maximum(0.0, -normal) / local * (moved[:, 0] <= 0.0)
         complementarity = max(complementarity, float(pulled.max()))
-        slide = np.linalg.norm(moved[:, 1:], axis=1)
+        slide = lengths(moved[:, 1:])
         still = slide <= 1e-13 * safe
         direction = moved[:, 1:] / np.where(still, 1.0, slide)[:, None]
-        wrong = np.linalg.norm(force[:, 1:] + tangential[:, None] * direction, axis=1) / local
+        wrong = lengths(force[:, 1:] + tangential[:, None] * direction) / local
         wrong = np.where(still, tangential / local, wrong)
         alignment = float(np.where(tangential > NEGLIGIBLE * local, wrong, 0.0).max())
     return Residuals(equilibrium, tension, cone, complementarity, alignment)
@@ -149,7 +149,7 @@ def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
     assembly, contacts = model.assembly, model.contacts
     moved = corner_motion(assembly, contacts, motion)
     friction = contacts.friction[contacts.interface]
-    slide = np.linalg.norm(moved[:, 1:], axis=1)
+    slide = lengths(moved[:, 1:])
     pull, cohesion, shear = contacts.corner_capacity
     short = np.where(shear < NO_LIMIT, 0.0, friction * slide) - moved[:, 0]
     # joints without limits do not move
@@ -206,7 +206,7 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
     if contacts.count == 0:
         return np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), np.zeros((0, 3))
     moved = corner_motion(model.assembly, contacts, motion)
-    reach, interface = np.linalg.norm(moved, axis=1), contacts.interface
+    reach, interface = lengths(moved), contacts.interface
     corners = contacts.corners
     most = corners.max(reach)
     moving = most > MOVING * float(most.max())
@@ -215,7 +215,7 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
     resting = corners.any(still)
     closed = np.abs(moved[:, 0]) < small
     hinge = moving & (resting | (corners.any(closed) & corners.any(moved[:, 0] > small)))
-    sliding = np.linalg.norm(moved[:, 1:], axis=1)
+    sliding = lengths(moved[:, 1:])
     friction = contacts.friction[interface]
     along = (sliding > small) & (np.abs(moved[:, 0]) < friction * sliding + small)
     slide = moving & ~resting & corners.any(along)
@@ -227,9 +227,7 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
 
 def block_speed(assembly: Assembly, motion: Floats) -> Floats:
     """(n,) translation plus rotation times size: a bound on the speed of a block's corners."""
-    return np.linalg.norm(motion[:, :3], axis=1) + assembly.size * np.linalg.norm(
-        motion[:, 3:], axis=1
-    )
+    return lengths(motion[:, :3]) + assembly.size * lengths(motion[:, 3:])
 
 
 def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -73,7 +73,7 @@ class Residuals(OneLine):
     @property
     def largest(self) -> float:
         """The worst of them."""
-        return max(astuple(self))
+        return max(vars(self).values())
 
 
 @dataclass(frozen=True)

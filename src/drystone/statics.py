@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, lengths
 from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.solvers.program import Entries
@@ -267,17 +267,15 @@ def build_statics(model: Model) -> Statics:
     length = assembly.size
     loads = load.wrench[free]
     size = length[free]
-    magnitude = np.linalg.norm(loads[:, :3], axis=1) + (
-        np.linalg.norm(loads[:, 3:], axis=1) / size if len(free) else 0.0
-    )
-    mean = float(magnitude.mean()) if len(free) else 0.0
+    magnitude = lengths(loads[:, :3]) + lengths(loads[:, 3:]) / size
+    mean = float(magnitude.sum()) / len(free) if len(free) else 0.0
     force_unit = mean if mean > 0.0 else 1.0
     scaled = np.concatenate(
         [loads[:, :3] / force_unit, loads[:, 3:] / (force_unit * size[:, None])], axis=1
     )
     mass = assembly.mass[free]
     area = contacts.tributary
-    mean_area = float(area.mean()) if contacts.corner_count and area.any() else 1.0
+    mean_area = float(area.sum()) / len(area) if area.any() else 1.0
     capacity = (np.minimum(one / force_unit, UNLIMITED) for one in contacts.corner_capacity)
     tension, cohesion, shear = capacity
     bounds = assembly.bounds[free]
@@ -297,9 +295,9 @@ def build_statics(model: Model) -> Statics:
         cohesion=cohesion,
         shear=shear,
         load=scaled,
-        mass=mass / mass.mean() if len(free) else mass,
+        mass=mass / (mass.sum() / len(free)) if len(free) else mass,
         inertia=(extent**2).sum(axis=1) / (12.0 * size**2),
         length=size,
         force_unit=force_unit,
-        mean_length=float(size.mean()) if len(free) else 1.0,
+        mean_length=float(size.sum()) / len(free) if len(free) else 1.0,
     )

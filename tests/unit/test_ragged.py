@@ -75,6 +75,15 @@ def test_no_owner_and_no_row() -> None:
     assert none.take([])[1].tolist() == []
 
 
+def test_what_is_written_to_the_given_array_later_does_not_change_the_rows() -> None:
+    start = np.array([0, 2, 3])
+    view = start.view()
+    view.setflags(write=False)
+    of_array, of_view = Ragged(start), Ragged(view)
+    start[1] = 1
+    assert of_array.counts.tolist() == of_view.counts.tolist() == [2, 1]
+
+
 def test_wrong_input_is_refused() -> None:
     for start in ([], [1, 2], [0, 2, 1]):
         with pytest.raises(InputError):

@@ -59,7 +59,7 @@ class Ragged(OneLine):
         number = counts if isinstance(counts, np.ndarray) else list(counts)
         start = np.zeros(len(number) + 1, dtype=np.intp)
         np.cumsum(number, out=start[1:])
-        return cls(start)
+        return cls(frozen(start))
 
     @classmethod
     def from_owners(cls, owner: Ints, count: int) -> Ragged:
@@ -101,7 +101,7 @@ class Ragged(OneLine):
     @cached_property
     def counts(self) -> Ints:
         """(n,) number of rows of each owner."""
-        return frozen(np.diff(self.start))
+        return frozen(self.start[1:] - self.start[:-1])
 
     @cached_property
     def owner(self) -> Ints:
@@ -183,12 +183,18 @@ class Ragged(OneLine):
         run = self.first // most
         yield from np.split(np.arange(len(self)), np.flatnonzero(np.diff(run)) + 1)
 
+    @cached_property
+    def _filled(self) -> Bools | None:
+        """(n,) which owners have a row; None where there are owners and all have one."""
+        filled: Bools = self.counts > 0
+        return None if len(self) and filled.all() else frozen(filled)
+
     def _reduced(self, how: np.ufunc, values: NDArray[Any], empty: Any) -> NDArray[Any]:
         """``how`` over the rows of each owner; numpy takes no owner without a row."""
         if len(values) != self.rows:
             raise InputError(f"{len(values)} values for {counted(self.rows, 'row')}")
-        filled = self.counts > 0
-        if filled.all() and len(self):
+        filled = self._filled
+        if filled is None:
             return how.reduceat(values, self.first, axis=0)
         result = np.full((len(self), *values.shape[1:]), empty, dtype=values.dtype)
         if filled.any():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Floats, frozen_floats, number
+from drystone.base.arrays import Floats, cross, frozen_floats, lengths, number
 from drystone.base.errors import InputError
 
 
@@ -31,10 +31,10 @@ def frames_from_normals(normal: Floats) -> Floats:
     n = np.asarray(normal, dtype=np.float64).reshape(-1, 3)
     steep = np.abs(n[:, 2]) > 0.9
     helper = np.where(steep[:, None], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
-    u = np.cross(helper, n)
-    length = np.linalg.norm(u, axis=1, keepdims=True)
+    u = cross(helper, n)
+    length = lengths(u)[:, None]
     u /= np.where(length > 0.0, length, 1.0)
-    return np.stack([n, u, np.cross(n, u)], axis=1)
+    return np.stack([n, u, cross(n, u)], axis=1)
 
 
 def rotation_about(axis: Floats, angle_deg: float) -> Floats:
@@ -44,8 +44,8 @@ def rotation_about(axis: Floats, angle_deg: float) -> Floats:
     """
     x, y, z = unit(axis, "axis")
     angle = np.deg2rad(number(angle_deg, "the angle"))
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    rotation: Floats = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
+    turn = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    rotation: Floats = np.eye(3) + np.sin(angle) * turn + (1.0 - np.cos(angle)) * (turn @ turn)
     return rotation
 
 

@@ -34,8 +34,8 @@ from drystone.sequence.stage.structure import Structure
 from drystone.stability.screening import Screening, stage_screening
 
 EFFORT, LARGE = 1600.0, 50.0
-"""The planner holds or props blocks after EFFORT / n checks without progress, with n free blocks
-in the largest connected part; above LARGE blocks after EFFORT * LARGE / n**2. This gives 200 checks
+"""The planner holds or props blocks after EFFORT / n stages without progress, with n free blocks
+in the largest connected part; above LARGE blocks after EFFORT * LARGE / n**2. This gives 200 stages
 for 8 blocks (most stages can be checked), 40 for a vault of 40 blocks, 22 for a dome of 60, and
 none for 400. With half of it a shell of 42 blocks has 21 props instead of 12."""
 
@@ -50,7 +50,7 @@ class PlanOptions(Options):
     exact
         Search all orders, for models with at most 14 free blocks.
     patience
-        Checks without progress before blocks are held or propped. When left out: 1600 divided by
+        Stages without progress before blocks are held or propped. When left out: 1600 divided by
         the number of free blocks in the largest connected part, fewer above 50 blocks. Infinite:
         the plan is proved to need the fewest props.
     width

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.base.table import Table
 from drystone.model import Model, OfModel
 from drystone.results import Residuals
 from drystone.settlement.faces.corners import Carrier
@@ -212,6 +214,39 @@ class Settlement(OfModel, OneLine):
     def travel(self) -> float:
         """Largest displacement of a block in the first path, relative to its size."""
         return float(self.path.travel.max(initial=0.0))
+
+    def table(self) -> Table:
+        """Motion of every block, path by path: translation [m], rotation vector [rad], travel."""
+        names = self.model.assembly.names
+        motion = np.concatenate([path.displacement for path in self.paths])
+        columns: dict[str, Any] = {
+            "carrier": [path.carrier.value for path in self.paths for _ in names],
+            "block": list(names) * len(self.paths),
+            **{f"move_{axis}": motion[:, i] for i, axis in enumerate("xyz")},
+            **{f"turn_{axis}": motion[:, 3 + i] for i, axis in enumerate("xyz")},
+            "travel": np.concatenate([path.travel for path in self.paths]),
+        }
+        return Table("settlement", columns)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values: the outcome; for each path how it ends and the motion of every block."""
+        rows, count = self.table().to_dict()["rows"], len(self.model.assembly)
+        return {
+            "outcome": self.outcome.value,
+            "message": self.message,
+            "stopped": self.stopped,
+            "paths": [
+                {
+                    "carrier": path.carrier.value,
+                    "outcome": path.outcome.value,
+                    "travel": float(path.travel.max(initial=0.0)),
+                    "steps": path.steps,
+                    "residuals": None if path.residuals is None else asdict(path.residuals),
+                    "blocks": rows[i * count : (i + 1) * count],
+                }
+                for i, path in enumerate(self.paths)
+            ],
+        }
 
 
 __all__ = ["Outcome", "Settlement", "SettlementOptions", "SettlementPath"]

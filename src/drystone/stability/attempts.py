@@ -184,14 +184,14 @@ class Attempts(Record):
         start
         falls
             Whether it falls with every stiffness; called where the ground carries a large share,
-            and where the first path does not converge.
+            and where the first path takes long or does not converge.
         much
             That share.
         """
         numerics = screening.numerics
         if start is None:  # at the beginning of a path steps are often reduced
             numerics = replace(numerics, give_up=0.0)
-        state = self._rest(springs, numerics, start)
+        state = self._rest(springs, numerics, start, falls)
         share = self.problem.ground_share(state.ground)
         most = share.max()
         rests = state.converged and most < CLEARLY
@@ -249,7 +249,8 @@ class Attempts(Record):
     ) -> Candidate:
         """As :meth:`attempt`, first from similar rest states.
 
-        With ``lead`` the last of them, of uniform stiffness, is then led to these springs.
+        With ``lead``, where nothing is found from nothing either, the last of them, of uniform
+        stiffness, is led to these springs.
         """
         start = None
         for one in rests:
@@ -260,13 +261,17 @@ class Attempts(Record):
         if start is not None:
             state = self._rest(springs, FROM_OTHER, start)
             found = self._stood(state) if state.converged else None
-            if found is None and lead:
-                found = self._led(springs, rests[-1].displacement)
             if found is not None:
                 return found
-        falling = len(self.falling)
-        found = self.attempt(springs)
-        if found.stands or len(self.falling) > falling or self.clock.late():
+        afresh = Attempts(self.problem, self.clock)
+        found = afresh.attempt(springs)
+        if lead and rests and not found.stands:
+            led = self._led(springs, rests[-1].displacement)
+            if led is not None:
+                self.iterations += afresh.iterations
+                return led
+        self.add(afresh)
+        if found.stands or afresh.falling or self.clock.late():
             return found
         return self._by_longer_slips(springs) or found
 
@@ -331,9 +336,14 @@ class Attempts(Record):
                 yield self._rest(trial.springs, SHARPER)
 
     def _rest(
-        self, springs: Compliance, options: RestOptions, start: RestState | Start | None = None
+        self,
+        springs: Compliance,
+        options: RestOptions,
+        start: RestState | Start | None = None,
+        falls: Callable[[], bool] | None = None,
     ) -> RestState:
-        state = find_rest(self.problem.system, springs, options, start=start, stop=self.clock.late)
+        system, late = self.problem.system, self.clock.late
+        state = find_rest(system, springs, options, start=start, stop=late, falls=falls)
         self.iterations += state.iterations
         return state
 

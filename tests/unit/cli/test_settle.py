@@ -10,7 +10,7 @@ import pytest
 from drystone import Assembly, LoadCase, io
 from drystone.cli import main
 from drystone.io import Contents
-from drystone.models import arch, box
+from drystone.models import arch, box, wedge
 
 Capsys = pytest.CaptureFixture[str]
 FEET = [box((0.2, 1.0, 0.2), (x, 0.0, 0.0), n) for n, x in zip("abc", (0.0, 1.9, 3.8), strict=True)]
@@ -107,6 +107,27 @@ def test_its_files_are_a_page_of_two_stages_a_figure_and_the_joints_after(
     assert normal == pytest.approx([row["normal"] for row in told["joints"]])
 
 
+def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(
+    tmp_path: Path, capsys: Capsys
+) -> None:
+    """The flush wedge at 50 degrees rests with one carrier and falls with the other."""
+    path, page = tmp_path / "wedge.json", tmp_path / "wedge.html"
+    io.write(wedge("b"), path)
+    gravity = ("--gravity", "0,-7.515,-6.306", "--friction", "0.84")
+    code, told = answer(capsys, str(path), *gravity, "--html", str(page))
+    assert (code, told["outcome"]) == (1, "the ends of the joints decide")
+    ends = {one["carrier"]: one["outcome"] for one in told["paths"]}
+    assert ends == {"moving": "comes to rest", "resting": "falls"}
+    (moved,) = (row for row in told["paths"][0]["blocks"] if row["block"] == "wedge")
+    assert moved["travel"] == told["paths"][0]["travel"]
+    assert moved["move_y"] < 0.0
+    assert "Undecided: falls with the ends" in page.read_text(encoding="utf-8")
+    assert main(["settle", str(path), "--friction", "0.84"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("COMES TO REST")
+    assert out.count(" wedge ") == 1
+
+
 def test_a_person_reads_joints_supports_and_changes(model: str, capsys: Capsys) -> None:
     assert main(["settle", model, *DROP]) == 0
     out, err = capsys.readouterr()
@@ -126,7 +147,8 @@ def test_a_person_reads_joints_supports_and_changes(model: str, capsys: Capsys) 
         (["--move", "b:0,nan,1"], "--move: is nan"),
         (["--move", "0,0,1"], "--move: '0,0,1' names no block"),
         (["--move", "b:0,0,0"], "--move: no support moves"),
-        ([], "--move: no support moves"),
+        (["--to", "0.1"], "--move: no support moves"),
+        (["--joints", "a.csv"], "there is no table of joints without --move"),
         ([*DROP, "--compliance", "0"], "--compliance: is 0;"),
         ([*DROP, "--html", "nowhere/a.html"], "--html: there is no folder"),
     ],

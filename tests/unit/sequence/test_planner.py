@@ -221,6 +221,18 @@ def test_the_bridge_is_checked_in_full_before_help_is_given(friction):
     assert found.proved
 
 
+def test_states_without_help_are_tried_for_longer():
+    # each counts once, not once per screening level, and a third of a state with help
+    model = Model.of(bridge(load=True), friction=0.34)
+    some = [name for name in model.assembly.names if name not in LATER]
+    found = plan(model.subset(some), options=PlanOptions(patience=12.0))
+    assert needs(found) == (0, 0)
+
+
+LATER = ("load-12", "load-13", "load-14", "block-9", "block-10")
+"""Blocks that are placed last, and free, in every plan of the loaded bridge."""
+
+
 def test_structures_that_do_not_touch_need_what_each_needs_alone():
     bodies, fixed = list(bridge().blocks), bridge().fixed.tolist()
     for number in range(2):

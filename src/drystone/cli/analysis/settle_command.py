@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError
-from drystone.cli.analysis import large_answer
+from drystone.cli.analysis import followed_answer, large_answer
 from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
@@ -17,7 +17,7 @@ from drystone.cli.base.command import Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Written
-from drystone.cli.inputs import loading
+from drystone.cli.inputs import loading, options
 from drystone.cli.inputs.model_input import Finding, Subject
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 
 @command(
+    "drystone settle wedge.json --gravity 0,-7.5,-6.3 --html settled.html",
     "drystone settle arch.json --move springer-right:0.01,0,0",
     "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
 )
@@ -53,20 +54,23 @@ def settle(
             expert=True,
         ),
     ] = 1e-3,
+    time_limit: options.TimeLimit = None,
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:
-    """Which joints open, and how forces change, when supports move.
+    """Where the blocks come to rest; with --move, which joints open when supports move.
 
     Exit code 0: the blocks come to rest, or follow the supports up to --to. 1: they do not. 2: bad
     input.
     """
     model = subject.prepared(waiting, finding, seismic, move, settling=True)
     wanted.require_through(model.assembly)
-    if model.load.motion is None:
+    if model.load.motion is None and (move or to is not None):
         raise InputError(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
+    if model.load.motion is None:
+        return followed_answer.answer(model, subject.model, wanted, waiting, time_limit)
     if to is not None:
         return _far(model, to, subject.model, wanted, waiting)
     # work is imported when there is some

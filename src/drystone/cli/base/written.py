@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from drystone.limits import Limit
     from drystone.results import Result
     from drystone.sequence import Plan
-    from drystone.settlement import SupportResponse
+    from drystone.settlement import Settlement, SupportResponse
     from drystone.view import Scene
 
 
@@ -73,7 +73,7 @@ class Pictures:
         both = ((self.html, page), (self.png, figure))
         return [(path, write) for path, write in both if path is not None]
 
-    def of(self, subject: Result | Limit, source: str = "") -> Files:
+    def of(self, subject: Result | Limit | Settlement, source: str = "") -> Files:
         """The pictures of an answer."""
         if self.html is None and self.png is None:
             return [], []
@@ -119,7 +119,7 @@ class Written(Pictures):
         more, said = self.tables(result)
         return [*jobs, *self.for_cad(result, source), *more], said
 
-    def for_cad(self, subject: Result | SupportResponse, source: str) -> list[Job]:
+    def for_cad(self, subject: Result | SupportResponse | Settlement, source: str) -> list[Job]:
         """The file for CAD programs, where one is asked for."""
         return cad_jobs(self.cad, subject, source)
 
@@ -164,7 +164,9 @@ def refuse_missing(cad: Path | None) -> None:
         require("writing 3dm")
 
 
-def cad_jobs(path: Path | None, subject: Result | SupportResponse | Plan, source: str) -> list[Job]:
+def cad_jobs(
+    path: Path | None, subject: Result | SupportResponse | Settlement | Plan, source: str
+) -> list[Job]:
     """The file for CAD programs, where one is asked for."""
     if path is None:
         return []

@@ -93,14 +93,16 @@ def followed_scene(settlement: Settlement, source: str = "") -> Scene:
     {'Comes to rest'}
     """
     model = settlement.model
-    several = len(settlement.paths) > 1
-    stages = tuple(_followed(settlement.message, one, several) for one in settlement.paths)
+    stages = tuple(_followed(settlement, one) for one in settlement.paths)
     facts = facts_of(model.assembly, model.contacts, model.load, source)
     title = f"drystone: {settlement.outcome.value}"
     return Scene(model.assembly, model.contacts, stages, title, facts)
 
 
-def _followed(message: str, path: SettlementPath, several: bool) -> SceneStage:
+def _followed(settlement: Settlement, path: SettlementPath) -> SceneStage:
+    carried = f"ends of joints on the {path.carrier.value} block"
+    several = len(settlement.paths) > 1
+    differ = settlement.outcome is Outcome.ENDS_DECIDE
     model, last = path.model, path.displacement
     assembly = model.assembly
     state = np.where(assembly.fixed, State.SUPPORT, State.FREE).astype(np.intp)
@@ -119,12 +121,13 @@ def _followed(message: str, path: SettlementPath, several: bool) -> SceneStage:
     up, gravity = directions(assembly, model.load)
     verdict = {Outcome.RESTS: Verdict.STABLE, Outcome.FALLS: Verdict.UNSTABLE}
     name = path.outcome.value
+    headline = f"Undecided: {name} with the {carried}" if differ else name[0].upper() + name[1:]
     return SceneStage(
-        f"ends of joints on the {path.carrier.value} block" if several else "settlement",
-        name[0].upper() + name[1:],
-        f"{message}; {told}",
+        carried if several else "settlement",
+        headline,
+        f"{settlement.message}; {told}",
         state,
-        verdict.get(path.outcome, Verdict.UNDECIDED),
+        Verdict.UNDECIDED if differ else verdict.get(path.outcome, Verdict.UNDECIDED),
         motion=factor * last if moved > 0.0 else None,
         path=factor * states if moved > 0.0 and len(states) > 1 else None,
         motion_name="Settlement" if factor == 1.0 else "Settlement, enlarged",
