@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import DrystoneError
+from drystone.base.errors import DrystoneError, InputError
 from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
