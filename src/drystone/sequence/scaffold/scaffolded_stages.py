@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 import shapely
+import shapely.ops
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
@@ -81,6 +82,11 @@ class ScaffoldOptions(Options):
         Between centring and blocks.
     clear : [m]
         Height of the anchors of ropes above the highest block.
+    foot
+        Name of the block on which struts stand, and which bears their force; the ground when left
+        out. Where a strut leans, ``friction`` must hold its foot.
+    longest : [m]
+        Length of the longest strut.
     stage_cost
         Of a metre for one stage. A clamp counts as one metre.
     move_cost
@@ -91,12 +97,14 @@ class ScaffoldOptions(Options):
     moment: float = float("inf")
     friction: float = 0.6
     clear: float = 1.0
+    foot: str | None = None
+    longest: float = float("inf")
     stage_cost: float = 1.0
     move_cost: float = 1.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._refuse_unless_positive("limit", "moment")
+        self._refuse_unless_positive("limit", "moment", "longest")
         self._refuse_below(0.0, "friction", "clear", "stage_cost", "move_cost")
 
 
@@ -121,7 +129,7 @@ class ScaffoldedStages:
     Raises
     ------
     InputError
-        A kind that is not known.
+        A kind that is not known, or a foot that is no block.
     """
 
     def __init__(
@@ -135,6 +143,10 @@ class ScaffoldedStages:
         self.support = Support.named(support)
         self.options = ScaffoldOptions.of(options)
         self.check = check
+        self.foot = -1
+        if self.support is Support.STRUT and self.options.foot is not None:
+            self.foot = model.assembly.index(self.options.foot)
+        self._rest = np.zeros((len(model.assembly), 6))
         self._items: dict[int, tuple[ScaffoldItem, ...]] = {}
         self._known: dict[tuple[int, int], tuple[ScaffoldedModel, Result]] = {}
 
@@ -167,14 +179,34 @@ class ScaffoldedStages:
         Raises
         ------
         InputError
-            A held block has no face for an item.
+            A held block has no face for an item, or the block under the struts is not in place.
         """
         if (placed, held) not in self._known:
-            here = [*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)]
+            missing = self._missing(placed, held)
+            if missing:
+                raise InputError(missing, remedy="take a block that is placed earlier")
+            here = self._here(placed)
             mine = [item for block in members(held) for item in self.items(block)]
-            whole = with_scaffold(self.model.subset(sorted(here)), mine)
-            self._known[placed, held] = whole, self.check(whole.model)
+            whole = with_scaffold(self.model.subset(here), mine)
+            if self.check is check_once:
+                near = np.concatenate([self._rest[here], np.zeros((len(mine), 6))])
+                result = check_once(whole.model, near)
+            else:
+                result = self.check(whole.model)
+            if result.displacement is not None:
+                self._rest[here] = result.displacement[: len(here)]
+            self._known[placed, held] = whole, result
         return self._known[placed, held]
+
+    def _here(self, placed: int) -> list[int]:
+        """The supports and the free blocks in place."""
+        return sorted([*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)])
+
+    def _missing(self, placed: int, held: int) -> str:
+        """Why the struts of a stage have nothing to stand on; else empty."""
+        if self.foot < 0 or not held or self.foot in self._here(placed):
+            return ""
+        return f"'{self.model.assembly.names[self.foot]}', on which struts stand, is not in place"
 
     def answer(self, placed: int, held: int) -> StageAnswer:
         """Whether a stage stands with its items, none of them beyond its limit."""
@@ -183,8 +215,11 @@ class ScaffoldedStages:
             names = ", ".join(self.model.assembly.names[b] for b in members(bare))
             kind = self.support.value
             return StageAnswer(Verdict.UNSTABLE, f"no free face of {names} takes a {kind}")
+        missing = self._missing(placed, held)
+        if missing:
+            return StageAnswer(Verdict.UNSTABLE, missing)
         whole, result = self.result(placed, held)
-        here = sorted([*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)])
+        here = self._here(placed)
         if not result.stable:
             falling = tuple(here[i] for i in result.falling if i < len(here))
             return StageAnswer(
@@ -247,11 +282,54 @@ def items_of(
             Rope(name, options.limit, at, at - (at @ down - top + options.clear) * down)
             for at in points
         )
-    reach = 1e-3 * float(model.assembly.size[block])
-    return tuple(
-        Strut(name, options.limit, head, head + max(ground - float(head @ down), reach) * down)
+    struts = tuple(
+        Strut(name, options.limit, head, *_foot_of(model, block, head, down, ground, options))
         for head in points
     )
+    longest = max(strut.length for strut in struts)
+    if longest > options.longest:
+        raise InputError(
+            f"its strut is {longest:.3g} m long, more than {options.longest:g} m",
+            where=f"block '{name}'",
+            remedy="allow longer struts, let them stand on a nearer block, or use a clamp",
+        )
+    return struts
+
+
+def _foot_of(
+    model: Model, block: int, head: Floats, down: Floats, ground: float, options: ScaffoldOptions
+) -> tuple[Floats, str | None]:
+    """The foot of a strut, and the block on which it stands; None for the ground."""
+    if options.foot is None:
+        reach = 1e-3 * float(model.assembly.size[block])
+        return head + max(ground - float(head @ down), reach) * down, None
+    names, under = model.assembly.names, model.assembly.index(options.foot)
+    where = f"block '{names[block]}'"
+    face = _free_face(model, under, -down)
+    if under == block or face is None:
+        why = "it does not stand on itself" if under == block else "it has no free upper face"
+        raise InputError(
+            f"'{names[under]}' carries no strut: {why}", where=where, remedy="name another block"
+        )
+    flat = face.mean(axis=0) + INSET * (face - face.mean(axis=0))
+    normal = np.cross(flat - flat[0], np.roll(flat, -1, 0) - flat[0]).sum(0)
+    normal /= np.linalg.norm(normal)
+    frame = frames_from_normals(normal[None])[0]
+    below = head - ((head - flat[0]) @ normal) / (down @ normal) * down
+    place = shapely.Point((below - flat[0]) @ frame[1:].T)
+    shape = shapely.Polygon((flat - flat[0]) @ frame[1:].T)
+    near = shapely.get_coordinates(shapely.ops.nearest_points(shape, place)[0])[0]
+    foot: Floats = flat[0] + near @ frame[1:]
+    along = float((head - foot) @ normal)
+    aside = float(np.linalg.norm(head - foot - along * normal))
+    if not along > 0.0 or aside > options.friction * along:
+        raise InputError(
+            f"a strut from '{names[under]}' would slide: it leans by {aside:.3g} m on "
+            f"{max(along, 0.0):.3g} m",
+            where=where,
+            remedy="name a block that lies lower, or nearer to the place below it",
+        )
+    return foot, options.foot
 
 
 def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
