@@ -40,6 +40,10 @@ class DefectKind(enum.StrEnum):
 class DrystoneError(Exception):
     """Base of all errors raised on purpose by drystone."""
 
+    def parts(self) -> dict[str, str]:
+        """What is wrong, where and what to do, apart, for programs."""
+        return {"what": str(self), "where": "", "remedy": ""}
+
 
 class InputError(DrystoneError, ValueError):
     """A model or an argument that cannot be used.
@@ -73,6 +77,10 @@ class InputError(DrystoneError, ValueError):
         """The same error with its place, and optionally another remedy."""
         remedy = self.remedy if remedy is None else remedy
         return type(self)(self.what, where=where, remedy=remedy, kind=self.kind)
+
+    def parts(self) -> dict[str, str]:
+        """What is wrong, where and what to do, apart, for programs."""
+        return {"what": self.what, "where": self.where, "remedy": self.remedy}
 
     def __str__(self) -> str:
         head = f"{self.where}: {self.what}" if self.where else self.what

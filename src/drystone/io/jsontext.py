@@ -20,8 +20,14 @@ LARGEST_WHOLE = 2**53
 """Floats represent all whole numbers up to this one."""
 
 
-def parse(data: bytes, path: Path) -> Field:
+def parse(data: bytes, path: Path, whole: str = "export it again") -> Field:
     """The top-level object or list of a JSON file.
+
+    Parameters
+    ----------
+    data, path
+    whole
+        What to do where its end is missing.
 
     Raises
     ------
@@ -37,7 +43,7 @@ def parse(data: bytes, path: Path) -> Field:
         raise FormatError(
             what,
             where=f"{path}, line {error.lineno}, column {error.colno}",
-            remedy="export it again" if end else "correct it there",
+            remedy=whole if end else "correct it there",
         ) from error
     except (ValueError, RecursionError) as error:
         what = str(error)
@@ -101,7 +107,8 @@ class Field:
 
     def __getitem__(self, key: str) -> Field:
         if key not in self.object().value:
-            raise self.error(f"'{key}' is missing", f"it has {_keys(self.value)}")
+            has = f"it has {_keys(self.value)}" if self.value else "add it"
+            raise self.error(f"'{key}' is missing", has)
         return Field(self.value[key], f"{self.path}.{key}".lstrip("."), self.file)
 
     def get(self, key: str, default: Any) -> Field:

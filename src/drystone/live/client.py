@@ -30,7 +30,7 @@ class Server(object):  # noqa: UP004  # Python 2 needs it
     """A server that runs.
 
     link: what ``drystone live`` printed, with the token in it.
-    seconds: how long to wait for an answer.
+    seconds: how long to wait for an answer; a longer call is refused.
     """
 
     def __init__(self, link, seconds=120.0):
@@ -67,6 +67,8 @@ class Server(object):  # noqa: UP004  # Python 2 needs it
             return json.loads(answer.read().decode("utf-8"))
         except HTTPError as error:
             raise Refused(_in_words(error.read().decode("utf-8")))  # noqa: B904  # Python 2
+        except TimeoutError:
+            raise Refused("no answer within %g s" % self._seconds)  # noqa: B904, UP031
         except URLError as error:
             raise Refused(  # noqa: B904
                 "no server answers at %s: %s; start 'drystone live'"  # noqa: UP031

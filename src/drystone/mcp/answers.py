@@ -34,7 +34,7 @@ Given = Mapping[str, Any]
 
 
 def answer(tool: str, given: Given, folder: Folder, seconds: float) -> dict[str, Any]:
-    """The answer of a tool, or an error under ``error``. Runs in a process of its own.
+    """The answer of a tool, or an ``error`` and its parts. Runs in a process of its own.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def answer(tool: str, given: Given, folder: Folder, seconds: float) -> dict[str,
     try:
         told = TOOLS[tool](given, folder, began + SHARE * seconds)
     except DrystoneError as error:
-        return {"error": str(error)}
+        return {"error": str(error), **error.parts()}
     return {**_short(told), "time_s": round(time.monotonic() - began, 2)}
 
 

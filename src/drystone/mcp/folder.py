@@ -65,7 +65,9 @@ class Folder:
         parts = PurePath(name).parts
         if PurePath(name).anchor or ".." in parts or "\0" in name or not parts:
             raise InputError(
-                "is no name of a file in the folder", where=name, remedy="give a relative path"
+                "is no name of a file in the folder",
+                where=name,
+                remedy="give a path relative to it, without '..'",
             )
         at = self.path
         for part in parts:
@@ -77,7 +79,7 @@ class Folder:
         if not at.resolve().is_relative_to(self.path):  # such as by a junction
             raise InputError("is outside the folder", where=name, remedy="copy the file")
         if not at.is_file():
-            raise InputError("there is no such file", where=name, remedy="the tool 'files' lists")
+            raise InputError("there is no such file", where=name, remedy="name one that is there")
         self.accept(at.stat().st_size, name)
         return at
 

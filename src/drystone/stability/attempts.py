@@ -184,14 +184,14 @@ class Attempts(Record):
         start
         falls
             Whether it falls with every stiffness; called where the ground carries a large share,
-            and where the first path does not converge.
+            and where the first path takes long or does not converge.
         much
             That share.
         """
         numerics = screening.numerics
         if start is None:  # at the beginning of a path steps are often reduced
             numerics = replace(numerics, give_up=0.0)
-        state = self._rest(springs, numerics, start)
+        state = self._rest(springs, numerics, start, falls)
         share = self.problem.ground_share(state.ground)
         most = share.max()
         rests = state.converged and most < CLEARLY
@@ -336,9 +336,14 @@ class Attempts(Record):
                 yield self._rest(trial.springs, SHARPER)
 
     def _rest(
-        self, springs: Compliance, options: RestOptions, start: RestState | Start | None = None
+        self,
+        springs: Compliance,
+        options: RestOptions,
+        start: RestState | Start | None = None,
+        falls: Callable[[], bool] | None = None,
     ) -> RestState:
-        state = find_rest(self.problem.system, springs, options, start=start, stop=self.clock.late)
+        system, late = self.problem.system, self.clock.late
+        state = find_rest(system, springs, options, start=start, stop=late, falls=falls)
         self.iterations += state.iterations
         return state
 

@@ -14,6 +14,7 @@ from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
+from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
@@ -28,11 +29,13 @@ from drystone.stability.problem import Problem
 from drystone.stability.programs.rbe import ANY_FORCES
 from drystone.stability.proofs import (
     NO_APPROACH,
+    balanced,
     beside_supports,
     closing_blocks,
     first_motion,
     found_mechanism,
     free_acceleration,
+    sound_mechanism,
     unpressed,
 )
 from drystone.stability.screening import SLIP_LENGTH
@@ -277,6 +280,17 @@ class Cascade:
     def collapse(self) -> Floats | None:
         """The collapse mechanism (n, 6); None if forces balance the loads, or if none was found."""
         self.answers.report("equilibrium", 1)
+        if self.problem.statics.dry:
+            nearest = nearest_mechanism(self.problem.system, stop=self.clock.late)
+            self.answers.iterations += nearest.iterations
+            if nearest.motion is not None:
+                motion = sound_mechanism(self.problem, nearest.motion)
+                if motion is not None:
+                    self.answers.left = nearest.force
+                    return motion
+            elif balanced(self.problem, nearest.force):
+                self.answers.balances = True
+                return None
         balance = solve_equilibrium(
             self.problem.statics,
             cone=FrictionCone.exact(),

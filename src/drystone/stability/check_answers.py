@@ -30,6 +30,8 @@ class Answers:
         Steps of all other calculations.
     balances
         Whether some forces are known to balance the loads.
+    left : (k, 3)
+        Scaled forces beside the nearest mechanism; None where none was found.
     stage
         What is being calculated.
     """
@@ -44,6 +46,7 @@ class Answers:
         self.attempts = Attempts(problem, clock)
         self.iterations = 0
         self.balances = False
+        self.left: Floats | None = None
         self.stage = "free fall"
 
     def report(self, stage: str, done: int) -> None:
@@ -70,7 +73,7 @@ class Answers:
         if tried == 1:
             words = "stands"
         elif stood == tried:
-            words = f"stands for all {tried} contact stiffnesses tried"
+            words = f"stands, whichever joints press more ({tried} contact stiffnesses tried)"
         else:
             words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
         left = 1 + self.options.samples - tried
@@ -157,7 +160,11 @@ class Answers:
         return self.answer(Verdict.UNDECIDED, words)
 
     def unstable(self, message: str, mechanism: Floats) -> Result:
-        """UNSTABLE, with the blocks and props of the state on ground springs if there is one."""
+        """UNSTABLE, with the blocks and props of the state on ground springs if there is one.
+
+        Otherwise the props hold the blocks against the accelerations of the mechanism that was
+        found.
+        """
         problem = self.problem
         falling = moving_blocks(problem.model.assembly, mechanism)
         prop = force = None
@@ -167,6 +174,9 @@ class Answers:
             falling = tuple(int(i) for i in chosen)
             prop = -problem.wrench(trial.ground)
             force = trial.force
+        if force is None and self.left is not None:
+            force = problem.force(self.left)
+            prop = -problem.wrench(problem.statics.load + problem.statics.wrench(self.left))
         return self.answer(
             Verdict.UNSTABLE,
             message,

@@ -41,19 +41,32 @@ FALLING_SHARE = 1e-3
 does so most."""
 
 
-def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats | None:
-    """The multiplier of an infeasible equilibrium as a physical mechanism, if it is one.
+def sound_mechanism(problem: Problem, velocity: Floats) -> Floats | None:
+    """A scaled velocity (n, 6) of the free blocks as a physical mechanism, if it is one.
 
-    It is a proof whatever the back end claimed: every corner opens at least as fast as friction
-    times its slide, and the loads do work.
+    It is a proof whatever found it: every corner opens at least as fast as friction times its
+    slide, and the loads do work.
     """
-    largest = float(np.abs(solution.multiplier).max(initial=0.0))
+    largest = float(np.abs(velocity).max(initial=0.0))
     if not 0.0 < largest < np.inf:
         return None
     # the size of a certificate is arbitrary, and its square may overflow
-    motion = problem.mechanism(solution.multiplier / largest)
+    motion = problem.mechanism(velocity / largest)
     violation, power = mechanism_defects(problem.model, motion)
     return motion if violation <= MECHANISM_TOLERANCE and power > 1e-9 else None
+
+
+def checked_mechanism(problem: Problem, solution: EquilibriumSolution) -> Floats | None:
+    """The multiplier of an infeasible equilibrium as a physical mechanism, if it is one."""
+    return sound_mechanism(problem, solution.multiplier)
+
+
+def balanced(problem: Problem, force: Floats) -> bool:
+    """Whether scaled corner forces (k, 3) balance the loads within friction, without pull."""
+    if not np.isfinite(force).all():
+        return False
+    found = check_forces(problem.model, problem.force(force))
+    return max(found.equilibrium, found.tension, found.cone) <= FORCE_TOLERANCE
 
 
 def found_mechanism(

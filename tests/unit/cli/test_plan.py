@@ -57,17 +57,19 @@ def test_a_person_reads_steps_and_counts(stack, capsys):
 def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     path = tmp_path / "arch.json"
     io.write(arch(0.3, 7), path)
-    files = [str(tmp_path / name) for name in ("p.html", "print.html", "p.csv")]
+    files = [str(tmp_path / name) for name in ("p.html", "print.html", "p.csv", "p.pdf")]
     code, data = answer(
         capsys, str(path), "--friction", "0.4", "--hands", "1", "--margins", "--sweep", "0.4,0.1",
         "--html", files[0], "--print", files[1], "--csv", files[2],
+        "--png", files[3],
     )  # fmt: skip
     assert code == 1
     assert data["counts"]["propped"] == len(data["props"]) == 4
     assert all(np.linalg.norm(prop["force"]) > 0.0 for prop in data["props"])
     assert data["margins"]["weakest"]["tilt_deg"] > 1.0
     assert [row["stands"] for row in data["friction_sweep"]] == [False, True]
-    assert data["files"] == files
+    assert sorted(data["files"]) == sorted(files)
+    assert Path(files[3]).read_bytes().startswith(b"%PDF")
     assert all(Path(name).stat().st_size > 200 for name in files)
 
 

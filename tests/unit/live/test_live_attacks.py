@@ -345,8 +345,13 @@ def test_check_limit_plan_and_mend_by_the_client(live: Live) -> None:
     assert server.call("files")["count"] == 3
     mends = server.mend({"file": "out.json"}, kinds=["prop"])["mends"]
     assert {one["kind"] for one in mends} == {"prop"}
-    with pytest.raises(client.Refused, match="relative path"):
+    status, told = ask(live, "/v1/check", {"model": {"file": "../secret.json"}})
+    assert (status, told["error"]["where"]) == (400, "../secret.json")
+    assert "path relative" in told["error"]["remedy"]
+    with pytest.raises(client.Refused, match="path relative"):
         server.check({"file": "../secret.json"})
+    with pytest.raises(client.Refused, match="no answer within"):
+        client.Server(live.link, 0.001).check(tower_)
     with pytest.raises(client.Refused, match="token"):
         client.Server(live.link + "x").check(tower_)
     with pytest.raises(client.Refused, match="no server answers"):

@@ -219,9 +219,9 @@ def test_what_is_in_a_file(session: Session) -> None:
 
 LARGE = {"blocks": [], "_remark": "x" * 300_000}
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
-    "above": ({"file": "../secret.json"}, "relative path"),
-    "above, inside": ({"file": "nested/../../secret.json"}, "relative path"),
-    "absolute": ({"file": os.path.abspath(os.sep + "etc")}, "relative path"),  # noqa: PTH100
+    "above": ({"file": "../secret.json"}, "path relative"),
+    "above, inside": ({"file": "nested/../../secret.json"}, "path relative"),
+    "absolute": ({"file": os.path.abspath(os.sep + "etc")}, "path relative"),  # noqa: PTH100
     "missing": ({"file": "none.json"}, "no such file"),
     "folder": ({"file": "nested"}, "no such file"),
     "no model": ({"file": "notes.txt"}, "no model file"),

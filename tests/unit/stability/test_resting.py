@@ -136,7 +136,7 @@ def test_a_path_that_does_not_converge_goes_over_longer_slips():
     """Least thickness 0.1075: the path of one of five friction laws leads away, far above it."""
     model = Model.of(models.arch(0.112, 100), friction=0.8)
     found = check(model, options=CheckOptions(settle=False))
-    assert found.message == "stands for all 5 contact stiffnesses tried"
+    assert found.message == "stands, whichever joints press more (5 contact stiffnesses tried)"
     assert stands_for_all(model)
     assert not stands_for_all(Model.of(models.arch(0.107, 100), friction=0.8))
 

@@ -40,13 +40,14 @@ def answer(
     pictures: Pictures,
     waiting: Waiting,
     more: Mapping[str, float] = NOTHING,
+    about: str = "",
 ) -> Answer:
     """A limit and the pictures of its fall; exit code 1 if it does not stand at all.
 
-    ``more`` has figures that follow from the limit, by name.
+    ``more`` has figures that follow from the limit, by name; ``about`` is the axis of a tilt.
     """
     others = {name.replace(" ", "_"): value for name, value in more.items()}
-    data = {"model": model, **found.to_dict(), **others}
+    data = {"model": model, **found.to_dict(), **({"axis": about} if about else {}), **others}
     data["time_s"] = {**waiting.time_s, **data["time_s"]}
     code = 0 if found.best.stands is not None else 1
     return Answer(
@@ -79,7 +80,8 @@ def _both(found: Limit, pictures: Pictures, source: str) -> Files:
 
 def _show(data: dict[str, Any], more: Mapping[str, float], screen: Screen) -> None:
     unit = f" [{data['unit']}]" if data["unit"] else ""
-    screen.line(data["model"], f"limit of {data['parameter']}{unit}")
+    about = f" about {data['axis']}" if "axis" in data else ""
+    screen.line(data["model"], f"limit of {data['parameter']}{unit}{about}")
     rows = [
         (title, _value(data[key]["stands"], "nowhere"), _value(data[key]["falls"], "-"))
         for key, title in TITLES.items()

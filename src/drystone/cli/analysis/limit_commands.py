@@ -28,6 +28,14 @@ def _axis(text: str) -> Any:
     return axis_vector(vector(text, "0,1,0") if "," in text else text)
 
 
+def _name_of(axis: Any) -> str:
+    """Its name, or its coordinates."""
+    from drystone.limits.limits import AXES
+
+    names = (name for name, along in AXES.items() if tuple(along) == tuple(axis))
+    return next(names, ",".join(f"{part:.4g}" for part in axis))
+
+
 @command(
     "drystone limit tilt arch.json --axis y",
     "drystone limit tilt arch.json --polar 4 --png polar.png",
@@ -63,12 +71,14 @@ def tilt(
     pictures.require_through(model.assembly)
     with search.under_way(waiting) as common:
         if polar is None:
-            about = "x" if axis is None else axis
+            about = _axis("x") if axis is None else axis
             found = limits.limit_tilt(model, about, upper=upper, **common)
         else:
             sweep = limits.tilt_sweep(model, polar, upper=upper, **common)
     if polar is None:
-        return limit_answer.answer(found, subject.model, model.notes, pictures, waiting)
+        return limit_answer.answer(
+            found, subject.model, model.notes, pictures, waiting, about=_name_of(about)
+        )
     return limit_answer.sweep_answer(sweep, subject.model, model.notes, pictures)
 
 

@@ -128,7 +128,7 @@ def output_path(text: str, suffixes: Sequence[str]) -> Path:
     path = Path(text)
     if path.suffix.lower() not in suffixes:
         raise InputError(
-            f"'{text}' does not end in {' or '.join(suffixes)}",
+            f"'{text}' does not end in {_either(suffixes)}",
             remedy=f"write {path.stem or 'model'}{suffixes[0]}",
         )
     if path.is_dir():
@@ -140,6 +140,11 @@ def output_path(text: str, suffixes: Sequence[str]) -> Path:
     if not path.parent.is_dir():
         raise InputError(f"there is no folder '{path.parent}'", remedy="make it first")
     return path
+
+
+def _either(words: Sequence[str]) -> str:
+    first = ", ".join(words[:-1])
+    return f"{first} or {words[-1]}" if first else words[-1]
 
 
 def _within(value: float, text: str, least: float | None, above: float | None) -> float:

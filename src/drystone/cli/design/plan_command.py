@@ -144,6 +144,7 @@ def plan(
         Option("File with which an interrupted search continues.", kind=kinds.FILE, expert=True),
     ] = None,
     html: options.Html = None,
+    png: options.Png = None,
     cad: options.Cad = None,
     instructions: Annotated[
         Path | None,
@@ -160,7 +161,7 @@ def plan(
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
     or the complete model does not stand. 2: bad input.
     """
-    apart([html, cad, instructions, csv])
+    apart([html, png, cad, instructions, csv])
     refuse_missing(cad)
     rules = _rules(order, hands, payload, before, reach)
     executor = _executor(workers, dask)
@@ -201,7 +202,7 @@ def plan(
     }
     helped = found.counts["propped"] + found.counts["impossible"]
     code = 0 if found.steps and found.stable and not helped else 1
-    files = partial(_files, found, measured, html, cad, instructions, csv, subject.model)
+    files = partial(_files, found, measured, html, png, cad, instructions, csv, subject.model)
     return Answer(data, partial(_show, data, found), code, model.notes, files)
 
 
@@ -209,21 +210,24 @@ def _files(
     plan: Plan,
     margins: Margins | None,
     html: Path | None,
+    png: Path | None,
     cad: Path | None,
     steps: Path | None,
     csv: Path | None,
     source: str,
 ) -> Files:
-    wanted = [str(path) for path in (html, cad, steps, csv) if path is not None]
+    wanted = [str(path) for path in (html, png, cad, steps, csv) if path is not None]
     if not plan.steps:
         return [], [f"not written: {', '.join(wanted)}"] if wanted else []
     jobs: list[Job] = cad_jobs(cad, plan, source)
-    if html is not None or steps is not None:
-        from drystone.view import save_page
+    if html is not None or png is not None or steps is not None:
+        from drystone.view import save_figure, save_page
         from drystone.view.paper.instructions import save_instructions
 
         if html is not None:
             jobs.append((html, partial(save_page, plan, source=source)))
+        if png is not None:
+            jobs.append((png, partial(save_figure, plan, source=source)))
         if steps is not None:
             jobs.append((steps, partial(save_instructions, plan)))
     if csv is not None:

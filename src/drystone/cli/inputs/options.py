@@ -109,8 +109,10 @@ Html: TypeAlias = Annotated[
            kind=kinds.target(".html", ".htm")),
 ]  # fmt: skip
 Png: TypeAlias = Annotated[
-    Path | None, Option("Write a figure, .png or .svg.", OUTPUT, kind=kinds.target(".png", ".svg"))
-]
+    Path | None,
+    Option("Write a figure, .png, .svg or .pdf.", OUTPUT, ("--png", "--figure"),
+           kinds.target(".png", ".svg", ".pdf")),
+]  # fmt: skip
 Section: TypeAlias = Annotated[
     str | None,
     Option(

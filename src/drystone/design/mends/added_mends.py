@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import counted
 from drystone.contacts import Contacts, joined_contacts
 from drystone.design.causes.diagnosis_words import names_of, newtons, place
 from drystone.design.causes.missing import HEAVIEST, SEARCHED, ballasted
@@ -180,7 +181,8 @@ def tie_mends(bench: Bench) -> Iterator[MendCandidate]:
                 added=1,
             )
             return
-    bench.fail("tie", f"{len(fastest)} pairs of blocks that move apart were tried", *tried)
+    pairs = counted(len(fastest), "pair")
+    bench.fail("tie", f"{pairs} of blocks that move apart: a tie between them was tried", *tried)
 
 
 def tied(model: Model, block: int, other: int) -> Model:

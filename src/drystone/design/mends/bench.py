@@ -222,7 +222,11 @@ class Bench:
         some = nearest if len(self.own) <= ALL else nearest[:1]
         shares = [share for share in map(self._not_carried, some) if share is not None]
         if shares:
-            what += f"; {100.0 * min(shares):.0f} % of its load is then still not carried"
+            least = 100.0 * min(shares)
+            if least >= 1.0:
+                what += f"; {least:.0f} % of its load is then still not carried"
+            else:
+                what += "; its load is then carried, but it is not at rest"
         self.tried.append(Tried(kind, what))
 
     def _not_carried(self, make: Change) -> float | None:

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import DrystoneError, InputError
+from drystone.base.errors import DrystoneError
 from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
@@ -45,6 +45,7 @@ REST, FOLLOWED = "rest", "followed"
 OFTEN = 0.2
 """[s] between two reports of progress."""
 SMALLER = "give a smaller model"
+WHOLE = "send one whole JSON object"
 
 
 class Calculator:
@@ -74,7 +75,7 @@ class Calculator:
         try:
             DO[message["do"]](self, message)
         except DrystoneError as error:
-            self.tell("error", **told(error))
+            self.tell("error", **error.parts())
         except MemoryError:
             self.tell("error", what="the memory was used up", where="", remedy=SMALLER)
         except Exception as error:  # the edge of the process: a fault of ours, told in one line
@@ -127,13 +128,6 @@ class Calculator:
         self.models[number] = model
         scene = to_text(encode(scene_of(model, source=name)))
         self.tell("model", blob=pickle.dumps(model), scene=scene, facts=facts(model), **more)
-
-
-def told(error: DrystoneError) -> dict[str, str]:
-    """What is wrong, where and what to do, as plain values."""
-    if isinstance(error, InputError):
-        return {"what": error.what, "where": error.where, "remedy": error.remedy}
-    return {"what": str(error), "where": "", "remedy": ""}
 
 
 def facts(model: Model) -> dict[str, Any]:
@@ -254,10 +248,10 @@ def _task(self: Calculator, message: Mapping[str, Any]) -> None:
 
 def _tool(self: Calculator, message: Mapping[str, Any]) -> None:
     """A call of the JSON interface."""
-    given = given_of(message["tool"], parse(message["body"], Path("request")))
+    given = given_of(message["tool"], parse(message["body"], Path("request"), WHOLE))
     found = answer(message["tool"], given, message["folder"], message["seconds"])
     if "error" in found:
-        self.tell("error", what=found["error"], where="", remedy="")
+        self.tell("error", **{part: found[part] for part in ("what", "where", "remedy")})
     else:
         self.tell("answer", answer=json.dumps(found, allow_nan=False))
 

@@ -15,7 +15,7 @@ from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.web.encode import encode, to_text
 
 SCRIPTS = (
-    "linear.js", "data.js", "shaders.js", "line-shaders.js", "shadow.js", "graphics.js",
+    "linear.js", "data.js", "shaders.js", "line-shaders.js", "shadow.js", "outer.js", "graphics.js",
     "block-renderer.js", "renderer.js", "picking.js", "camera.js", "pointers.js",
     "legend.js", "panel.js", "overlay.js", "captions.js", "export.js", "extent.js", "state.js",
     "drawing.js", "playing.js", "choosing.js", "pointing.js", "views.js", "framed.js",

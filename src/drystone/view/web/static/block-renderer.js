@@ -1,11 +1,25 @@
-// Blocks, their edges and the ground, drawn with WebGL2: one call for all blocks, one for all edges.
+// Blocks, their edges and the ground, drawn with WebGL2: few calls for all blocks and all edges.
 
 const LINE_WIDTH = 1.1; // [CSS pixels]
 const DASH = 6; // [CSS pixels]
+const MOST = 120000; // triangles of a call, after which another picture may be wanted
+const QUAD = [0, 1, 2, 2, 1, 3]; // two triangles of the four corners of a strip
+const ARROW = [...QUAD, 4, 5, 6]; // and the head
+const SHADERS = {
+  block: [BLOCK_VERTEX, BLOCK_FRAGMENT],
+  id: [BLOCK_VERTEX, ID_FRAGMENT],
+  jointId: [POLYGON_VERTEX, ID_FRAGMENT],
+  edge: [EDGE_VERTEX, EDGE_FRAGMENT],
+  arrow: [ARROW_VERTEX, FLAT_FRAGMENT],
+  polygon: [POLYGON_VERTEX, POLYGON_FRAGMENT],
+  marker: [MARKER_VERTEX, MARKER_FRAGMENT],
+  ground: [GROUND_VERTEX, GROUND_FRAGMENT],
+};
 
 class BlockRenderer extends Graphics {
   constructor(canvas, data) {
-    const options = { antialias: true, alpha: false, powerPreference: "high-performance" };
+    // Whole pictures are drawn in a buffer with several samples a pixel, hurried ones with one.
+    const options = { antialias: false, powerPreference: "high-performance" };
     super(canvas, options);
     this.data = data;
     this.build();
@@ -13,16 +27,12 @@ class BlockRenderer extends Graphics {
 
   build() {
     const gl = this.gl;
-    this.programs = {
-      block: this.program(BLOCK_VERTEX, BLOCK_FRAGMENT),
-      id: this.program(BLOCK_VERTEX, ID_FRAGMENT),
-      jointId: this.program(POLYGON_VERTEX, ID_FRAGMENT),
-      edge: this.program(EDGE_VERTEX, EDGE_FRAGMENT),
-      arrow: this.program(ARROW_VERTEX, FLAT_FRAGMENT),
-      polygon: this.program(POLYGON_VERTEX, POLYGON_FRAGMENT),
-      marker: this.program(MARKER_VERTEX, MARKER_FRAGMENT),
-      ground: this.program(GROUND_VERTEX, GROUND_FRAGMENT),
-    };
+    this.programs = new Map();
+    for (const name of Object.keys(SHADERS)) this.programOf(name, true);
+    for (const { index } of this.strips?.values() ?? []) gl.deleteBuffer(index);
+    this.strips = new Map();
+    this.forgetOuter();
+    this.forgetSheet();
     this.mesh = blockMesh(this.data.blocks);
     this.blockArray = this.vertexArray([
       [this.mesh.position, 3, gl.FLOAT],
@@ -59,6 +69,8 @@ class BlockRenderer extends Graphics {
     const state = new Uint8Array(TEXTURE_WIDTH * stateRows);
     state.set(stage.state);
     for (const block of hidden) state[block] = 0;
+    if (state.some((one, block) => one !== this.state?.[block])) this.forgetOuter();
+    this.state = state;
     gl.bindTexture(gl.TEXTURE_2D, this.stateTexture);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, TEXTURE_WIDTH, stateRows, 0, gl.RED_INTEGER,
@@ -84,8 +96,18 @@ class BlockRenderer extends Graphics {
     this.fillTexture(this.motionTexture, this.motion);
   }
 
-  use({ program, at }, view) {
+  // A program by its name; where no block moves a shorter one does.
+  programOf(name, still) {
+    const key = `${name} ${still}`;
+    if (!this.programs.has(key)) {
+      this.programs.set(key, this.program(...SHADERS[name], still ? "STILL" : ""));
+    }
+    return this.programs.get(key);
+  }
+
+  use(name, view) {
     const gl = this.gl;
+    const { program, at } = this.programOf(name, view.time === 0 && view.spread === 0);
     gl.useProgram(program);
     gl.uniformMatrix4fv(at.uProjection, false, view.projection);
     gl.uniform1f(at.uTime ?? null, view.time);
@@ -99,7 +121,7 @@ class BlockRenderer extends Graphics {
     gl.bindTexture(gl.TEXTURE_2D, this.stateTexture);
     gl.uniform1i(at.uState ?? null, 1);
     gl.activeTexture(gl.TEXTURE0);
-    gl.uniform2f(at.uViewport ?? null, this.canvas.width, this.canvas.height);
+    gl.uniform2f(at.uViewport ?? null, view.width, view.height);
     gl.uniform3fv(at.uStateColour ?? null, view.stateColours);
     gl.uniform3fv(at.uSelectionColour ?? null, view.colours.selection);
     gl.uniform1i(at.uSelected ?? null, view.selected);
@@ -109,7 +131,7 @@ class BlockRenderer extends Graphics {
 
   drawGround(view) {
     const gl = this.gl;
-    const { program, at } = this.programs.ground;
+    const { program, at } = this.programOf("ground", true);
     gl.useProgram(program);
     gl.uniformMatrix4fv(at.uProjection, false, view.projection);
     gl.uniform4f(at.uSquare, 0, 0, -this.data.half[2], this.shadow.side);
@@ -126,9 +148,9 @@ class BlockRenderer extends Graphics {
     gl.disable(gl.BLEND);
   }
 
-  drawBlocks(view) {
+  * drawBlocks(view) {
     const gl = this.gl;
-    const at = this.use(this.programs.block, view);
+    const at = this.use("block", view);
     const solid = view.opacity >= 1;
     gl.uniform3fv(at.uLight, view.light);
     this.setEye(at, view);
@@ -141,12 +163,34 @@ class BlockRenderer extends Graphics {
     if (!solid) {
       gl.enable(gl.BLEND);
       gl.depthMask(false);
-      this.sortBlocks(view);
+      if (!view.hurried) this.sortBlocks(view);
     }
-    this.drawMesh();
+    const part = view.coarse ? this.outerOf(view)?.triangles : null;
+    yield* part ? this.drawIndices(this.blockArray, part) : this.drawMesh();
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.disable(gl.CULL_FACE);
     gl.depthMask(true);
+  }
+
+  // What is seen of opaque blocks, or null where blocks are apart, move or are cut. Where corners lie
+  // on edges of other blocks, tiny holes remain between the faces: whole pictures have all faces.
+  outerOf(view) {
+    if (view.time !== 0 || view.spread !== 0 || view.sectioned) return null;
+    if (!this.outer) {
+      const faces = outerFaces(this.data, this.mesh, this.state);
+      const buffer = (index) => ({ index: this.indexBuffer(index), count: index.length });
+      const edges = outerEdges(this.data, faces);
+      this.outer = {
+        triangles: buffer(outerTriangles(this.data, this.mesh, faces)),
+        edges: buffer(stripIndices(edges, QUAD)),
+      };
+    }
+    return this.outer;
+  }
+
+  forgetOuter() {
+    for (const { index } of Object.values(this.outer ?? {})) this.gl.deleteBuffer(index);
+    this.outer = null;
   }
 
   setEye(at, view) {
@@ -155,22 +199,31 @@ class BlockRenderer extends Graphics {
   }
 
   drawMesh() {
+    return this.drawIndices(this.blockArray, { index: this.blockIndex, count: this.mesh.index.length });
+  }
+
+  // In calls between which one can stop; vertices of no array are known by their numbers alone.
+  * drawIndices(array, { index, count }) {
     const gl = this.gl;
-    gl.bindVertexArray(this.blockArray);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.blockIndex);
-    gl.drawElements(gl.TRIANGLES, this.mesh.index.length, gl.UNSIGNED_INT, 0);
+    for (let from = 0; from < count; from += 3 * MOST) {
+      if (from > 0) yield;
+      gl.bindVertexArray(array);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, index);
+      gl.drawElements(gl.TRIANGLES, Math.min(3 * MOST, count - from), gl.UNSIGNED_INT, 4 * from);
+    }
   }
 
   // The depth of blocks without their colour, so that edges behind them can be told.
-  drawDepth(view) {
+  * drawDepth(view) {
     const gl = this.gl;
-    const at = this.use(this.programs.block, view);
+    const at = this.use("block", view);
     gl.uniform1f(at.uOpacity, 1);
     gl.colorMask(false, false, false, false);
     if (!view.sectioned) gl.enable(gl.CULL_FACE);
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(1, 2);
-    this.drawMesh();
+    const part = this.outerOf(view)?.triangles;
+    yield* part ? this.drawIndices(this.blockArray, part) : this.drawMesh();
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.disable(gl.CULL_FACE);
     gl.colorMask(true, true, true, true);
@@ -179,7 +232,7 @@ class BlockRenderer extends Graphics {
   // Far blocks first, so that what shines through is in the right order.
   sortBlocks(view) {
     const key = view.back.join();
-    if (key === this.sortedFor || (view.hurried && this.sortedFor)) return;
+    if (key === this.sortedFor) return;
     this.sortedFor = key;
     const order = farFirst(this.data, view.back);
     const { index, indexStart } = this.mesh;
@@ -195,9 +248,10 @@ class BlockRenderer extends Graphics {
     this.gl.bufferSubData(this.gl.ELEMENT_ARRAY_BUFFER, 0, sorted);
   }
 
-  drawEdges(view, opacity) {
+  // Of opaque blocks the `outer` edges.
+  * drawEdges(view, opacity, outer) {
     const gl = this.gl;
-    const at = this.use(this.programs.edge, view);
+    const at = this.use("edge", view);
     gl.uniform3fv(at.uEdgeColour, view.edgeColour);
     gl.uniform3fv(at.uFallColour, view.fallColour);
     gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
@@ -206,13 +260,13 @@ class BlockRenderer extends Graphics {
     this.setEye(at, view);
     gl.uniform1f(at.uDash, 0);
     gl.enable(gl.BLEND);
-    this.drawSegments(at, this.edges, 6);
+    yield* this.drawSegments(at, this.edges, QUAD, 1, outer ? this.outerOf(view)?.edges : null);
   }
 
   // Outlines of the blocks that move, where the motion begins or leads.
-  drawGhost(view) {
+  * drawGhost(view) {
     const gl = this.gl;
-    const at = this.use(this.programs.edge, { ...view, time: 1 });
+    const at = this.use("edge", { ...view, time: 1 });
     gl.uniform3fv(at.uEdgeColour, view.ghostColour);
     gl.uniform3fv(at.uFallColour, view.fallColour);
     gl.uniform1f(at.uWidth, LINE_WIDTH * view.ratio);
@@ -222,19 +276,40 @@ class BlockRenderer extends Graphics {
     gl.uniform1f(at.uDash, DASH * view.ratio);
     gl.enable(gl.BLEND);
     gl.depthMask(false);
-    this.drawSegments(at, this.edges, 6);
+    yield* this.drawSegments(at, this.edges, QUAD);
     gl.depthMask(true);
   }
 
-  drawSegments(at, { texture, count }, corners) {
+  // `each` shapes a segment, of all segments or of those with the indices of `part`.
+  drawSegments(at, { texture, count }, shape, each = 1, part = null) {
     const gl = this.gl;
     gl.activeTexture(gl.TEXTURE2);
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.uniform1i(at.uSegments, 2);
     gl.activeTexture(gl.TEXTURE0);
-    gl.bindVertexArray(null);
-    gl.drawArrays(gl.TRIANGLES, 0, corners * count);
+    const index = part?.index ?? this.stripBuffer(shape, each * count);
+    return this.drawIndices(null, { index, count: part?.count ?? shape.length * each * count });
   }
+
+  // Indices of at least so many shapes.
+  stripBuffer(shape, count) {
+    const known = this.strips.get(shape);
+    if (known && known.count >= count) return known.index;
+    if (known) this.gl.deleteBuffer(known.index);
+    const index = this.indexBuffer(stripIndices(Uint32Array.from({ length: count }, (_, i) => i), shape));
+    this.strips.set(shape, { index, count });
+    return index;
+  }
+}
+
+// Indices of the corners of shapes, each of which has its own corners.
+function stripIndices(numbers, shape) {
+  const corners = Math.max(...shape) + 1;
+  const index = new Uint32Array(shape.length * numbers.length);
+  for (let i = 0; i < numbers.length; i++) {
+    for (let k = 0; k < shape.length; k++) index[shape.length * i + k] = corners * numbers[i] + shape[k];
+  }
+  return index;
 }
 
 // Numbers of the blocks, far ones first.

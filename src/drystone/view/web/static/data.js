@@ -94,11 +94,17 @@ function blockMesh(blocks) {
 }
 
 function loopNormal(position, first, last) {
+  const sum = areaVector(position, first, last);
+  const length = vec.length(sum);
+  return length > 0 ? vec.scale(sum, 1 / length) : [0, 0, 0];
+}
+
+// Normal of a loop, twice as long as its area.
+function areaVector(position, first, last) {
   const at = (c) => [0, 1, 2].map((i) => position[3 * c + i] - position[3 * first + i]);
   let sum = [0, 0, 0];
   for (let c = first + 1; c + 1 < last; c++) sum = vec.add(sum, vec.cross(at(c), at(c + 1)));
-  const length = vec.length(sum);
-  return length > 0 ? vec.scale(sum, 1 / length) : [0, 0, 0];
+  return sum;
 }
 
 // Two texels an edge: one end and the block, the other end.

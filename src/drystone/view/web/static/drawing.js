@@ -29,6 +29,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
   const layers = stage().layers.filter(shown);
   return {
     ...camera.view(width / height), ratio, colours, stateColours,
+    width: Math.round(width * ratio), height: Math.round(height * ratio), // [pixels]
     fine: Math.min(1, Math.max(0.3, pixels / 30)),
     markerSize: Math.min(MARKER, Math.max(2, 0.09 * pixels)),
     time: Math.abs(time) < 1e-9 ? 0 : time,
@@ -48,6 +49,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     showBlocks: shownLayers.get("blocks"),
     showEdges: shownLayers.get("edges") && !hurried,
     hurried,
+    coarse: coarse(),
     showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !camera.spread,
     showGround: shownLayers.get("ground") && !camera.spread,
     layers: layers.filter((layer) => isDrawn(layer, time)),
@@ -62,7 +64,7 @@ function isDrawn(layer, time) {
     if (page.time < 1) return false;
   } else if (time > 0) return layer.kind === "markers";
   if (!hurried) return true;
-  return layer.kind === "polygons" ? !bare : data.count < MANY;
+  return layer.kind === "polygons" ? !bare : !coarse() || data.count < MANY;
 }
 
 // What lies between the plane and the eye is not drawn; the side is that of the eye at first.
@@ -83,21 +85,39 @@ function setSection(axis, at, side = camera.axes().back[axis] < 0 ? -1 : 1) {
   redraw();
 }
 
-function resized(target, ratio) {
-  const { width, height } = sizeOf();
-  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-  if (target.width !== w || target.height !== h) [target.width, target.height] = [w, h];
+function resized(target, { width, height }) {
+  if (target.width !== width || target.height !== height) Object.assign(target, { width, height });
+}
+
+// Whether what moves is drawn with fewer pixels, without what is inside of the blocks.
+const coarse = () => hurried && (cost === 0 || cost > SLOW);
+
+function viewNow() {
+  return currentView((coarse() ? COARSE : 1) * (window.devicePixelRatio || 1));
 }
 
 function draw() {
-  if (!renderer || renderer.gl.isContextLost()) return;
-  const ratio = window.devicePixelRatio || 1;
-  const coarse = hurried ? COARSE * ratio : ratio;
-  resized(canvas, coarse);
-  const view = currentView(coarse);
+  const view = viewNow();
+  resized(canvas, view);
   renderer.draw(view);
+  drawOver(view);
+}
+
+// The whole picture in steps; on the canvas when all are done.
+function * drawSteps() {
+  const view = viewNow();
+  yield* renderer.whole(view);
+  resized(canvas, view);
+  renderer.showSheet();
+  drawOver(view);
+}
+
+// What is written over the picture.
+function drawOver(view) {
+  const ratio = window.devicePixelRatio || 1;
+  const { width, height } = sizeOf();
   const marks = byId("marks");
-  resized(marks, ratio);
+  resized(marks, { width: Math.round(width * ratio), height: Math.round(height * ratio) });
   drawMarks(marks.getContext("2d"), view, ratio);
 }
 

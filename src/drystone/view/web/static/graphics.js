@@ -1,5 +1,7 @@
 // Programs, buffers and textures of WebGL2, and what is drawn to find what lies under the pointer.
 
+const SAMPLES = 4; // a pixel of a whole picture
+
 class Graphics {
   constructor(canvas, options) {
     this.gl = canvas.getContext("webgl2", options);
@@ -7,10 +9,12 @@ class Graphics {
     this.canvas = canvas;
   }
 
-  program(vertex, fragment) {
+  // `define` is a name that the vertex shader tests with #ifdef, or nothing.
+  program(vertex, fragment, define = "") {
     const gl = this.gl;
     const program = gl.createProgram();
-    for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const defined = define ? vertex.replace("\n", `\n#define ${define}\n`) : vertex;
+    for (const [kind, source] of [[gl.VERTEX_SHADER, defined], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
       gl.shaderSource(shader, source);
       gl.compileShader(shader);
@@ -82,6 +86,43 @@ class Graphics {
     const texture = this.texture();
     this.fillTexture(texture, values);
     return { texture, count: values.length / each };
+  }
+
+  // A buffer with several samples a pixel, in which whole pictures are drawn.
+  makeSheet(width, height) {
+    const gl = this.gl;
+    const samples = Math.min(SAMPLES, gl.getParameter(gl.MAX_SAMPLES));
+    if (!this.sheet) {
+      const frame = gl.createFramebuffer();
+      this.sheet = { frame, colour: gl.createRenderbuffer(), depth: gl.createRenderbuffer() };
+    }
+    const { frame, colour, depth } = this.sheet;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    for (const [part, format, slot] of [
+      [colour, gl.RGBA8, gl.COLOR_ATTACHMENT0], [depth, gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT],
+    ]) {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, part);
+      gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, format, width, height);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, slot, gl.RENDERBUFFER, part);
+    }
+    Object.assign(this.sheet, { width, height });
+  }
+
+  forgetSheet() {
+    const { frame, colour, depth } = this.sheet ?? {};
+    this.gl.deleteFramebuffer(frame ?? null);
+    for (const part of [colour, depth]) this.gl.deleteRenderbuffer(part ?? null);
+    this.sheet = null;
+  }
+
+  // The picture of the buffer onto the canvas, which has its size.
+  showSheet() {
+    const gl = this.gl;
+    const { frame, width, height } = this.sheet;
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, frame);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }
 
   makeTarget(width, height) {

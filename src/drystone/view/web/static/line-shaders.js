@@ -15,8 +15,8 @@ bool clipped(inout vec4 a, inout vec4 b) {
 vec2 along(vec4 a, vec4 b) { return (b.xy / b.w - a.xy / a.w) * 0.5 * uViewport; }
 vec4 shifted(vec4 p, vec2 pixels) { return p + vec4(2.0 * pixels / uViewport * p.w, 0.0, 0.0); }
 vec2 across(vec2 d) { float l = length(d); return l > 0.0 ? vec2(-d.y, d.x) / l : vec2(0.0); }
-const int END[6] = int[6](0, 1, 0, 0, 1, 1);
-const float SIDE[6] = float[6](-1.0, -1.0, 1.0, 1.0, -1.0, 1.0);
+const int END[4] = int[4](0, 1, 0, 1);
+const float SIDE[4] = float[4](-1.0, -1.0, 1.0, 1.0);
 `;
 
 const EDGE_VERTEX = `${BLOCK_FUNCTIONS}${STRIP}
@@ -32,8 +32,8 @@ flat out vec4 colour;
 out vec3 place;
 out float dash;
 void main() {
-  int edge = gl_VertexID / 6;
-  int corner = gl_VertexID % 6;
+  int edge = gl_VertexID / 4;
+  int corner = gl_VertexID % 4;
   vec4 first = texelFetch(uSegments, at(2 * edge), 0); // its last number is the block
   vec4 second = texelFetch(uSegments, at(2 * edge + 1), 0);
   uint block = uint(first.w);
@@ -44,7 +44,7 @@ void main() {
   vec4 b = uProjection * vec4(to, 1.0);
   bool selected = int(block) == uSelected;
   bool falls = state == 3u;
-  bool still = uGhost == 1 && length(motionOf(block, 1)) + length(motionOf(block, 2)) == 0.0;
+  bool still = uGhost == 1 && !moves(block);
   bool dark = dot(uStateColour[state], vec3(0.3, 0.6, 0.1)) < 0.2;
   float opacity = selected ? 1.0 : uOpacity;
   vec3 base = dark ? vec3(0.62) : uEdgeColour;
@@ -76,7 +76,8 @@ void main() {
   result = colour;
 }`;
 
-// Nine corners an arrow (six of the shaft, three of the head), two arrows a segment when paired.
+// Seven corners an arrow (four of the shaft, three of the head), two arrows a segment when paired;
+// four corners a line.
 const ARROW_VERTEX = `${BLOCK_FUNCTIONS}${STRIP}
 uniform vec4 uColour;
 uniform float uWidth;
@@ -89,8 +90,9 @@ uniform int uByValue;
 flat out vec4 colour;
 out vec3 place;
 void main() {
-  int arrow = gl_VertexID / 9;
-  int corner = gl_VertexID % 9;
+  int corners = uHead > 0.0 ? 7 : 4;
+  int arrow = gl_VertexID / corners;
+  int corner = gl_VertexID % corners;
   bool paired = uHead > 0.0 && uSingle == 0;
   int segment = paired ? arrow / 2 : arrow;
   float sign = paired && arrow % 2 == 1 ? -1.0 : 1.0;
@@ -120,13 +122,13 @@ void main() {
   float head = uHead > 0.0 ? min(max(uHead, 1.6 * width), 0.6 * size) : 0.0;
   vec4 neck = shifted(tip, -d / size * head);
   neck.z = mix(base.z / base.w, tip.z / tip.w, 1.0 - head / size) * neck.w;
-  if (corner < 6) {
+  if (corner < 4) {
     vec4 p = END[corner] == 0 ? base : neck;
     gl_Position = shifted(p, 0.5 * width * SIDE[corner] * n);
-  } else if (corner == 6) {
+  } else if (corner == 4) {
     gl_Position = tip;
   } else {
-    gl_Position = shifted(neck, (corner == 7 ? 0.42 : -0.42) * head * n);
+    gl_Position = shifted(neck, (corner == 5 ? 0.42 : -0.42) * head * n);
   }
 }`;
 
@@ -137,14 +139,14 @@ out vec4 result;
 ${SECTION}
 void main() { cut(); result = colour; }`;
 
-// Six corners a marker: a square on the screen in which a disc or a diamond is drawn.
+// Four corners a marker: a square on the screen in which a disc or a diamond is drawn.
 const MARKER_VERTEX = `${BLOCK_FUNCTIONS}${STRIP}
 uniform float uSize;
 out vec2 spot;
 out vec3 place;
 void main() {
-  int marker = gl_VertexID / 6;
-  int corner = gl_VertexID % 6;
+  int marker = gl_VertexID / 4;
+  int corner = gl_VertexID % 4;
   vec4 first = texelFetch(uSegments, at(3 * marker), 0);
   vec4 second = texelFetch(uSegments, at(3 * marker + 1), 0);
   vec2 owner = vec2(first.w, second.w);

@@ -16,7 +16,7 @@ function pick(renderer, x, y, view, polygons) {
   gl.enable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
   for (const layer of polygons) {
-    renderer.use(renderer.programs.jointId, view);
+    renderer.use("jointId", view);
     const made = renderer.layerBuffer(layer);
     gl.bindVertexArray(made.array);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.index);
@@ -27,8 +27,8 @@ function pick(renderer, x, y, view, polygons) {
   if (polygons.length) read();
   if (found[0] === 0 && view.showBlocks) {
     if (!view.sectioned) gl.enable(gl.CULL_FACE);
-    renderer.use(renderer.programs.id, view);
-    renderer.drawMesh();
+    renderer.use("id", view);
+    for (const _ of renderer.drawMesh()); // all of it
     gl.disable(gl.CULL_FACE);
     read();
   }

@@ -7,6 +7,7 @@ function under(event) {
   if (!renderer) return {};
   const box = canvas.getBoundingClientRect();
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+  interrupt();
   const view = currentView(canvas.width / Math.max(1, canvas.clientWidth));
   const polygons = view.time === 0 ? view.layers.filter((layer) => layer.kind === "polygons") : [];
   const joint = polygons.some((layer) => layer.interface) ? jointNear(x, y, view) : -1;

@@ -27,97 +27,115 @@ class Renderer extends BlockRenderer {
     return made;
   }
 
-  // view: see currentView() in drawing.js.
+  // The picture at once, on the canvas, which has its size. view: see currentView() in drawing.js.
   draw(view) {
+    if (view.hurried) {
+      this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, null);
+      for (const _ of this.steps(view)); // all of them
+    } else {
+      for (const _ of this.whole(view)); // all of them
+      this.showSheet();
+    }
+  }
+
+  // The whole picture in the buffer, in steps after which other things may be drawn.
+  * whole(view) {
     const gl = this.gl;
-    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    if (this.sheet?.width !== view.width || this.sheet?.height !== view.height) {
+      this.makeSheet(view.width, view.height);
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.sheet.frame);
+    yield* this.steps(view);
+  }
+
+  * steps(view) {
+    const gl = this.gl;
+    gl.viewport(0, 0, view.width, view.height);
     gl.clearColor(...view.colours.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     if (view.showGround) this.drawGround(view);
-    if (view.showBlocks && view.opacity >= 1) this.drawSolid(view);
-    else this.drawGlass(view);
-    if (view.showGhost) this.drawGhost(view);
+    if (view.showBlocks && view.opacity >= 1) yield* this.drawSolid(view);
+    else yield* this.drawGlass(view);
+    if (view.showGhost) yield* this.drawGhost(view);
     gl.disable(gl.BLEND);
     gl.depthMask(true);
     gl.bindVertexArray(null);
   }
 
   // Blocks hide what is behind them; of forces behind them a trace is left.
-  drawSolid(view) {
+  * drawSolid(view) {
     const gl = this.gl;
-    this.drawBlocks(view);
-    if (view.showEdges) this.drawEdges(view, view.fine);
+    yield* this.drawBlocks(view);
+    if (view.showEdges) yield* this.drawEdges(view, view.fine, true);
     gl.enable(gl.BLEND);
     for (const layer of view.layers) {
       gl.depthMask(false);
       gl.depthFunc(gl.GREATER);
-      this.drawLayer(layer, view, layer.kind === "polygons" ? 0.2 : HIDDEN);
+      yield* this.drawLayer(layer, view, layer.kind === "polygons" ? 0.2 : HIDDEN);
       gl.depthFunc(gl.LEQUAL);
-      this.drawLayer(layer, view, 1);
+      yield* this.drawLayer(layer, view, 1);
       gl.depthMask(true);
     }
   }
 
   // Forces first, then blocks like glass over them, then their edges, faint behind and clear in
   // front, then marks and arrows.
-  drawGlass(view) {
+  * drawGlass(view) {
     const gl = this.gl;
     const inside = view.layers.filter((layer) => layer.kind === "polygons" || layer.value);
     for (const layer of inside) {
       if (layer.kind === "polygons") gl.disable(gl.BLEND);
       else gl.enable(gl.BLEND);
-      this.drawLayer(layer, view, 1);
+      yield* this.drawLayer(layer, view, 1);
     }
     gl.enable(gl.BLEND);
-    if (view.showBlocks) this.drawBlocks(view);
+    if (view.showBlocks) yield* this.drawBlocks(view);
     if (view.showEdges) {
       gl.depthMask(false);
-      this.drawEdges(view, BEHIND * view.fine);
+      yield* this.drawEdges(view, BEHIND * view.fine, false);
     }
     if (view.showEdges && view.showBlocks) {
       gl.depthMask(true);
-      this.drawDepth(view);
+      yield* this.drawDepth(view);
       gl.depthMask(false);
-      this.drawEdges(view, 0.75 * view.fine);
+      yield* this.drawEdges(view, 0.75 * view.fine, true);
     }
     gl.depthMask(false);
     gl.disable(gl.DEPTH_TEST);
     for (const layer of view.layers.filter((one) => !inside.includes(one))) {
-      this.drawLayer(layer, view, 1);
+      yield* this.drawLayer(layer, view, 1);
     }
     gl.enable(gl.DEPTH_TEST);
     gl.depthMask(true);
   }
 
-  drawLayer(layer, view, opacity) {
+  * drawLayer(layer, view, opacity) {
     const gl = this.gl;
     const made = this.layerBuffer(layer);
     const colour = view.colours[layer.colour];
     const premultiplied = [...colour.map((c) => c * opacity), opacity];
     if (layer.kind === "polygons") {
-      const at = this.use(this.programs.polygon, view);
+      const at = this.use("polygon", view);
       gl.uniform4f(at.uColour, ...colour, opacity);
       gl.uniform1i(at.uByValue, layer.value ? 1 : 0);
       gl.uniform3fv(at.uRamp, view.ramp);
       gl.uniform1ui(at.uPicked, view.joint < 0 ? 0 : this.data.count + 1 + view.joint);
-      gl.bindVertexArray(made.array);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, made.index);
-      gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
+      yield* this.drawIndices(made.array, made);
       return;
     }
     if (layer.kind === "markers") {
-      const at = this.use(this.programs.marker, view);
+      const at = this.use("marker", view);
       gl.uniform1f(at.uSize, view.markerSize * view.ratio);
       gl.uniform4f(at.uColour, ...colour, opacity);
       gl.uniform3fv(at.uOutline, view.outline);
       gl.uniform1i(at.uDiamond, layer.shape === "diamond" ? 1 : 0);
-      this.drawSegments(at, made, 6);
+      yield* this.drawSegments(at, made, QUAD);
       return;
     }
-    const at = this.use(this.programs.arrow, view);
+    const at = this.use("arrow", view);
     const arrows = layer.kind === "arrows";
     const width = layer.value ? NETWORK_WIDTH : 1.4 * LINE_WIDTH;
     gl.uniform4f(at.uColour, ...premultiplied);
@@ -127,6 +145,6 @@ class Renderer extends BlockRenderer {
     gl.uniform1i(at.uInward, layer.inward ? 1 : 0);
     gl.uniform1i(at.uSingle, layer.single ? 1 : 0);
     gl.uniform1i(at.uByValue, layer.value ? 1 : 0);
-    this.drawSegments(at, made, arrows && !layer.single ? 18 : 9);
+    yield* this.drawSegments(at, made, arrows ? ARROW : QUAD, arrows && !layer.single ? 2 : 1);
   }
 }

@@ -22,18 +22,29 @@ vec3 turned(vec3 v, vec3 w) {
   vec3 axis = w / angle;
   return v * cos(angle) + cross(axis, v) * sin(angle) + axis * dot(axis, v) * (1.0 - cos(angle));
 }
+#ifdef STILL
+// Programs for blocks in place: a processor that draws computes both sides of each condition.
+vec3 moved(vec3 p, uint block) { return p; }
+vec3 turnedWith(vec3 v, uint block) { return v; }
+vec3 carried(vec3 p, vec2 owner) { return p; }
+bool moves(uint block) { return false; }
+#else
 vec3 moved(vec3 p, uint block) {
-  if (uTime == 0.0 && uSpread == 0.0) return p;
   vec3 c = motionOf(block, 0);
   vec3 away = uSpread * motionOf(block, 3);
   if (uTime == 0.0) return p + away;
   return c + away + uTime * motionOf(block, 1) + turned(p - c, uTime * motionOf(block, 2));
 }
+vec3 turnedWith(vec3 v, uint block) {
+  return uTime == 0.0 ? v : turned(v, uTime * motionOf(block, 2));
+}
+bool moves(uint block) { return length(motionOf(block, 1)) + length(motionOf(block, 2)) > 0.0; }
 // A point of an interface stays between its blocks a and b, which may be none (-1).
 vec3 carried(vec3 p, vec2 owner) {
   if (owner.x < 0.0 || uSpread == 0.0) return p;
   return p + 0.5 * uSpread * (motionOf(uint(owner.x), 3) + motionOf(uint(owner.y), 3));
 }
+#endif
 bool hidden(vec2 owner) {
   return owner.x >= 0.0 && (stateOf(uint(owner.x)) == 0u || stateOf(uint(owner.y)) == 0u);
 }
@@ -66,7 +77,7 @@ void main() {
   uint state = stateOf(block);
   id = block + 1u;
   kind = state;
-  vec3 n = uTime == 0.0 ? normal : turned(normal, uTime * motionOf(block, 2));
+  vec3 n = turnedWith(normal, block);
   float light = 0.58 + 0.36 * max(dot(n, uLight), 0.0) + 0.08 * n.z;
   vec3 base = uStateColour[state];
   if (int(block) == uSelected) base = mix(base, uSelectionColour, 0.75);

@@ -1,8 +1,11 @@
 // What the page shows: its data, its state, and when it is drawn anew.
 
-const SLOW = 100; // [ms] that a picture takes, or waits: what moves is drawn coarsely
-const VERY_SLOW = 300; // [ms] that a coarse picture takes: without joints
+const SMOOTH = 33; // [ms] that a whole picture takes: above it what moves is drawn coarsely
+const SLOW = 100; // [ms] that a whole picture takes: in steps, and what moves with fewer pixels
+const VERY_SLOW = 300; // [ms] that coarse pictures take, of which three can be under way: without joints;
+// that a whole one takes: it does not follow the pointer
 const SETTLE = 250; // [ms] without a change: draw everything
+const WAIT = 5; // [ms] between two looks at whether a picture is done
 const narrow = matchMedia("(max-width: 720px)");
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
@@ -22,8 +25,11 @@ let waiting = false;
 let moves = false; // the picture that is awaited is one of many
 let cost = 0; // [ms] that the last whole picture took
 let pictures = 0; // drawn so far
-let fence = null; // tells when the picture that is timed is done
+let drawnAt = 0; // when the last one was begun
+let timed = false; // whether the time of a picture is being taken
+let steps = null; // those of a whole picture that is not done
 let hurried = false; // pictures come slowly
+let late = 0; // coarse pictures, one after the other, that came slowly
 let bare = false; // coarse pictures come slowly, too
 let settling = 0;
 let animation = null; // { kind, start }
@@ -42,9 +48,8 @@ function redraw(moving = false) {
   const asked = performance.now();
   requestAnimationFrame((now) => {
     waiting = false;
-    if (performance.now() - asked > SLOW || (moves && cost > SLOW)) hurried = true;
+    if (performance.now() - asked > SLOW || (moves && cost > SMOOTH)) hurried = true;
     moves = false;
-    clearTimeout(settling);
     advance(now);
     if (camera.advance(now)) redraw(true);
     drawTimed();
@@ -54,34 +59,68 @@ function redraw(moving = false) {
 // Draws, and learns how long the graphics card, or what stands in for it, takes. A coarse picture
 // is drawn anew as a whole once it is done and nothing else was asked for.
 function drawTimed() {
-  draw();
+  clearTimeout(settling);
+  steps = null;
+  if (!renderer || renderer.gl.isContextLost()) return;
   pictures += 1;
-  if (!fence && renderer && !renderer.gl.isContextLost()) follow(pictures, performance.now());
+  drawnAt = performance.now();
+  if (!hurried && cost > SLOW) {
+    steps = drawSteps();
+    drawOn(steps);
+    return;
+  }
+  draw();
+  if (!timed) follow();
 }
 
-function follow(picture, began) {
+// Learns how long a picture took; when the last one is done, a coarse one is to be drawn as a whole.
+async function follow() {
+  const [picture, began, whole] = [pictures, drawnAt, !hurried];
+  timed = true;
+  await drawn();
+  timed = false;
+  const time = performance.now() - began;
+  if (!whole && cost > 0) { // while a page opens, everything is slow
+    late = time > VERY_SLOW ? late + 1 : 0;
+    bare ||= late > 2;
+  }
+  if (whole) cost = time;
+  if (steps) return;
+  if (picture !== pictures) follow();
+  else if (hurried) settling = setTimeout(settle, SETTLE);
+}
+
+// The steps of a whole picture, until another one is asked for.
+async function drawOn(mine) {
+  while (steps === mine && !waiting) {
+    if (mine.next().done) {
+      cost = performance.now() - drawnAt;
+      steps = null;
+    } else await drawn();
+  }
+}
+
+// Until the graphics card has drawn what it was given.
+async function drawn() {
   const { gl } = renderer;
-  fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl.flush();
-  const look = () => {
-    if (!gl.isContextLost() && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) {
-      setTimeout(look, 10);
-      return;
-    }
-    gl.deleteSync(fence);
-    fence = null;
-    bare ||= hurried && performance.now() - began > VERY_SLOW;
-    if (picture !== pictures) follow(pictures, performance.now());
-    else if (hurried) settling = setTimeout(settle, SETTLE);
-    else cost = performance.now() - began;
-  };
-  setTimeout(look, 0);
+  do await new Promise((done) => setTimeout(done, WAIT));
+  while (!gl.isContextLost() && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED);
+  gl.deleteSync(fence);
 }
 
 function settle() {
   if (waiting) return;
   hurried = false;
   drawTimed();
+}
+
+// Gives up the steps of a picture where something else is drawn between them; it begins anew later.
+function interrupt() {
+  if (!steps) return;
+  steps = null;
+  settling = setTimeout(settle, SETTLE);
 }
 
 const camera = new Camera(placesAt, data.half, data.toward, () => redraw(true));

@@ -3,14 +3,15 @@
 // The picture, twice as fine as on the screen, with head and legend.
 function pictureOf(ratio) {
   const { width, height } = sizeOf();
+  interrupt();
   const sheet = element("canvas");
   [sheet.width, sheet.height] = [width * ratio, height * ratio];
   const pen = sheet.getContext("2d");
   [canvas.width, canvas.height] = [width * ratio, height * ratio];
-  const coarse = hurried;
+  const wasHurried = hurried;
   hurried = false;
   const view = currentView(ratio);
-  hurried = coarse;
+  hurried = wasHurried;
   renderer.draw(view);
   pen.drawImage(canvas, 0, 0);
   const marks = element("canvas");
