@@ -282,10 +282,8 @@ def items_of(
             Rope(name, options.limit, at, at - (at @ down - top + options.clear) * down)
             for at in points
         )
-    struts = tuple(
-        Strut(name, options.limit, head, *_foot_of(model, block, head, down, ground, options))
-        for head in points
-    )
+    feet = [(head, _foot_of(model, block, head, down, ground, options)) for head in points]
+    struts = tuple(Strut(name, options.limit, head, foot, options.foot) for head, foot in feet)
     longest = max(strut.length for strut in struts)
     if longest > options.longest:
         raise InputError(
@@ -298,11 +296,11 @@ def items_of(
 
 def _foot_of(
     model: Model, block: int, head: Floats, down: Floats, ground: float, options: ScaffoldOptions
-) -> tuple[Floats, str | None]:
-    """The foot of a strut, and the block on which it stands; None for the ground."""
+) -> Floats:
+    """The foot (3,) [m] of a strut, on the ground or on the block that the options name."""
     if options.foot is None:
         reach = 1e-3 * float(model.assembly.size[block])
-        return head + max(ground - float(head @ down), reach) * down, None
+        return np.asarray(head + max(ground - float(head @ down), reach) * down)
     names, under = model.assembly.names, model.assembly.index(options.foot)
     where = f"block '{names[block]}'"
     face = _free_face(model, under, -down)
@@ -329,7 +327,7 @@ def _foot_of(
             where=where,
             remedy="name a block that lies lower, or nearer to the place below it",
         )
-    return foot, options.foot
+    return foot
 
 
 def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
