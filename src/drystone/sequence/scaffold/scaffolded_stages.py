@@ -283,7 +283,9 @@ def items_of(
             for at in points
         )
     feet = [(head, _foot_of(model, block, head, down, ground, options)) for head in points]
-    struts = tuple(Strut(name, options.limit, head, foot, options.foot) for head, foot in feet)
+    struts = tuple(
+        Strut(name, options.limit, head, foot.tolist(), options.foot) for head, foot in feet
+    )
     longest = max(strut.length for strut in struts)
     if longest > options.longest:
         raise InputError(
