@@ -54,11 +54,25 @@ ScaffoldLimit: TypeAlias = Annotated[
 ]  # fmt: skip
 
 
-def scaffold_options(limit: float | None) -> ScaffoldOptions:
+ScaffoldFoot: TypeAlias = Annotated[
+    str | None,
+    Option("Block on which struts stand, and which bears their force (the ground).",
+           metavar="BLOCK", expert=True),
+]  # fmt: skip
+ScaffoldLength: TypeAlias = Annotated[
+    float | None,
+    Option("Length of the longest strut, in m (no limit).", kind=kinds.POSITIVE, expert=True),
+]
+
+
+def scaffold_options(
+    limit: float | None, foot: str | None, length: float | None
+) -> ScaffoldOptions:
     """Limits of scaffolding, from the command line."""
     from drystone.sequence import ScaffoldOptions
 
-    return ScaffoldOptions() if limit is None else ScaffoldOptions(limit=limit)
+    free = float("inf")
+    return ScaffoldOptions(limit=limit or free, foot=foot, longest=length or free)
 
 
 def _robot(text: str) -> Robot:
@@ -135,6 +149,8 @@ def plan(
                kind=kinds.one_of(SCAFFOLDS)),
     ] = None,
     scaffold_limit: ScaffoldLimit = None,
+    scaffold_foot: ScaffoldFoot = None,
+    scaffold_length: ScaffoldLength = None,
     margins: Annotated[
         bool, Option("Least friction and tilt limit of every stage.", expert=True)
     ] = False,
@@ -184,7 +200,8 @@ def plan(
     waiting.stage("plan", "planning")
     chosen = sequence.PlanOptions(
         rules=rules, exact=exact, patience=float("inf") if best else None, anyway=finding.anyway,
-        scaffold=scaffold, scaffold_options=scaffold_options(scaffold_limit),
+        scaffold=scaffold,
+        scaffold_options=scaffold_options(scaffold_limit, scaffold_foot, scaffold_length),
     )  # fmt: skip
     check = sequence.check_thoroughly if thorough else None
 
