@@ -151,7 +151,8 @@ def settle_many(
     >>> [one.outcome.value for one in settle_many([block.with_load(tilt) for tilt in tilts])]
     ['comes to rest', 'falls']
     """
-    if isinstance(models, str | bytes | PathLike | Assembly | Model):
+    one = isinstance(models, str | bytes | PathLike | Assembly | Model)
+    if one or not isinstance(models, Iterable):
         said = f"the models are {shortened(repr(models), 60)}"
         raise InputError(said, remedy="give a list of models, such as [model]")
     chosen = SettlementOptions.of(options)

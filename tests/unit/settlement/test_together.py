@@ -60,5 +60,6 @@ def test_it_stops_and_tells_progress() -> None:
 
 
 def test_a_single_model_is_refused() -> None:
-    with pytest.raises(InputError, match="give a list of models"):
-        settle_many(wedges((20.0,))[0])  # type: ignore[arg-type]
+    for one in (wedges((20.0,))[0], 5):
+        with pytest.raises(InputError, match="give a list of models"):
+            settle_many(one)  # type: ignore[arg-type]
