@@ -42,10 +42,11 @@ def _write_urdf(contents: Contents, path: Path) -> None:
 
 def _simulated(contents: Contents) -> Model:
     """The model of a simulator, its contacts found if there are none."""
-    load = next(iter(contents.loads), None)
+    assembly, load = contents.assembly, next(iter(contents.loads), None)
     if contents.contacts is None:
-        return Model.of(contents.assembly, load=load, anyway=True)
-    return Model(contents.assembly, contents.contacts, load)
+        return Model.of(assembly, load=load, anyway=True)
+    made = Model(assembly, contents.contacts)
+    return made if load is None else made.with_load(load)
 
 
 LOADS = "loads and results"

@@ -180,7 +180,8 @@ def plan(
                kinds.target(".html", ".htm"), expert=True),
     ] = None,
     csv: Annotated[
-        Path | None, Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"))
+        Path | None,
+        Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
     ] = None,
     waiting: Waiting,
 ) -> Answer:  # fmt: skip
