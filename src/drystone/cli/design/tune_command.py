@@ -62,7 +62,7 @@ def tune(
     build, known = families.shell_family(family) or families.family(family)
     given = dict(families.setting(text, known) for text in set)
     how: dict[str, Any] = {} if friction is None else {"friction": friction}
-    twice = {text.partition("=")[0].replace("-", "_") for text in search.vary} & set(given)
+    twice = {text.partition("=")[0].replace("-", "_") for text in search.vary} & given.keys()
     if twice:
         raise InputError(
             f"{', '.join(sorted(twice))} is set, and varied",
