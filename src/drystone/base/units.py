@@ -142,20 +142,26 @@ def quantity(value: float, unit: str, negligible: float = 0.0) -> str:
     return f"{value:.3g} {unit}"
 
 
-def components(values: Sequence[float], unit: str, negligible: float = 0.0) -> str:
+def components(
+    values: Sequence[float], unit: str, negligible: float = 0.0, column: float = 0.0
+) -> str:
     """Components of a vector with one prefix, to three digits of the largest.
 
-    A vector of which no component exceeds ``negligible`` is zero.
+    A vector of which no component exceeds ``negligible`` is zero. ``column`` is the largest value
+    of a table, which then has one prefix.
 
     Examples
     --------
     >>> components([0.1, -2500.0, 12340.0], "N"), components([0.0, -2e-7, 0.0], "N m", 1e-6)
     ('0, -2.5, 12.3 kN', '0, 0, 0 N m')
+    >>> components([0.0, -0.165], "N m"), components([0.0, -0.165], "N m", column=1.64)
+    ('0, -165 mN m', '0, -0.165 N m')
     """
     largest = max((abs(value) for value in values), default=0.0)
     if largest <= negligible:
         values, largest = [0.0] * len(values), 0.0
-    factor, prefix = next((one for one in PREFIXES if largest >= 0.9995 * one[0]), (1.0, ""))
+    size = max(largest, column)
+    factor, prefix = next((one for one in PREFIXES if size >= 0.9995 * one[0]), (1.0, ""))
     digits = 0 if largest == 0.0 else max(2 - math.floor(math.log10(largest / factor)), 0)
 
     def shown(value: float) -> str:

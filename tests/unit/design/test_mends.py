@@ -274,6 +274,7 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
         (["--auto", "--pages", "folder"], "is for the list of mends"),
         (["--out", "x.json"], "no mend is made"),
         (["--margin", "tilt=steep"], "has no number"),
+        (["--margin", "load=0.5"], "give 1 or more"),
         (["--margin", "wind=3"], "is no margin"),
         (["--margin", "load=1.1", "--margin", "load=1.2"], "given twice"),
         (["--only", "prop", "--apply", "7"], "there is no mend 7"),

@@ -186,14 +186,18 @@ def _show_falling(screen: Screen, data: Mapping[str, Any]) -> None:
     names = [*needs, *(name for name in data["falling"] if name not in needs)]
     screen.line(f"falls: {counted(len(names), 'block')}")
     rows = []
+    force, moment = (
+        max((abs(part) for need in needs.values() for part in need[key]), default=0.0)
+        for key in ("force", "moment")
+    )
     for name in names:
         told = ["-", "-"]
         if need := needs.get(name):
             # with the size of the model as lever arm
             least = NEGLIGIBLE * max(map(abs, need["force"])) * max(data["size"])
             told = [
-                units.components(need["force"], "N"),
-                units.components(need["moment"], "N m", least),
+                units.components(need["force"], "N", column=force),
+                units.components(need["moment"], "N m", least, moment),
             ]
         rows.append([name, *told])
     screen.table(("block", "prop force", "prop moment"), grouped(rows))

@@ -290,11 +290,14 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
         screen.line(f"no solution for {named(one['blocks'])}: {one['kind']}: {one['what']}")
     if "applied" in data:
         one = data["applied"]
-        screen.line(f"{one['description']}: the whole is {one['verdict']}", "MENDED", "bold")
+        style = verdict.STYLE.get(one["verdict"], "bold")
+        screen.line(f"{data['model']}, changed", one["verdict"].upper(), style)
+        screen.line(one["description"])
 
 
 def _show_auto(data: dict[str, Any], screen: Screen) -> None:
     style = verdict.STYLE.get(data["verdict"], "bold")
-    screen.line(str(data["model"]), data["verdict"].upper(), style)
+    mended = ", mended" if data["steps"] else ""
+    screen.line(f"{data['model']}{mended}", data["verdict"].upper(), style)
     for sentence in data["log"]:
         screen.line(sentence)

@@ -78,7 +78,7 @@ def sharpen(
 
 def _show(data: dict[str, Any], screen: Screen) -> None:
     style = verdict.STYLE.get(data["verdict"], "bold")
-    screen.line(str(data["model"]), data["verdict"].upper(), style)
+    screen.line(f"{data['model']}, sharpened", data["verdict"].upper(), style)
     screen.line(data["message"])
     if data["joints"]:
         screen.line(data["check"])

@@ -103,5 +103,5 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
     rows = []
     for name, default in data["parameters"].items():
         value = data["set"].get(name, default)
-        rows.append((name, "must be set" if value is None else str(value)))
+        rows.append((name, "not set" if value is None else str(value)))
     screen.table(("parameter", "value"), rows, len(rows))

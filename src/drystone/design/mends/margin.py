@@ -47,7 +47,7 @@ class DesignMargin(Options):
         super().__post_init__()
         for name, good, remedy in (
             ("tilt", 0.0 <= self.tilt < 90.0, "give degrees from 0 to 90"),
-            ("load", 0.0 < self.load < np.inf, "give a number above zero"),
+            ("load", 1.0 <= self.load < np.inf, "give 1 or more"),
             ("friction", 0.0 < self.friction <= 1.0, "give a share above 0, up to 1"),
         ):
             if not good:

@@ -267,10 +267,10 @@ class _Sharpening:
                 "'drystone mend' tries other changes"
             )
         some = counted(int((sharpness > 0.0).sum()), "joint")
-        return (
-            f"it does not stand with {some} sharpened by up to {sharpness.max():g} degrees: "
-            "allow sharper wedges, or try 'drystone mend'"
-        )
+        told = f"it does not stand with {some} sharpened by up to {sharpness.max():g} degrees: "
+        if sharpness.max() >= self.options.most:
+            return f"{told}allow sharper wedges, or try 'drystone mend'"
+        return f"{told}sharper wedges do not fit or do not help, try 'drystone mend'"
 
     # -- wedges taken back ----------------------------------------------------------------------
     def lowered(self, sharpness: Floats) -> Floats:
