@@ -42,7 +42,7 @@ def snake() -> Case:
     model = Model.of(models.snake(), friction=0.7)
     result = check(model)
     lines = [
-        Line("leaning tower: cut from the top down", "8 blocks", tower, None, ours),
+        Line("leaning tower: from the whole to its parts", "8 blocks", tower, None, ours),
         Line("snake, friction 0.7: complete", "stable", result.verdict.value, _stands(result)),
         Line(
             "snake: interfaces", "7", str(model.contacts.count), None, "ours merges coplanar ones"
