@@ -187,6 +187,15 @@ def test_struts_wait_for_the_block_that_they_stand_on(over_a_step):
     assert "3 blocks can have no strut: block 'weight'" in found.message
 
 
+def test_a_plan_without_any_strut_is_not_the_cheapest(over_a_step):
+    options = ScaffoldOptions(longest=0.1)
+    found = on_step(over_a_step, longest=0.1)
+    assert found.verdict is not Verdict.STABLE
+    made = scaffolding(found, "strut", options=options)
+    assert not made.works
+    assert [found.order[i] for i in made.failed] == ["slab"]
+
+
 def test_weak_struts_fail_and_a_table_compares(balanced_plan):
     weak = scaffolding(balanced_plan, "strut", options=ScaffoldOptions(limit=1.0))
     assert weak.failed == (0,)

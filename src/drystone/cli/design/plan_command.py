@@ -333,7 +333,8 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
     _show_impossible(data, screen)
     if data["scaffolding"] is not None:
         made = data["scaffolding"]
-        ends = f"{len(made['failed'])} stages fail" if made["failed"] else "every stage stands"
+        fails = f"{counted(len(made['failed']), 'stage')} without a rest state or over the limit"
+        ends = fails if made["failed"] else "every stage stands"
         screen.line(
             f"on {made['support']}: {ends}; {made['metre_stages']:.3g} m times stages, at most "
             f"{units.quantity(made['peak_force'], 'N')}, {counted(made['moves'], 'move')}, "

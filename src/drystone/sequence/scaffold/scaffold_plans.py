@@ -48,7 +48,8 @@ class Scaffolding(OneLine):
     cost
         ``stage_cost * metre_stages + move_cost * moves``.
     failed
-        Steps, from 0, that do not stand with it, or overload it.
+        Steps, from 0, that do not stand with it, or overload it, or that do not stand and have
+        nothing that is held.
     stopped
         Why later stages were not checked; empty otherwise.
     """
@@ -152,12 +153,15 @@ def scaffolding(
             rows.append((number, told, result.verdict.value, count, length, largest, len(bad)))
             if progress is not None:
                 progress("scaffolding", len(rows), len(propped))
+    failed += [i for i, one in enumerate(plan.steps) if not (one.props or one.answer.stands)]
     stopped = clock.reason if len(rows) < len(propped) else ""
     keys = ("step", "blocks", "verdict", "items", "length", "peak_force", "overloaded")
     columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
     table = Table("scaffolding", columns, {"length": "m", "peak_force": "N"})
     cost = chosen.stage_cost * total + chosen.move_cost * moves
-    return Scaffolding(stages.support, table, total, peak, moves, cost, tuple(failed), stopped)
+    return Scaffolding(
+        stages.support, table, total, peak, moves, cost, tuple(sorted(failed)), stopped
+    )
 
 
 def _checked(stages: ScaffoldedStages, stage: tuple[int, int]) -> tuple[ScaffoldedModel, Result]:
