@@ -229,7 +229,7 @@ def test_what_was_tried_is_told_where_nothing_holds() -> None:
     assert made.log[1:] == ("it still falls: block",)
 
 
-def test_what_nothing_holds_is_passed_over_and_the_next_region_is_mended(tmp_path: Path) -> None:
+def test_what_nothing_holds_is_passed_over_and_the_next_region_is_mended() -> None:
     base = box((1.0, 1.0, 1.0), name="base")
     right = box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "right")
     left = box((0.8, 1.0, 0.2), (-0.7, 0.0, 1.0), "left")
@@ -241,7 +241,6 @@ def test_what_nothing_holds_is_passed_over_and_the_next_region_is_mended(tmp_pat
         "no mend of the list holds right", "left", "it still falls"
     ]  # fmt: skip
     assert made.log[-1] == "it still falls: right"
-    assert not again(made.model, tmp_path).stable
 
 
 def test_of_equal_cost_the_smaller_value_comes_first() -> None:
@@ -269,7 +268,7 @@ def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
 def test_blocks_to_keep_are_not_changed() -> None:
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
     kinds = ("let-in", "glue", "thicker", "friction", "merge", "turn")
-    for keep in ("out", "o*, base", "lowest,[o]ut"):  # read as supports are
+    for keep in ("out", "lowest, [o]*"):  # read as supports are
         options = MendOptions(kinds=kinds, keep=(keep,))
         found = find_mends(Assembly((base, out)).with_fixed([0]), friction=0.6, options=options)
         assert found.mends == ()

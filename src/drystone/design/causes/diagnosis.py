@@ -111,7 +111,8 @@ def diagnose(
     block 'block' slides down along 'left' and 'right'
     nothing presses on it
     a support that takes 33.9 kN at (0, 0, -0.2) m
-    or the joint with 'right' turned by 0.078 degrees would hold it
+    or the joint with 'right' turned by 0.1 degrees
+    or glue between 'left' and 'block' that carries a pull, and a shear, of 15 kN would hold it
     """
     chosen = DiagnosisOptions.of(options)
     model = as_model(given, **how)
