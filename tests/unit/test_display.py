@@ -70,6 +70,7 @@ def values(folder: Path) -> Iterator[object]:
     yield from (
         drystone.diagnose(shelf(), friction=0.9),
         design.Ballast(1, 10.0),
+        design.Glue((0,), 100.0),
         design.JointTurn(0, 8.0),
     )
     yield design.DiagnosisOptions(regions=3)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from drystone.design.causes.joint_motion import JointMotion as JointMotion
     from drystone.design.causes.joint_motion import JointState as JointState
     from drystone.design.causes.missing import Ballast as Ballast
+    from drystone.design.causes.missing import Glue as Glue
     from drystone.design.causes.missing import JointTurn as JointTurn
     from drystone.design.causes.missing import Needs as Needs
     from drystone.design.causes.missing import Pull as Pull
@@ -65,6 +66,7 @@ _HOME = {
     "Diagnosis": "causes.diagnosed",
     "DiagnosisOptions": "causes.diagnosis",
     "FamilyMoves": "shaping.variables",
+    "Glue": "causes.missing",
     "HelpMeasure": "shaping.shape_options",
     "JointMotion": "causes.joint_motion",
     "JointState": "causes.joint_motion",

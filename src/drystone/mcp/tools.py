@@ -161,7 +161,8 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
             ),
         ] = None,
         keep: Annotated[
-            list[str] | None, Field(description="Names of blocks that may not be changed.")
+            list[str] | None,
+            Field(description="Blocks that may not be changed: names and patterns."),
         ] = None,
     ) -> Answer:
         """Which changes make a model stand? Each was checked on the whole model, cheapest first.

@@ -13,6 +13,7 @@ from drystone.design import DesignMargin, MendOptions, Mends, find_mends, mend
 from drystone.design.causes import prop_forces
 from drystone.design.mends import margin
 from drystone.design.surgery import still_edge, turn_joint
+from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, h_model, shelf, tower, wedge
 
 SLOPE = np.rad2deg(np.arctan2(0.676163 - 0.627729, 0.284267 - 0.243736))
@@ -127,13 +128,31 @@ def test_the_friction_for_a_margin_of_tilt_is_its_tangent() -> None:
     assert found.value >= np.tan(np.deg2rad(35.0))
 
 
+def test_diagnosis_and_mend_tell_one_friction_that_is_enough() -> None:
+    load = LoadCase.tilt(tower(2), (1.0, 0.0, 0.0), 35.0)
+    model = Model.of(tower(2), friction=0.6, load=load)
+    found = find_mends(model, options=MendOptions(kinds=("friction",)))
+    assert found.diagnosis.regions[0].needs.friction == found.mends[0].value == 0.71
+    assert "friction of 0.71 there" in found.diagnosis.sentences[0]
+
+
 def test_glue_has_the_strength_that_the_moment_asks_for(tmp_path: Path) -> None:
     """The inner half of the joint carries half of the pull, 0.3 m from the edge it turns about."""
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
     model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
     weight = 9.81 * float(model.assembly.mass[1])
-    (found,) = find_mends(model, options=MendOptions(kinds=("glue",))).mends
+    mends = find_mends(model, options=MendOptions(kinds=("glue",)))
+    (found,) = mends.mends
     assert found.value == pytest.approx(0.2 * weight / (0.5 * 0.3), abs=0.015 * weight)
+    (glue,) = mends.diagnosis.regions[0].needs.glue
+    assert glue.strength == found.value
+    assert found.description in mends.diagnosis.sentences[0]
+    enough, half = (
+        JointCapacity(np.full(1, share * found.value), np.full(1, share * found.value))
+        for share in (1.0, 0.5)
+    )
+    assert drystone.check(model.with_capacity(enough)).stable
+    assert drystone.check(model.with_capacity(half)).falls
     assert "between" in found.description
     assert again(found.model, tmp_path).stable
 
@@ -205,17 +224,56 @@ def test_what_was_tried_is_told_where_nothing_holds() -> None:
     assert made.steps == ()
     assert (
         "no mend of the list holds block: friction: it falls up to a coefficient of 4 in all its "
-        "joints; 100 % of its load is then still not carried" in made.log[-1]
+        "joints; 100 % of its load is then still not carried" in made.log[0]
     )
+    assert made.log[1:] == ("it still falls: block",)
+
+
+def test_what_nothing_holds_is_passed_over_and_the_next_region_is_mended() -> None:
+    base = box((1.0, 1.0, 1.0), name="base")
+    right = box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "right")
+    left = box((0.8, 1.0, 0.2), (-0.7, 0.0, 1.0), "left")
+    model = Model.of(Assembly((base, right, left)).with_fixed([0]), friction=0.6)
+    made = mend(model, options=MendOptions(kinds=("glue",), keep=("right",)))
+    assert [step.blocks for step in made.steps] == [("left",)]
+    assert not made.stands
+    assert [text.partition(":")[0] for text in made.log] == [
+        "no mend of the list holds right", "left", "it still falls"
+    ]  # fmt: skip
+    assert made.log[-1] == "it still falls: right"
+
+
+def test_of_equal_cost_the_smaller_value_comes_first() -> None:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    post = box((1.0, 1.0, 1.0), (-0.3, 0.0, 1.0), "post")
+    model = Model.of(Assembly((base, out, post)).with_fixed([0, 2]), friction=0.6)
+    found = find_mends(model, options=MendOptions(kinds=("glue",))).mends
+    assert [one.description.split("that")[0] for one in found] == [
+        "glue between 'out' and 'post' ", "glue between 'base' and 'out' "
+    ]  # fmt: skip
+    assert found[0].cost == found[1].cost == 3.0
+    assert found[0].value < found[1].value
+
+
+def test_the_force_of_a_prop_is_the_largest_one_at_the_margin() -> None:
+    base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    model = Model.of(Assembly((base, out)).with_fixed([0]), friction=0.6)
+    plain, firm = (
+        find_mends(model, options=MendOptions(margin=margin, kinds=("prop",))).mends[0]
+        for margin in (DesignMargin(), DesignMargin(load=1.5))
+    )
+    assert firm.value == pytest.approx(1.5 * plain.value, rel=1e-6)
 
 
 def test_blocks_to_keep_are_not_changed() -> None:
     base, out = box((1.0, 1.0, 1.0), name="base"), box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
-    options = MendOptions(kinds=("let-in", "glue", "thicker"), keep=("out",))
-    found = find_mends(Assembly((base, out)).with_fixed([0]), friction=0.6, options=options)
-    assert found.mends == ()
-    assert {one.kind for _, one in found.tried} == {"let-in", "glue", "thicker"}
-    assert sum("may not be changed" in one.what for _, one in found.tried) >= 2
+    kinds = ("let-in", "glue", "thicker", "friction", "merge", "turn")
+    for keep in ("out", "lowest, [o]*"):  # read as supports are
+        options = MendOptions(kinds=kinds, keep=(keep,))
+        found = find_mends(Assembly((base, out)).with_fixed([0]), friction=0.6, options=options)
+        assert found.mends == ()
+        assert {one.kind for _, one in found.tried} == {*kinds}
+        assert all("may not be changed" in one.what for _, one in found.tried)
 
 
 def test_wrong_options_are_refused_in_words() -> None:
@@ -254,17 +312,29 @@ def test_the_command_lists_mends_and_makes_the_one_that_is_chosen(
     arguments = ["--only", "prop", "--only", "glue", "--margin", "friction=0.9x", "--json"]
     assert main(["mend", overhang, *arguments]) == 1
     told = json.loads(capsys.readouterr().out)
-    assert [one["kind"] for one in told["mends"]] == ["glue", "prop"]
+    assert [one["kind"] for one in told["mends"]] == ["prop", "glue"]
     folder = tmp_path / "pages"
     assert main(["mend", overhang, *arguments, "--pages", str(folder)]) == 1
     capsys.readouterr()
     pages = sorted(folder.iterdir())
     assert [page.name for page in pages] == ["mend-01.html", "mend-02.html"]
-    assert "a prop of" in pages[1].read_text(encoding="utf-8")
+    assert "a prop of" in pages[0].read_text(encoding="utf-8")
     out = tmp_path / "propped.json"
-    assert main(["mend", overhang, *arguments, "--apply", "2", "--out", str(out)]) == 0
+    assert main(["mend", overhang, *arguments, "--apply", "1", "--out", str(out)]) == 0
     assert json.loads(capsys.readouterr().out)["applied"]["verdict"] == "stable"
     assert drystone.check(out).stable
+
+
+def test_a_file_that_no_mend_has_changed_is_not_written(
+    overhang: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "falls.json"
+    assert main(["mend", overhang, "--auto", "--only", "friction", "--out", str(out)]) == 1
+    told = " ".join(capsys.readouterr().out.split())
+    assert "UNSTABLE" in told
+    assert "it still falls: out" in told
+    assert "is not written: no mend was made" in told
+    assert not out.exists()
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,8 @@ def mend(
     keep: Annotated[
         tuple[str, ...],
         Option(
-            "Block that may not be changed. Can be given several times.",
+            "Blocks that may not be changed: names and patterns, separated by commas, as for "
+            "--supports. Can be given several times.",
             metavar="BLOCK",
             expert=True,
         ),
@@ -126,10 +127,13 @@ def mend(
         if auto:
             made = design.mend(model, options=chosen, **common)
             data = {"model": subject.model, **made.to_dict()}
+            useless = out is not None and not (made.steps or made.stands)
             files = partial(
-                files_after, model, made.result, made.model, wanted, out, subject.model,
-                "; ".join(one.description for one in made.steps),
+                files_after, model, made.result, made.model, wanted, None if useless else out,
+                subject.model, "; ".join(one.description for one in made.steps),
             )  # fmt: skip
+            if useless:
+                files = partial(_with_note, files, f"{out} is not written: no mend was made")
             return Answer(
                 data, partial(_show_auto, data), 0 if made.stands else 1, model.notes, files
             )
@@ -154,6 +158,12 @@ def mend(
     if pages is not None:
         files = partial(_with_pages, files, mends, Path(pages), subject.model)
     return Answer(data, partial(_show, data), code, model.notes, files)
+
+
+def _with_note(others: Any, note: str) -> Files:
+    """The other files, and a remark."""
+    jobs, notes = others()
+    return jobs, [*notes, note]
 
 
 def _with_pages(others: Any, mends: Mends, folder: Path, source: str) -> Files:
@@ -297,7 +307,7 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
 
 def _show_auto(data: dict[str, Any], screen: Screen) -> None:
     style = verdict.STYLE.get(data["verdict"], "bold")
-    mended = ", mended" if data["steps"] else ""
+    mended = ", changed" if data["steps"] else ""
     screen.line(f"{data['model']}{mended}", data["verdict"].upper(), style)
     for sentence in data["log"]:
         screen.line(sentence)

@@ -182,7 +182,20 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
                            names[model.contacts.block_b[needs.turn.interface]]],
                 "degrees": needs.turn.angle,
             },
-            "glue_holds": needs.glue_holds,
+            "glue": [
+                {
+                    "joints": [
+                        {
+                            "interface": k,
+                            "blocks": [names[model.contacts.block_a[k]],
+                                       names[model.contacts.block_b[k]]],
+                        }
+                        for k in glue.interfaces
+                    ],
+                    "strength": glue.strength,
+                }
+                for glue in needs.glue
+            ],
             "tension": [
                 {
                     "interface": p.interface,

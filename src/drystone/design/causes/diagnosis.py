@@ -17,9 +17,11 @@ from drystone.base.settings import Options, checked_call
 from drystone.base.workers import WorkerPool
 from drystone.design.causes import diagnosis_words
 from drystone.design.causes.diagnosed import Diagnosis, Region
+from drystone.design.causes.glue_needed import glue_needed
 from drystone.design.causes.joint_motion import joint_states
 from drystone.design.causes.missing import (
     SEARCHED,
+    Glue,
     Needs,
     ballast_needed,
     friction_needed,
@@ -109,7 +111,8 @@ def diagnose(
     block 'block' slides down along 'left' and 'right'
     nothing presses on it
     a support that takes 33.9 kN at (0, 0, -0.2) m
-    or the joint with 'right' turned by 0.078 degrees would hold it
+    or the joint with 'right' turned by 0.1 degrees
+    or glue between 'left' and 'block' that carries a pull, and a shear, of 15 kN would hold it
     """
     chosen = DiagnosisOptions.of(options)
     model = as_model(given, **how)
@@ -175,7 +178,9 @@ def _region(
     )
     force, point = one_force(model, blocks, wrench)
     support = friction = ballast = turn = None
+    glue: tuple[Glue, ...] = ()
     between = np.flatnonzero(interfaces)
+    pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
     if options.needs and not alone.stable and not late():
         few = SEARCHED if len(own) <= LARGE_REGION else SMALL_REGION
         neediest = sorted(own, key=lambda i: -float(np.linalg.norm(wrench[i, :3])))[:few]
@@ -192,10 +197,15 @@ def _region(
                 turn = turn_needed(local, late)
             if turn is not None:
                 turn = replace(turn, interface=int(between[turn.interface]))
-    pulls = pulls_of(alone, between) if alone.contacts.count == len(between) else ()
-    glued = "glue cannot" not in alone.message and bool(pulls)
+            if len(blocks) <= LARGE_REGION:
+                inner = {int(whole): k for k, whole in enumerate(between)}
+                pulling = [(inner[pull.interface], pull.force) for pull in pulls]
+                glue = tuple(
+                    replace(one, interfaces=tuple(between[list(one.interfaces)].tolist()))
+                    for one in glue_needed(local, len(own), pulling, late)
+                )
     needs = Needs(
-        frozen(wrench), frozen(force), frozen(point), support, pulls, glued, friction, ballast, turn
+        frozen(wrench), frozen(force), frozen(point), support, pulls, glue, friction, ballast, turn
     )
     return Region(
         blocks,

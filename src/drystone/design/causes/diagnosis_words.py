@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -31,6 +32,35 @@ def newtons(size: float) -> str:
         if abs(size) >= factor:
             return f"{size / factor:.3g} {unit}"
     return f"{size:.3g} N"
+
+
+def rounded_up(value: float, digits: int = 3) -> float:
+    """A value rounded up to some digits, so that what is told is enough.
+
+    Examples
+    --------
+    >>> rounded_up(1.2001), rounded_up(86.01), rounded_up(0.5)
+    (1.21, 86.1, 0.5)
+    """
+    if value <= 0.0:
+        return value
+    step = 10.0 ** (math.floor(math.log10(value)) + 1 - digits)
+    return float(f"{math.ceil(value / step * (1.0 - 1e-9)) * step:.{digits}g}")
+
+
+def glue_words(model: Model, interfaces: Sequence[int], strength: float) -> str:
+    """Glue in some joints as text, with its strength [N] rounded up."""
+    ends = {(int(model.contacts.block_a[k]), int(model.contacts.block_b[k])) for k in interfaces}
+    where = f" between {names_of(model, ends.pop())}" if len(ends) == 1 else ""
+    carried = f"a pull, and a shear, of {newtons(rounded_up(strength))}"
+    if len(interfaces) == 1:
+        return f"glue{where} that carries {carried}"
+    return f"glue in {len(interfaces)} joints{where}, each of which carries {carried}"
+
+
+def friction_words(where: str, value: float) -> str:
+    """A friction coefficient as text, rounded up to hundredths."""
+    return f"friction of {math.ceil(100.0 * value - 1e-6) / 100.0:.2f} {where}".rstrip(",")
 
 
 def place(point: Floats) -> str:
@@ -68,7 +98,7 @@ def nothing(result: Result) -> str:
 
 def friction_of_all(value: float) -> str:
     """The friction with which the whole model stands, as text."""
-    return f"friction of {value:.2f} in all joints would hold the whole model"
+    return f"{friction_words('in all joints', value)} would hold the whole model"
 
 
 def sentence(
@@ -161,25 +191,28 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
         force = newtons(float(np.linalg.norm(needs.force)))
         missing = f"a force of {force} at {place(needs.point)} is missing"
     if needs.friction is not None:
-        ways.append(f"friction of {needs.friction:.2f} there")
+        ways.append(friction_words("there", needs.friction))
     if needs.ballast is not None:
         name = model.assembly.names[needs.ballast.block]
         ways.append(f"a weight of {newtons(needs.ballast.force)} on '{name}'")
     if needs.turn is not None:
         name = joint_name(model, blocks, needs.turn.interface)
-        ways.append(f"{name} turned by {needs.turn.angle:.2g} degrees")
-    if needs.glue_holds and needs.pulls:
-        pull = needs.pulls[0]
-        a, b = (model.contacts.block_a[pull.interface], model.contacts.block_b[pull.interface])
-        many = len(needs.pulls)
-        where = f"between {names_of(model, [a, b])}"
-        ways.append(
-            f"glue that pulls {newtons(pull.force)} {where}"
-            if many == 1
-            else f"glue in {many} joints that pulls at most {newtons(pull.force)}, {where},"
-        )
+        ways.append(f"{name} turned by {rounded_up(needs.turn.angle, 2):g} degrees")
+    if needs.glue:
+        ways.append(glue_words(model, needs.glue[0].interfaces, needs.glue[0].strength))
     hold = f"{', or '.join(ways)} would hold {them}" if ways else ""
     return "; ".join(part for part in (missing, hold) if part)
 
 
-__all__ = ["friction_of_all", "joint_name", "names_of", "newtons", "nothing", "place", "sentence"]
+__all__ = [
+    "friction_of_all",
+    "friction_words",
+    "glue_words",
+    "joint_name",
+    "names_of",
+    "newtons",
+    "nothing",
+    "place",
+    "rounded_up",
+    "sentence",
+]

@@ -31,6 +31,10 @@ TURNED = 0.05
 TURNS = (5.0, 15.0, 35.0)
 """[degrees] Turns of a joint that are tried before the least one is searched. Chosen."""
 
+FRICTION = 0.01
+"""Width at which the search for a friction coefficient ends. Chosen: friction is hardly ever known
+better."""
+
 CLOSE = 0.01
 """Relative width at which a search for a least value ends."""
 
@@ -91,6 +95,23 @@ class JointTurn(OneLine):
 
 
 @dataclass(frozen=True, eq=False)
+class Glue(OneLine):
+    """Glue that makes a region stand.
+
+    Attributes
+    ----------
+    interfaces
+        The joints that are glued.
+    strength : [N]
+        The least pull, and the least shear, that each of them carries, spread over its area. Where
+        a joint is bent, only a part of it pulls: its whole pull is then smaller than this.
+    """
+
+    interfaces: tuple[int, ...]
+    strength: float
+
+
+@dataclass(frozen=True, eq=False)
 class Needs(OneLine):
     """Help with which a region would stand; ``None`` if not found.
 
@@ -103,10 +124,12 @@ class Needs(OneLine):
     support
         The prop from below with the least force.
     pulls
-        The joints in tension if they were glued, the largest tension first; interfaces of the whole
-        model.
-    glue_holds
-        Whether glue alone is sufficient.
+        The joints in tension if all were glued without limit, the largest tension first; interfaces
+        of the whole model.
+    glue
+        Glue alone with which it stands, the least strength first: in the joints of two blocks each,
+        or for regions of more than four blocks in all joints that pull, up to forty blocks;
+        interfaces of the whole model.
     friction
         Least coefficient of the joints of the region.
     ballast
@@ -120,7 +143,7 @@ class Needs(OneLine):
     point: Floats
     support: PropForce | None
     pulls: tuple[Pull, ...]
-    glue_holds: bool
+    glue: tuple[Glue, ...]
     friction: float | None
     ballast: Ballast | None
     turn: JointTurn | None = None
@@ -132,12 +155,15 @@ def least(
     """The least value at which ``stands`` is true, between ``low`` and ``high``.
 
     It is false at ``low``. The returned value was tried; ``None`` if it is false at ``high``. The
-    search ends at a width, or at :data:`CLOSE` of the value when left out.
+    search ends at a width, or at :data:`CLOSE` of the value when left out. With a width it goes by
+    whole widths from ``low``: searches with the same width give the same value.
     """
     if not stands(high):
         return None
-    while high - low > (width or CLOSE * high):
+    while high - low > (1.0 + 1e-9) * (width or CLOSE * high):
         middle = 0.5 * (low + high)
+        if width:
+            middle = low + width * max(1, round((middle - low) / width))
         if stands(middle):
             high = middle
         else:
@@ -146,7 +172,7 @@ def least(
 
 
 def friction_needed(model: Model, stop: Callable[[], bool] | None = None) -> float | None:
-    """Least coefficient of the active joints at which a model that falls stands.
+    """Least coefficient of the active joints, in hundredths, at which a model that falls stands.
 
     Joints with a larger coefficient keep it.
     """
@@ -157,7 +183,9 @@ def friction_needed(model: Model, stop: Callable[[], bool] | None = None) -> flo
         rough = np.where(model.active, np.maximum(own, value), own)
         return quickly_stands(model.with_friction(rough), stop, near)
 
-    return least(stands, float(own[model.active].min(initial=0.0)), ROUGHEST)
+    low = float(own[model.active].min(initial=ROUGHEST))
+    found = least(stands, FRICTION * np.floor(low / FRICTION), ROUGHEST, FRICTION)
+    return None if found is None else round(found, 6)
 
 
 def ballast_needed(
@@ -291,6 +319,7 @@ def _entry(
 
 __all__ = [
     "Ballast",
+    "Glue",
     "JointTurn",
     "Needs",
     "Pull",

@@ -19,7 +19,6 @@ from drystone.design.causes.prop_forces import (
     PropSeat,
     least_prop,
     propped,
-    quick_check,
     quickly_stands,
     seats,
 )
@@ -89,14 +88,12 @@ def prop_mends(bench: Bench) -> Iterator[MendCandidate]:
     if not bench.stands(make):
         bench.fail("prop", "the best props do not keep the margin")
         return
-    made = make(bench.local, np.arange(len(bench.blocks)), np.arange(0))
-    found = quick_check(made, bench.stop).resultants
-    told, force = [], 0.0
-    for number, seat in enumerate(chosen, made.contacts.count - len(chosen)):
-        size = float(np.linalg.norm(found.force[number]))
-        force += size
-        name = names_of(bench.local, [seat.block])
-        told.append(f"{newtons(size)} against {name} at {place(found.position[number])}")
+    sizes, points = bench.largest_forces(make, len(chosen))
+    force = float(sizes.sum())
+    told = [
+        f"{newtons(size)} against {names_of(bench.local, [seat.block])} at {place(point)}"
+        for seat, size, point in zip(chosen, sizes.tolist(), points, strict=True)
+    ]
     kind = "a prop of " if len(chosen) == 1 else f"{len(chosen)} props: "
     yield MendCandidate.single("prop", kind + ", ".join(told), force, make, added=len(chosen))
 
@@ -170,9 +167,7 @@ def tie_mends(bench: Bench) -> Iterator[MendCandidate]:
 
         tried.append(make)
         if bench.stands(make):
-            made = tied(bench.local, i, j)
-            force = quick_check(made, bench.stop).resultants.force[made.contacts.count - 1]
-            size = float(np.linalg.norm(force))
+            size = float(bench.largest_forces(make, 1)[0][0])
             yield MendCandidate.single(
                 "tie",
                 f"a tie that pulls {newtons(size)} between {names_of(bench.local, [i, j])}",

@@ -14,12 +14,13 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Stopped
 from drystone.design.causes.diagnosed import Region
 from drystone.design.causes.diagnosis_words import joint_name, names_of
+from drystone.design.causes.missing import least
 from drystone.design.causes.prop_forces import LARGE_REGION, quick_check
 from drystone.design.causes.regions import interfaces_of, local_model
 from drystone.design.mends.margin import DesignMargin
 from drystone.design.surgery.joint_changes import Change
 from drystone.model import Model
-from drystone.results import Result
+from drystone.results import Result, Verdict
 
 MANY = 4
 """Largest number of blocks of a region with which every joint and every block is tried alone.
@@ -125,9 +126,13 @@ class Bench:
         self.tried: list[Tried] = []
         self.own = list(range(len(region.blocks)))
         before = region.local
-        self.as_diagnosed = before.contacts.count == self.local.contacts.count and np.array_equal(
-            before.assembly.centroid, self.local.assembly.centroid
-        )  # where supports have moved, blocks are diagnosed where they fall
+        # where supports have moved, blocks are diagnosed where they fall; what a region that stands
+        # alone needs is not known
+        self.as_diagnosed = (
+            region.verdict is not Verdict.STABLE
+            and before.contacts.count == self.local.contacts.count
+            and np.array_equal(before.assembly.centroid, self.local.assembly.centroid)
+        )
 
     def nearby(self) -> Near:
         """Rest states for a search over one value; none in a small region."""
@@ -184,16 +189,29 @@ class Bench:
         """
         near = self.nearby()
         for high in steps:
-            if self.stands(make(high), near):
-                while high - low > width:
-                    middle = 0.5 * (low + high)
-                    if self.stands(make(middle), near):
-                        high = middle
-                    else:
-                        low = middle
-                return high
+            found = least(lambda value: self.stands(make(value), near), low, high, width)
+            if found is not None:
+                return found
             low = high
         return None
+
+    def largest_forces(self, make: Change, count: int) -> tuple[Floats, Floats]:
+        """The largest force at the last joints of the local model after a change, at the margin.
+
+        Returns
+        -------
+        size : (count,) [N]
+        point : (count, 3) [m]
+            Where it acts.
+        """
+        made = self.changed(make)
+        size, point = np.full(count, -1.0), np.zeros((count, 3))
+        for case in (made, *self.margin.cases(made)):
+            found = quick_check(case, self.stop).resultants
+            now = np.linalg.norm(found.force[-count:], axis=1)
+            point[now > size] = found.position[-count:][now > size]
+            size = np.maximum(size, now)
+        return size, point
 
     def may_change(self, interface: int) -> bool:
         """Whether both blocks at an interface of the local model may be changed."""

@@ -1,4 +1,4 @@
-"""Mends that change joints and blocks of a region: friction, planes, wedges, glue, thickness."""
+"""Mends that change joints and blocks of a region: friction, planes, wedges, thickness."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ import numpy as np
 
 from drystone.base.arrays import Ints
 from drystone.base.errors import InputError
-from drystone.design.causes.diagnosis_words import names_of, newtons
-from drystone.design.causes.missing import CLOSE, ROUGHEST, TURNED, TURNS
+from drystone.design.causes.diagnosis_words import friction_words, glue_words, names_of
+from drystone.design.causes.missing import FRICTION, ROUGHEST, TURNED, TURNS
 from drystone.design.mends.bench import ALL, MANY, Bench, MendCandidate
 from drystone.design.surgery.block_surgery import merge_blocks, thicken_blocks
 from drystone.design.surgery.joint_changes import Change, change_of, joint_width, words_of
-from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 
 SHARPNESSES = (5.0, 10.0, 25.0, 45.0)
@@ -28,56 +27,59 @@ the first value, for the same reason."""
 THICKER = (0.1, 0.3, 1.0)
 """The same for the increase of thickness, relative to that of the block."""
 
-STRENGTHS = (0.1, 1.0, 10.0)
-"""The same for the strength of glue, relative to the weight of the region."""
-
-SHARED = (1.0, 3.0, 10.0)
-"""The same for glue in all joints that pull, relative to the largest pull."""
-
 
 def friction_mends(bench: Bench) -> Iterator[MendCandidate]:
-    """The least friction of one joint, else of all."""
-    own = bench.local.contacts.friction
-    count = len(own)
-    if count == 0:
+    """The least friction of one joint, else of all that may be changed."""
+    contacts = bench.local.contacts
+    own = contacts.friction
+    if contacts.count == 0:
         bench.fail("friction", "it touches no other block")
         return
-    groups = [[k] for k in range(count)] if len(bench.own) <= MANY else []
+    free = [k for k in range(contacts.count) if bench.may_change(k)]
+    if not free:
+        stay = bench.kept(contacts.block_a, contacts.block_b)
+        bench.fail("friction", f"its joints may not be changed (kept: {stay})")
+        return
+    groups = [[k] for k in free] if len(bench.own) <= MANY else []
+    known = bench.region.needs.friction if bench.as_diagnosed else None
+    hopeless = bench.as_diagnosed and known is None
     found = False
-    for group in [*groups, *([list(range(count))] if groups != [[0]] else [])]:
-        if found and len(group) > 1:
-            return
-
-        def make(value: float, group: list[int] = group) -> Change:
-            def rough(model: Model, _: Ints, interfaces: Ints) -> Model:
-                friction = np.array(model.contacts.friction)
-                at = interfaces[group]
-                friction[at] = np.maximum(friction[at], value)
-                return model.with_friction(friction)
-
-            return rough
-
-        low = float(own[group].min())
+    for group in [*groups, *([free] if groups != [free] else [])]:
+        if hopeless or (found and len(group) > 1):
+            break
+        low = FRICTION * float(np.floor(own[group].min() / FRICTION))
         steps = [x for x in (1.0, 2.0, ROUGHEST) if x > low]
-        known = bench.region.needs.friction if len(group) == count else None
-        if known is not None:  # the least one without a margin, to a hundredth
-            low, steps = (1.0 - CLOSE) * known, [known, *(x for x in steps if x > known)]
-        value = bench.least(make, steps, 0.01, low)
+        if known is not None:  # no joint alone, and no margin, takes less than all joints take
+            low, steps = max(low, known - FRICTION), [known, *(x for x in steps if x > known)]
+        value = bench.least(partial(_rougher, group), steps, FRICTION, low)
         if value is not None:
             found = True
             where = "in all its joints" if len(group) > 1 else f"in {bench.joint_name(group[0])}"
             yield MendCandidate(
                 "friction",
-                partial(_friction_words, where),
+                partial(friction_words, where),
                 value,
-                make,
+                partial(_rougher, group),
                 joints=len(group),
                 most=ROUGHEST,
-                close=0.01,
+                close=FRICTION,
             )
     if not found:
-        bench.fail("friction", f"it falls up to a coefficient of {ROUGHEST:g} in all its joints",
-                   make(ROUGHEST))  # fmt: skip
+        which = "all its joints" if len(free) == contacts.count else "the joints that may change"
+        what = f"it falls up to a coefficient of {ROUGHEST:g} in {which}"
+        bench.fail("friction", what, _rougher(free, ROUGHEST))
+
+
+def _rougher(group: list[int], value: float) -> Change:
+    """The least friction coefficient of some interfaces of a region."""
+
+    def make(model: Model, _: Ints, interfaces: Ints) -> Model:
+        friction = np.array(model.contacts.friction)
+        at = interfaces[group]
+        friction[at] = np.maximum(friction[at], value)
+        return model.with_friction(friction)
+
+    return make
 
 
 def joints_mends(bench: Bench, kind: str) -> Iterator[MendCandidate]:
@@ -160,100 +162,13 @@ def thicker_mends(bench: Bench) -> Iterator[MendCandidate]:
     )  # fmt: skip
 
 
-def glue_mends(bench: Bench) -> Iterator[MendCandidate]:
-    """Glue in one joint: the least strength with which the region stands.
-
-    In a larger region, the same glue in all joints that would pull.
-    """
-    if len(bench.own) > MANY:
-        yield from _glue_in_all(bench)
-        return
-    contacts = bench.local.contacts
-    load = bench.local.load.wrench[bench.own, :3]
-    weight = float(np.linalg.norm(load.sum(axis=0)))
-    pairs = dict.fromkeys(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
-    found, tried = False, []
-    for a, b in pairs:
-        if {int(bench.blocks[a]), int(bench.blocks[b])} & bench.keep:
-            continue
-        own = np.flatnonzero((contacts.block_a == a) & (contacts.block_b == b))
-        make = partial(_glued, own)
-        steps = [share * weight for share in STRENGTHS]
-        tried.append(make(steps[-1]))
-        value = bench.least(make, steps, 0.01 * weight)
-        if value is not None:
-            found = True
-            where = f"between {names_of(bench.local, [a, b])}"
-            yield MendCandidate(
-                "glue", partial(_glue_words, where), value, make, joints=len(own),
-                most=steps[-1], close=0.01 * weight,
-            )  # fmt: skip
-    if not tried:
-        stay = bench.kept(contacts.block_a, contacts.block_b)
-        bench.fail("glue", f"its joints may not be changed (kept: {stay})")
-    elif not found:
-        bench.fail(
-            "glue",
-            f"it falls with glue of {STRENGTHS[-1]:g} times its weight in any one of its joints",
-            *tried,
-        )
-
-
-def _glue_in_all(bench: Bench) -> Iterator[MendCandidate]:
-    """Glue in all joints of a region that would pull, with one strength for all of them."""
-    at = {whole: k for k, whole in enumerate(bench.interfaces.tolist())}
-    pulls = [pull for pull in bench.region.needs.pulls if pull.interface in at]
-    joints = [at[pull.interface] for pull in pulls]
-    ends = (bench.local.contacts.block_a[joints], bench.local.contacts.block_b[joints])
-    if not pulls:
-        bench.fail("glue", "none of its joints would pull")
-        return
-    if bench.kept(*ends):
-        bench.fail("glue", f"its joints may not be changed (kept: {bench.kept(*ends)})")
-        return
-    most = max(pull.force for pull in pulls)
-    width = 0.1 if len(bench.own) > ALL else 0.02
-    make, close = partial(_glued, np.array(joints)), width * most
-    steps = [share * most for share in SHARED]
-    value = bench.least(make, steps, close)
-    if value is None:
-        what = f"it falls with glue of {newtons(steps[-1])} in the {len(joints)} joints that pull"
-        bench.fail("glue", what, make(steps[-1]))
-        return
-    where = f"in {len(joints)} joints, each of which"
-    yield MendCandidate(
-        "glue", partial(_glue_words, where), value, make, joints=len(joints),
-        most=steps[-1], close=close,
-    )  # fmt: skip
-
-
-def _glued(own: Ints, strength: float) -> Change:
-    """Glue in some interfaces, with a strength [N] each against pull and against shear."""
-
-    def make(model: Model, _: Ints, interfaces: Ints) -> Model:
-        contacts = model.contacts
-        before = contacts.capacity or JointCapacity.of(contacts)
-        tension, cohesion = np.array(before.tension), np.array(before.cohesion)
-        at = interfaces[own]
-        tension[at] = np.maximum(tension[at], strength)
-        cohesion[at] = np.maximum(cohesion[at], strength)
-        return model.with_capacity(JointCapacity(tension, cohesion, before.shear))
-
-    return make
-
-
-def _glue_words(where: str, value: float) -> str:
-    carries = "carries" if where.endswith("which") else "that carries"
-    return f"glue {where} {carries} a pull, and a shear, of {newtons(value)}"
-
-
 def merge_mends(bench: Bench) -> Iterator[MendCandidate]:
     """Two blocks made one."""
     if len(bench.own) > MANY:
         bench.fail("merge", f"not tried on a region of more than {MANY} blocks")
         return
     contacts = bench.local.contacts
-    pulls = {pull.interface: pull.force for pull in bench.region.needs.pulls}
+    strengths = {frozenset(glue.interfaces): glue.strength for glue in bench.region.needs.glue}
     pairs = dict.fromkeys(zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True))
     found, tried = False, []
     for a, b in pairs:
@@ -270,10 +185,10 @@ def merge_mends(bench: Bench) -> Iterator[MendCandidate]:
             found = True
             own = [k for k in range(contacts.count) if {int(contacts.block_a[k]),
                    int(contacts.block_b[k])} == {a, b}]  # fmt: skip
-            pull = sum(pulls.get(int(bench.interfaces[k]), 0.0) for k in own)
-            strength = f", of which the joint has to pull {newtons(pull)}" if pull > 0.0 else ""
+            held = strengths.get(frozenset(bench.interfaces[own].tolist()), 0.0)
+            glued = f" ({glue_words(bench.local, own, held)} is enough)" if held > 0.0 else ""
             yield MendCandidate.single(
-                "merge", f"{names_of(bench.local, [a, b])} made one block{strength}", pull, make,
+                "merge", f"{names_of(bench.local, [a, b])} made one block{glued}", held, make,
                 joints=len(own),
             )  # fmt: skip
     if not tried:
@@ -283,8 +198,4 @@ def merge_mends(bench: Bench) -> Iterator[MendCandidate]:
         bench.fail("merge", "it falls with any two of its blocks made one", *tried)
 
 
-def _friction_words(where: str, value: float) -> str:
-    return f"friction of {value:.2f} {where}".rstrip(",")
-
-
-__all__ = ["friction_mends", "glue_mends", "joints_mends", "merge_mends", "thicker_mends"]
+__all__ = ["friction_mends", "joints_mends", "merge_mends", "thicker_mends"]

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Unpack
+
+import numpy as np
 
 from drystone.base.display import OneLine, named
 from drystone.base.errors import counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
-from drystone.design.mends.mends import Mend, MendOptions, Mends, find_mends, stands_already
+from drystone.design.mends.mends import (
+    Mend,
+    MendOptions,
+    Mends,
+    find_mends,
+    kept_blocks,
+    stands_already,
+)
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
@@ -71,8 +80,8 @@ def mend(
 ) -> Mending:
     """The structure with the lowest-cost mend of each region, until it stands.
 
-    The heaviest region comes first. After each mend the whole structure is checked again, so blocks
-    that fall because of the mend are mended too.
+    The heaviest region comes first; one that no mend holds is passed over. After each mend the
+    whole structure is checked again, so blocks that fall because of the mend are mended too.
 
     Parameters
     ----------
@@ -104,6 +113,9 @@ def _mended(
 ) -> Mending:
     steps: list[Mend] = []
     log: list[str] = []
+    names = tuple(model.assembly.names)
+    chosen = replace(chosen, keep=tuple(names[i] for i in kept_blocks(model, chosen.keep)))
+    passed: dict[frozenset[str], frozenset[str]] = {}  # regions, and what each of them touches
     while True:
         result = chosen.margin.holds(model, clock.late)
         stands = chosen.margin.meets(result)
@@ -111,34 +123,73 @@ def _mended(
             log.append(f"it stands: {result.message}" if steps else stands_already(chosen.margin))
             break
         if len(steps) == ROUNDS or clock.late():
-            log.append(f"ended after {counted(len(steps), 'mend')}")
+            falls = f": {named(result.falling_names)} would still fall" if result.falling else ""
+            why = clock.reason or f"ended after {counted(len(steps), 'mend')}"
+            log.append(f"{why}{falls}")
             break
         found = find_mends(
             model,
             options=chosen,
             regions=1,
+            besides=passed,
             executor=pool.executor,
             progress=progress,
             stop=clock.late,
         )
+        for blocks, why in _hopeless(found).items():
+            log.append(why)
+            passed[frozenset(blocks)] = _touched(found, blocks)
         if not found.mends:
-            log.append(_hopeless(found))
+            log.append(_left(found))
             break
         best = found.mends[0]
         steps.append(best)
-        model = best.model
         log.append(f"{named(best.blocks)}: {best.description} (cost {best.cost:.3g})")
+        # what now touches other blocks is tried again
+        changed = _changed(model, best.model) | set(best.blocks)
+        passed = {blocks: near for blocks, near in passed.items() if not near & changed}
+        model = best.model
     return Mending(tuple(steps), model, result, stands, tuple(log))
 
 
-def _hopeless(found: Mends) -> str:
-    """Why no mend was found: the tried kinds, and their largest values."""
-    if not found.tried:
+def _hopeless(found: Mends) -> dict[tuple[str, ...], str]:
+    """The regions that no mend holds: the tried kinds, and their largest values."""
+    held = {mend.blocks for mend in found.mends}
+    said: dict[tuple[str, ...], list[str]] = {}
+    for blocks, one in found.tried:
+        if blocks not in held:
+            said.setdefault(blocks, []).append(f"{one.kind}: {one.what}")
+    return {
+        blocks: f"no mend of the list holds {named(blocks)}: {'; '.join(tried)}"
+        for blocks, tried in said.items()
+    }
+
+
+def _left(found: Mends) -> str:
+    """What still falls."""
+    names, regions = found.diagnosis.model.assembly.names, found.diagnosis.regions
+    if not regions:
         return found.message or "no mend was tried"
-    names = ", ".join(found.tried[0][0])
-    return f"no mend of the list holds {names}: " + "; ".join(
-        f"{one.kind}: {one.what}" for _, one in found.tried
+    falling = [names[i] for region in regions for i in region.blocks]
+    return f"it still falls: {named(falling)}"
+
+
+def _touched(found: Mends, blocks: tuple[str, ...]) -> frozenset[str]:
+    """The names of the blocks of a region and of those beside it."""
+    names = found.diagnosis.model.assembly.names
+    for region in found.diagnosis.regions:
+        if {names[i] for i in region.blocks} == set(blocks):
+            return frozenset(names[i] for i in (*region.blocks, *region.neighbours))
+    return frozenset(blocks)
+
+
+def _changed(before: Model, after: Model) -> set[str]:
+    """The names of blocks that are new, gone or of another shape."""
+    old, new = (
+        {block.name: block.vertices for block in model.assembly.blocks} for model in (before, after)
     )
+    same = {name for name in old if name in new and np.array_equal(old[name], new[name])}
+    return (set(old) | set(new)) - same
 
 
 __all__ = ["Mending", "mend"]

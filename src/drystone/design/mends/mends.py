@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Unpack
@@ -26,6 +26,7 @@ from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import check
+from drystone.supports import select
 
 JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
 """Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
@@ -45,7 +46,9 @@ class MendOptions(Options):
         Kinds of mends to try, of support, prop, tie, friction, turn, wedge, let-in, thicker,
         ballast, glue and merge; all when left out.
     keep
-        Names or positions of blocks that may not be changed.
+        Positions of blocks that may not be changed, and texts that name them, read like supports:
+        names and patterns, separated by commas; see :func:`drystone.supports.select`. Their joints
+        are not changed either; what is added may touch them.
     """
 
     margin: DesignMargin = field(default_factory=DesignMargin)
@@ -97,7 +100,7 @@ class Mend(OneLine):
     joints
         Number of joints that are touched.
     added
-        Number of blocks, props or weights that are added.
+        Number of blocks, props, ties or weights that are added, and of joints that are glued.
     volume : [m3]
         Sum of the changes of volume of all blocks.
     cost
@@ -152,7 +155,7 @@ class Mends(OneLine):
     diagnosis
         Of the structure, or of the first case of the margin in which it falls.
     mends
-        Per region, in order of cost.
+        Per region, in order of cost; of equal cost and kind the smallest value first.
     tried
         Kinds that do not hold a region, by the names of its blocks.
     message
@@ -189,6 +192,7 @@ def find_mends(
     *,
     options: MendOptions | None = None,
     regions: int | None = None,
+    besides: Collection[frozenset[str]] = (),
     found_one: Callable[[Mend], None] | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
@@ -208,7 +212,10 @@ def find_mends(
         A model; or an assembly or a file that ``how`` turns into one.
     options
     regions
-        Number of regions to mend, the heaviest first; all when left out.
+        Number of regions to mend, the heaviest first; all when left out. Regions that nothing holds
+        do not count.
+    besides
+        Regions that are not examined, by the names of their blocks.
     found_one
         Called with each change that holds the whole structure, once all of its kind were checked.
 
@@ -220,7 +227,7 @@ def find_mends(
     chosen = MendOptions.of(options)
     clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
-    keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
+    keep = kept_blocks(model, chosen.keep)
     first = chosen.margin.holds(model, clock.late)
     if chosen.margin.meets(first):
         return Mends(diagnose(first.model, result=first), (), message=stands_already(chosen.margin))
@@ -236,13 +243,15 @@ def find_mends(
         return Mends(found, (), message=told)
     mends: list[Mend] = []
     tried: list[tuple[tuple[str, ...], Tried]] = []
-    looked = found.regions if regions is None else found.regions[:regions]
+    mended = 0
     others = set(found.others).union(*(region.blocks for region in found.regions))
     with WorkerPool(executor) as pool:
-        for number, region in enumerate(looked):
+        for number, region in enumerate(found.regions):
+            names = tuple(model.assembly.names[i] for i in region.blocks)
+            if mended == regions or frozenset(names) in besides:
+                continue
             held = sorted(others - set(region.blocks))
             own: list[Mend] = []
-            names = tuple(model.assembly.names[i] for i in region.blocks)
             task = partial(_of_kind, model, found.motion, region, chosen.margin, keep, held, clock)
             stage = f"mends of region {number + 1}"
             if progress is not None:
@@ -256,8 +265,35 @@ def find_mends(
                         found_one(one)
                 if progress is not None:
                     progress(stage, done, len(chosen.kinds))
-            mends += sorted(own, key=lambda one: one.cost)
+            mended += bool(own)
+            mends += sorted(own, key=_rank)
     return Mends(found, tuple(mends), tuple(tried))
+
+
+def _rank(one: Mend) -> tuple[float, int, float]:
+    """Cost, then kind, then size; costs that differ by rounding are equal."""
+    return round(one.cost, 9), KINDS.index(one.kind), one.value
+
+
+def kept_blocks(model: Model, keep: Sequence[int | str]) -> frozenset[int]:
+    """Positions of the blocks to keep.
+
+    Raises
+    ------
+    InputError
+        There is no such block.
+    """
+    found: set[int] = set()
+    for one in keep:
+        if isinstance(one, str):
+            try:
+                fixed = select(model.assembly, one, joints=model.joints).fixed
+            except InputError as error:
+                raise error.located("keep") from None
+            found.update(np.flatnonzero(fixed).tolist())
+        else:
+            found.update(model.assembly.indices([one]).tolist())
+    return frozenset(found)
 
 
 def stands_already(margin: DesignMargin) -> str:
@@ -297,15 +333,17 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
     names = model.assembly.names
     near = bench.nearby()
     sieved = bench.margin.robust and near is not None
-    why = ""
+    why: dict[float, str] = {}
+    largest = candidate.value
 
     def changed_whole(value: float) -> tuple[Model, Model] | None:
         """The whole model with the change, and the same with other regions held."""
-        nonlocal why
+        nonlocal largest
+        largest = max(largest, value)
         try:
             made = candidate.make(value)(model, bench.blocks, bench.interfaces)
         except InputError as error:
-            why = str(error)
+            why[value] = str(error)
             return None
         still = [names[i] for i in held if names[i] in made.assembly]
         fixed = [made.assembly.names[i] for i in np.flatnonzero(made.assembly.fixed)]
@@ -316,13 +354,12 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
         return both is not None and bench.keeps_margin(both[1], quick=quick, near=near)
 
     def checked(value: float) -> tuple[Model, Result] | None:
-        nonlocal why
         both = changed_whole(value)
         # a large model that does not stand for all stiffnesses is not followed while it settles
         if both is None or (sieved and not stands(value, quick=False)):
             return None
         result = bench.holds(both[1])
-        why = result.message
+        why[value] = result.message
         return (both[0], result) if bench.margin.meets(result) else None
 
     def larger(low: float, *, quick: bool) -> float | None:
@@ -349,10 +386,16 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
         value = larger(value, quick=False)
         answer = None if value is None else checked(value)
     if answer is None or value is None:
-        if not why:
+        if candidate.value not in why:
             sieved = False
             checked(candidate.value)
-        what = f"{candidate.words(candidate.value)} holds the region, but of the whole: {why}"
+        words = candidate.words(candidate.value)
+        what = f"{words} holds the region, but of the whole: {why[candidate.value]}"
+        if largest > candidate.value:
+            last = f" ({why[largest]})" if largest in why else ""
+            what += (
+                f"; larger values do not hold it either, up to: {candidate.words(largest)}{last}"
+            )
         bench.tried.append(Tried(candidate.kind, what))
         return None
     made, result = answer
@@ -380,4 +423,4 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
     )
 
 
-__all__ = ["Mend", "MendOptions", "Mends", "find_mends", "stands_already"]
+__all__ = ["Mend", "MendOptions", "Mends", "find_mends", "kept_blocks", "stands_already"]
