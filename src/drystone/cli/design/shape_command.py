@@ -142,7 +142,7 @@ def shape(
 
 def _show(data: dict[str, Any], screen: Screen) -> None:
     style = verdict.STYLE.get(data["verdict"], "bold")
-    screen.line(str(data["model"]), data["verdict"].upper(), style)
+    screen.line(f"{data['model']}, changed", data["verdict"].upper(), style)
     screen.line(f"{data['message']}; {data['check']}")
     if data["aim"] == "volume":
         screen.line(f"volume {data['value']:.4g} m3, {data['first']:.4g} m3 before")
