@@ -32,7 +32,7 @@ EXPLANATIONS: dict[tuple[str, str], str] = {
     ("cube-curve-short x mu 0.84", "5.6"): HOOD.format("73.2 is the limit"),
     ("cube-curve-short xny mu 0.84", "5.6"): HOOD.format("81.0 is the limit"),
     ("cube-curve-tall x mu 0.84", "5.6"): HOOD.format("41.4 is the limit"),
-    ("cube-curve-tall xy mu 0.84", "5.6"): HOOD.format("43.2 is the limit"),
+    ("cube-curve-tall xy mu 0.84", "5.6"): HOOD.format("42.5 is the limit"),
     ("cube-curve-tall xny mu 0.84", "5.6"): HOOD.format("59.8 is the limit"),
     ("cube-curve-short xy mu 0.84", "5.6"): HOOD.format("67.1 is the limit"),
     ("cube-curve-tall xy mu 0.84", "3DEC"): (

@@ -16,7 +16,7 @@ from drystone.settlement.settlement_types import (
     SettlementOptions,
     SettlementPath,
 )
-from drystone.settlement.settling import settle
+from drystone.settlement.settling import settle, settle_many
 
 __all__ = [
     "Carrier",
@@ -35,6 +35,7 @@ __all__ = [
     "push",
     "reduce_friction",
     "settle",
+    "settle_many",
     "support_forces",
     "support_response",
 ]

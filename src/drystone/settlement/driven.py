@@ -23,7 +23,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
-from drystone.settlement.follow import BALANCED, EASY, Follower, _Increment
+from drystone.settlement.follow import BALANCED, EASY, Follower, Steps, _Increment, travelled
 from drystone.settlement.springs import BlockPositions, Placed, Response, respond, tangents
 
 LONGEST = 1e-3
@@ -107,8 +107,7 @@ class Driver(Follower):
 
     def rest(self) -> str:
         """Let the blocks come to rest under the load that does not grow."""
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            ended = self._to_rest()
+        ended = self.alone(self._to_rest())
         self.guess = None
         return ended
 
@@ -145,14 +144,14 @@ class Driver(Follower):
         def advance(step: float) -> tuple[_Increment | None, None]:
             left = max(1.0 - self.reached - step, 0.0)
             self.bodies = replace(self.bodies, friction=left * self.whole)
-            return self._increment(None), None
+            return self.alone(self._increment(None)), None
 
         return self._drive(advance, 1e-2, 1.0, tell, lambda: False)
 
     def _next(self, step: float, moving: Floats | None) -> _Increment | None:
         """An increment that begins where the last one would lead."""
         guess = None if self.guess is None else self.guess[0] * (step / self.guess[1])
-        found = self._increment(guess, moving)
+        found = self.alone(self._increment(guess, moving))
         if found is not None:
             self.guess = found.motion, step
         return found
@@ -191,7 +190,7 @@ class Driver(Follower):
                             return ended
                         step = first
                     continue
-                self._accept(found, moving)
+                self.alone(self._accept(found, moving))
                 self.share = 0.0
                 self.reached += step
                 self.note()
@@ -210,7 +209,7 @@ class Driver(Follower):
         """Hold what drives, and let the blocks come to rest again or fall."""
         self.base, self.drag, self.guess = self.pose, self.first, None
         self.farthest, self.stretch = 0.0, 1.0
-        ended = self._to_rest()
+        ended = self.alone(self._to_rest())
         self.guess = None
         if ended == "rests":
             self.note()
@@ -220,14 +219,12 @@ class Driver(Follower):
         size = float(self.bodies.size[self.bodies.free].min(initial=np.inf))
         return self.pace * LONGEST * size
 
-    def _travel(self) -> Floats:
+    def _travel(self, pose: BlockPositions) -> Floats:
         """(f,) of each free block since what drives was last held, by its size."""
         bodies, free = self.bodies, self.bodies.free
-        gone = np.linalg.norm(self.pose.place[free] - self.base.place[free], axis=1)
-        turned = self.pose.turn[free] @ np.swapaxes(self.base.turn[free], 1, 2)
-        angle = np.arccos(np.clip(0.5 * (np.trace(turned, axis1=1, axis2=2) - 1.0), -1.0, 1.0))
-        travel: Floats = (gone + angle * bodies.radius[free]) / bodies.size[free]
-        return travel
+        gone = pose.place[free] - self.base.place[free]
+        turned = pose.turn[free] @ np.swapaxes(self.base.turn[free], 1, 2)
+        return travelled(gone, turned, bodies.radius[free], bodies.size[free])
 
     def _gone(self) -> float:
         """Largest displacement of a centroid from the beginning."""
@@ -262,13 +259,18 @@ class Driver(Follower):
         last = [] if self.last is None or self.last is self.moments[-1] else [self.last]
         return [*self.moments, *last]
 
-    def _increment(self, guess: Floats | None, moving: Floats | None = None) -> _Increment | None:
+    def _increment(
+        self, guess: Floats | None, moving: Floats | None = None
+    ) -> Steps[_Increment | None]:
         """As in the base; where a load grows, with its factor as an unknown."""
         if self.grown is None:
-            return super()._increment(guess, moving)
-        bodies, maps, grown = self.bodies, self.maps, self.grown
+            return (yield from super()._increment(guess, moving))
+        return self._balanced(guess, self.grown)
+
+    def _balanced(self, guess: Floats | None, grown: Floats) -> _Increment | None:
+        """An increment under a load (f, 6) that grows."""
+        bodies, maps = self.bodies, self.maps
         placed = self.placed
-        maps.at(self.pose, placed)
         weight = np.repeat(self.drag * bodies.mass[:, None], 6, axis=1)
         along = grown / np.linalg.norm(grown)
         motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
@@ -310,8 +312,8 @@ class Driver(Follower):
             motion, factor = trial, factor + length * change
         return None
 
-    def _accept(self, found: _Increment, moving: Floats | None = None) -> None:
-        super()._accept(found, moving)
+    def _accept(self, found: _Increment, moving: Floats | None = None) -> Steps[None]:
+        yield from super()._accept(found, moving)
         if self.grown is not None:
             self.factor = self.next_factor
 

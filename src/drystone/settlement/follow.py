@@ -15,9 +15,9 @@ same tilt with the load applied at once, in twenty parts, or rotated from uprigh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -119,6 +119,47 @@ class _Increment(NamedTuple):
     iterations: int
 
 
+class ResponseAsked(NamedTuple):
+    """Asks for the forces after a motion (f, 6), and for what is not balanced.
+
+    Attributes
+    ----------
+    motion
+    load : (f, 6)
+    drag
+    shift : (k, 3) local motion of the corners by moving supports, or None
+    """
+
+    motion: Floats
+    load: Floats
+    drag: float
+    shift: Floats | None
+
+
+class StepAsked(NamedTuple):
+    """Asks for the Newton step against what is ``left`` (f, 6).
+
+    With the tangents of ``response``; without one, with the last tangents again.
+    """
+
+    left: Floats
+    response: Response | None
+    drag: float
+
+
+class Place(NamedTuple):
+    """Asks for the pose after a motion (f, 6) of the free blocks, for its corners and travel."""
+
+    pose: BlockPositions
+    motion: Floats
+
+
+Asked: TypeAlias = ResponseAsked | StepAsked | Place
+Found = TypeVar("Found")
+Steps: TypeAlias = Generator[Asked, Any, Found]
+"""Work that asks for what takes time. So several runs can be computed side by side."""
+
+
 class Follower:
     """One run of the steps.
 
@@ -165,7 +206,9 @@ class Follower:
         self.guess: tuple[Floats, float] | None = None
         self.steps = self.iterations = self.beyond = 0
         self.left_steps = step_limit
+        self.solve: Callable[[Floats], Floats] | None = None
         self.placed = place_corners(bodies, self.pose)
+        self.maps.at(self.pose, self.placed)
         nothing = np.zeros((len(bodies.block_a), 3))
         self.response = respond(bodies, self.placed.gap, self.friction, nothing)
         self.met = self.response.pressed
@@ -176,29 +219,75 @@ class Follower:
 
         ``earlier`` are loads (f, 6) under which they rest, more or less, before.
         """
+        return self.alone(self.whole_run(supports, earlier))
+
+    def alone(self, work: Steps[Found], given: Any = None) -> Found:
+        """Do work with what it asks for; ``given`` is what it asked for last."""
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            while True:
+                try:
+                    asked = work.send(given)
+                except StopIteration as end:
+                    found: Found = end.value
+                    return found
+                given = self.evaluate(asked)
+
+    def evaluate(self, asked: Asked) -> Any:
+        """What work asks for.
+
+        Forces, what is left and its share of the load; a step, None if the tangent is singular;
+        a pose, its corners and the travel (f,).
+        """
+        bodies, maps = self.bodies, self.maps
+        if isinstance(asked, ResponseAsked):
+            moved = maps.moved(asked.motion)
+            if asked.shift is not None:
+                moved = moved + asked.shift
+            response = respond(bodies, self.placed.gap, self.friction, moved)
+            drag = asked.drag * bodies.mass[:, None]
+            left = maps.wrench(response.force) + asked.load - drag * asked.motion
+            return response, left, _length(left) / self.load_size
+        if isinstance(asked, StepAsked):
+            try:
+                if asked.response is not None:
+                    weight = np.repeat(asked.drag * bodies.mass[:, None], 6, axis=1)
+                    self.solve = maps.factorise(tangents(bodies, asked.response), weight)
+            except SolverError:
+                return None
+            return None if self.solve is None else self.solve(asked.left)
+        step = asked.motion.copy()
+        step[:, 3:] /= bodies.radius[bodies.free, None]
+        pose = asked.pose.moved(bodies.free, step)
+        placed = place_corners(bodies, pose)
+        maps.at(pose, placed)
+        return pose, placed, self._travel(pose)
+
+    def whole_run(
+        self, supports: Floats | None = None, earlier: Sequence[Floats] = ()
+    ) -> Steps[Track]:
+        """As :meth:`run`."""
         # blocks that follow their supports go far without falling
         self.left_steps = LEFT_STEPS if supports is None else self.step_limit
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            ended = self._loaded(earlier)
-            if ended == "rests":
-                ended = self._to_rest()
-            if supports is not None and ended == "rests":
-                ended = self._supports(supports)
-            return self._track(ended)
+        ended = yield from self._loaded(earlier)
+        if ended == "rests":
+            ended = yield from self._to_rest()
+        if supports is not None and ended == "rests":
+            ended = yield from self._supports(supports)
+        return self._track(ended)
 
-    def _loaded(self, earlier: Sequence[Floats]) -> str:
+    def _loaded(self, earlier: Sequence[Floats]) -> Steps[str]:
         """Rest under one load after another, and go on with the last one."""
         whole = self.bodies
         for load in earlier:
             self.bodies = replace(whole, load=load)
-            ended = self._to_rest(roughly=True)
+            ended = yield from self._to_rest(roughly=True)
             self.drag, self.guess = self.first, None
             if ended != "rests":
                 return ended
         self.bodies = whole
         return "rests"
 
-    def _to_rest(self, *, roughly: bool = False) -> str:
+    def _to_rest(self, *, roughly: bool = False) -> Steps[str]:
         bodies = self.bodies
         refused = 0
         while True:
@@ -207,7 +296,7 @@ class Follower:
             guess = None
             if self.guess is not None and refused < 2:
                 guess = self.guess[0] * (self.guess[1] / self.drag)
-            found = self._increment(guess)
+            found = yield from self._increment(guess)
             longest = np.inf if found is None else float(np.abs(found.motion).max(initial=0.0))
             if found is None or longest > self._longest():
                 refused += 1
@@ -228,7 +317,7 @@ class Follower:
             self.guess = found.motion, self.drag
             carried = self.drag * bodies.mass[:, None] * found.motion
             self.share = _length(carried) / self.load_size
-            self._accept(found)
+            yield from self._accept(found)
             rests = self.share < AT_REST and longest < STILL * bodies.overlap
             if rests or (roughly and self.share < ROUGHLY):
                 return "rests"
@@ -242,7 +331,7 @@ class Follower:
                 least = longest / (0.9 * self._longest())
                 self.drag *= 0.1 if quick else max(FASTER**self.pace, least)
 
-    def _supports(self, motion: Floats) -> str:
+    def _supports(self, motion: Floats) -> Steps[str]:
         """Move the supports in small steps, with approximate rest after each."""
         reach = np.linalg.norm(motion[:, :3], axis=1) + np.linalg.norm(motion[:, 3:], axis=1)
         parts = max(int(np.ceil(float(reach.max(initial=0.0)) / (SUPPORT_STEP * self.pace))), 1)
@@ -252,40 +341,30 @@ class Follower:
                 return "stopped"
             part = min(part, 1.0 - done)
             self.drag, self.guess = 1e-3 * self.first, None
-            found = self._increment(None, part * motion)
+            found = yield from self._increment(None, part * motion)
             if found is None:
                 part *= 0.5
                 if part * parts < 1e-6:
                     return "lost"
                 continue
-            self._accept(found, part * motion)
+            yield from self._accept(found, part * motion)
             done += part
             part = min(2.0 * part, 1.0 / parts)
-            ended = self._to_rest(roughly=done < 1.0 - 1e-12)
+            ended = yield from self._to_rest(roughly=done < 1.0 - 1e-12)
             if ended != "rests":
                 return ended
         return "rests"
 
-    def _increment(self, guess: Floats | None, moving: Floats | None = None) -> _Increment | None:
+    def _increment(
+        self, guess: Floats | None, moving: Floats | None = None
+    ) -> Steps[_Increment | None]:
         """The motion (f, 6) of one increment, by Newton's method; None if it is too long."""
-        bodies, maps = self.bodies, self.maps
-        placed = self.placed
-        maps.at(self.pose, placed)
-        shift = None if moving is None else imposed(bodies, self.pose, placed, moving)
-        weight = np.repeat(self.drag * bodies.mass[:, None], 6, axis=1)
-
-        def answer(motion: Floats) -> tuple[Response, Floats, float]:
-            moved = maps.moved(motion)
-            if shift is not None:
-                moved = moved + shift
-            response = respond(bodies, placed.gap, self.friction, moved)
-            left = maps.wrench(response.force) + bodies.load - weight * motion
-            return response, left, _length(left) / self.load_size
-
+        bodies, drag = self.bodies, self.drag
+        shift = None if moving is None else imposed(bodies, self.pose, self.placed, moving)
         motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
-        response, left, size = answer(motion)
+        response, left, size = yield ResponseAsked(motion, bodies.load, drag, shift)
         recent = [size]
-        solve: Callable[[Floats], Floats] | None = None
+        begun = False
         for number in range(NEWTON):
             if size < BALANCED:
                 return _Increment(motion, response, number)
@@ -293,16 +372,15 @@ class Follower:
                 return None
             self.iterations += 1
             # convergence is quadratic in the end: the last factors then do for one step more
-            if solve is None or size**2 > BALANCED * recent[-2]:
-                try:
-                    solve = maps.factorise(tangents(bodies, response), weight)
-                except SolverError:
-                    return None
-            step = solve(left)
+            renew = not begun or size**2 > BALANCED * recent[-2]
+            begun = True
+            step = yield StepAsked(left, response if renew else None, drag)
+            if step is None:
+                return None
             length, allowed = 1.0, max(recent[-4:])
             while True:
                 trial = motion + length * step
-                response, left, size = answer(trial)
+                response, left, size = yield ResponseAsked(trial, bodies.load, drag, shift)
                 if size < (1.0 - 1e-3 * length) * allowed or length < 0.03:
                     break
                 length *= 0.5
@@ -312,21 +390,17 @@ class Follower:
             recent.append(size)
         return None
 
-    def _accept(self, found: _Increment, moving: Floats | None = None) -> None:
+    def _accept(self, found: _Increment, moving: Floats | None = None) -> Steps[None]:
         bodies = self.bodies
-        step = found.motion.copy()
-        step[:, 3:] /= bodies.radius[bodies.free, None]
         if moving is not None:
             fixed = np.flatnonzero(bodies.slot < 0)
             part = moving[fixed].copy()
             part[:, 3:] /= bodies.radius[fixed, None]
             self.pose = self.pose.moved(fixed, part)
-        self.pose = self.pose.moved(bodies.free, step)
         self.friction = found.response.force[:, 1:]
         self.response = found.response
         self.met = self.met | found.response.pressed
-        self.placed = place_corners(bodies, self.pose)
-        self.travel = self._travel()
+        self.pose, self.placed, self.travel = yield Place(self.pose, found.motion)
         self.farthest = float(self.travel.max(initial=0.0))
         if self.half_way is None and self.farthest >= 0.5 * self.fall:
             self.half_way = self.placed.gap
@@ -342,15 +416,11 @@ class Follower:
         if self.tell is not None:
             self.tell(self.farthest)
 
-    def _travel(self) -> Floats:
-        """Displacement (f,) of each free block relative to its size, with rotation times radius."""
+    def _travel(self, pose: BlockPositions) -> Floats:
+        """Displacement (f,) of each free block relative to its size."""
         bodies, free = self.bodies, self.bodies.free
-        gone = np.linalg.norm(self.pose.place[free] - bodies.centroid[free], axis=1)
-        turn = self.pose.turn[free]
-        trace = turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2]
-        turned = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
-        travel: Floats = (gone + turned * bodies.radius[free]) / bodies.size[free]
-        return travel
+        gone = pose.place[free] - bodies.centroid[free]
+        return travelled(gone, pose.turn[free], bodies.radius[free], bodies.size[free])
 
     def _longest(self) -> float:
         """Of an increment, by the smallest block: short where it matters how blocks slide."""
@@ -384,10 +454,28 @@ class Follower:
         )
 
 
+def travelled(gone: Floats, turn: Floats, radius: Floats, size: Floats) -> Floats:
+    """Displacement (f,) by the size, from translations (f, 3) and rotations (f, 3, 3) by radius."""
+    way = np.sqrt((gone * gone).sum(axis=1))
+    trace = turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2]
+    turned = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
+    travel: Floats = (way + turned * radius) / size
+    return travel
+
+
 def _length(values: Floats) -> float:
     """Root of the sum of squares; a quarter of the time of the general norm."""
     flat = values.ravel()
     return float(np.sqrt(flat @ flat))
 
 
-__all__ = ["Follower", "Track"]
+__all__ = [
+    "Asked",
+    "Follower",
+    "Place",
+    "ResponseAsked",
+    "StepAsked",
+    "Steps",
+    "Track",
+    "travelled",
+]

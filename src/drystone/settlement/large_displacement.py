@@ -367,7 +367,12 @@ def _of_masses(model: Model, shares: Sequence[float]) -> LoadCase:
 def _said(found: LargeDisplacement, driver: Driver) -> str:
     """A sentence for a person."""
     if len(found.displacement) < 2 and found.end is not End.STOPPED:
-        return "it does not stand without what is to grow"
+        before = {
+            Drive.LOAD: "before the load grows",
+            Drive.SUPPORTS: "before its supports move",
+            Drive.FRICTION: "with all of its friction",
+        }
+        return f"it does not stand {before[found.drive]}"
     unit = f" {found.unit}" if found.unit else ""
     far, last = found.displacement[-1], found.load[-1]
     if found.drive is Drive.FRICTION:

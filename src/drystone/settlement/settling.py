@@ -1,15 +1,18 @@
-"""Follow the blocks of a model until they rest or fall."""
+"""Follow the blocks of one model, or of many, until they rest or fall."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from os import PathLike
 from typing import Any, Unpack
 
 import numpy as np
 
+from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, of_type
+from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
@@ -31,9 +34,12 @@ from drystone.settlement.settlement_types import (
     SettlementPath,
 )
 from drystone.settlement.springs import BlockPositions, rotation_vectors
+from drystone.settlement.together import tracks_of
 
 TOLD = 3
 """Pairs of blocks that met meanwhile and are named in the message."""
+SMALL, AT_ONCE = 8, 32
+"""Free blocks up to which models are computed together, and models at once: from timings."""
 STIFFER, STIFFEST = 1e-2, 1e-9
 """Overlap of the next try by the last where springs are too soft, and the smallest: below it gaps
 are lost in rounding."""
@@ -94,7 +100,7 @@ def settle(
     moving = support_motion(model, motion)
     model = model.with_load(replace(model.load, motion=None))
     if not len(model.assembly.free):
-        return _nothing_free(model, chosen, clock)
+        return _nothing_free(model, chosen, clock.elapsed_s)
     carriers = _carriers(model, chosen)
     apart = faces_apart(model, chosen.fall)
     task = partial(_path, model, apart, motion=moving, chosen=chosen, clock=clock)
@@ -105,11 +111,116 @@ def settle(
             paths = tuple(pool.answers(task, carriers, clock.late))
         # where it was ended early: the beginning of the others
         paths += tuple(task(one, progress=progress) for one in carriers[len(paths) :])
+    return _told(paths, chosen, clock, clock.elapsed_s)
+
+
+@checked_call
+def settle_many(
+    models: Iterable[Given],
+    *,
+    options: SettlementOptions | None = None,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+    **how: Unpack[How],
+) -> tuple[Settlement, ...]:
+    """:func:`settle` of many models; small ones with equal numbers of corners are computed at once.
+
+    64 runs of one block are four times as fast as one after another.
+
+    Parameters
+    ----------
+    models
+        As :func:`settle` takes them, in order.
+    options
+        Of every settlement.
+
+    Raises
+    ------
+    InputError
+        As for :func:`settle`, or ``models`` is a single model.
+
+    Examples
+    --------
+    >>> import drystone
+    >>> from drystone.models import wedge
+    >>> from drystone.settlement import settle_many
+    >>> block = drystone.Model.of(wedge("b"), friction=0.84)
+    >>> tilts = [drystone.LoadCase.tilt(block.assembly, (1.0, 0.0, 0.0), at) for at in (40, 70)]
+    >>> [one.outcome.value for one in settle_many([block.with_load(tilt) for tilt in tilts])]
+    ['comes to rest', 'falls']
+    """
+    one = isinstance(models, str | bytes | PathLike | Assembly | Model)
+    if one or not isinstance(models, Iterable):
+        said = f"the models are {shortened(repr(models), 60)}"
+        raise InputError(said, remedy="give a list of models, such as [model]")
+    chosen = SettlementOptions.of(options)
+    clock = Clock(time_limit_s, stop)
+    ready = [_ready(one, how) for one in models]
+    groups = [ready[at : at + AT_ONCE] for at in range(0, len(ready), AT_ONCE)]
+    found: list[Settlement] = []
+    with WorkerPool(executor) as pool:
+        for some in pool.answers(partial(_settled, chosen, clock), groups):
+            found += some
+            if progress is not None:
+                progress("models", len(found), len(ready))
+    return tuple(found)
+
+
+def _ready(given: Given, how: How) -> tuple[Model, Floats | None]:
+    """A model without the motion of its supports, and that motion."""
+    model = supported_model(given, **how)
+    model.require_dry("settlement", "what a joint still carries after it has moved is not known")
+    return model.with_load(replace(model.load, motion=None)), support_motion(model, None)
+
+
+def _settled(
+    chosen: SettlementOptions, clock: Clock, models: Sequence[tuple[Model, Floats | None]]
+) -> list[Settlement]:
+    """The settlements of some models; runs of one shape are computed together."""
+    began = clock.elapsed_s
+    runs: list[tuple[int, Carrier, Apart, Follower]] = []
+    paths: dict[tuple[int, Carrier], SettlementPath] = {}
+    for number, (model, motion) in enumerate(models):
+        if not len(model.assembly.free):
+            continue
+        apart = faces_apart(model, chosen.fall)
+        for carrier in _carriers(model, chosen):
+            if motion is None and len(model.assembly.free) <= SMALL:
+                follower = _follower(model, apart, carrier, chosen, clock, chosen.overlap)
+                runs.append((number, carrier, apart, follower))
+            else:
+                paths[number, carrier] = _path(model, apart, carrier, motion, chosen, clock)
+    tracks = tracks_of(
+        [(one, one.whole_run(None, earlier_loads(one.bodies, chosen.loading))) for *_, one in runs]
+    )
+    for (number, carrier, apart, one), track in zip(runs, tracks, strict=True):
+        model = models[number][0]
+        if _too_soft(track, chosen.overlap):
+            stiffer = STIFFER * chosen.overlap
+            path = _path(model, apart, carrier, None, chosen, clock, overlap=stiffer)
+        else:
+            path = _judged(model, apart, carrier, False, chosen, clock, one.bodies, track)
+        paths[number, carrier] = path
+    each = (clock.elapsed_s - began) / max(len(models), 1)
+    found = []
+    for number, (model, _) in enumerate(models):
+        mine = tuple(paths[number, one] for one in Carrier if (number, one) in paths)
+        found.append(
+            _told(mine, chosen, clock, each) if mine else _nothing_free(model, chosen, each)
+        )
+    return found
+
+
+def _told(
+    paths: tuple[SettlementPath, ...], chosen: SettlementOptions, clock: Clock, spent_s: float
+) -> Settlement:
     outcome, message = _outcome_of(paths, clock)
-    return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": clock.elapsed_s})
+    return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": spent_s})
 
 
-def _nothing_free(model: Model, chosen: SettlementOptions, clock: Clock) -> Settlement:
+def _nothing_free(model: Model, chosen: SettlementOptions, spent_s: float) -> Settlement:
     """Every block is a support."""
     contacts, count = model.contacts, len(model.assembly)
     corners = contacts.corner_count
@@ -128,7 +239,7 @@ def _nothing_free(model: Model, chosen: SettlementOptions, clock: Clock) -> Sett
         0,
         0,
     )
-    said = {"solve": clock.elapsed_s}
+    said = {"solve": spent_s}
     return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, said)
 
 
@@ -167,9 +278,9 @@ def _path(
     chosen: SettlementOptions,
     clock: Clock,
     progress: Progress | None = None,
+    overlap: float | None = None,
 ) -> SettlementPath:
     """One run, in physical numbers."""
-    part, gap = followed_model(model, apart)
     stage = f"following the blocks, ends carried by the {carrier.value} block"
     most = 0
 
@@ -179,37 +290,71 @@ def _path(
         if progress is not None:
             progress(stage, most, 100)
 
-    overlap = chosen.overlap
+    overlap = chosen.overlap if overlap is None else overlap
     while True:
-        bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
-        follower = Follower(
-            bodies,
-            fall=chosen.fall,
-            pace=chosen.pace,
-            step_limit=chosen.step_limit,
-            stop=clock.late,
-            tell=tell,
-        )
+        follower = _follower(model, apart, carrier, chosen, clock, overlap, tell)
+        bodies = follower.bodies
         track = follower.run(
             None if motion is None else scaled_motion(bodies, motion),
             earlier_loads(bodies, chosen.loading),
         )
-        if track.ended != "falls" or not track.squeezed or overlap <= STIFFEST:
+        if not _too_soft(track, overlap):
             break
         overlap *= STIFFER
     if progress is not None:
         progress(stage, 100, 100)
+    return _judged(model, apart, carrier, motion is not None, chosen, clock, bodies, track)
+
+
+def _follower(
+    model: Model,
+    apart: Apart,
+    carrier: Carrier,
+    chosen: SettlementOptions,
+    clock: Clock,
+    overlap: float,
+    tell: Callable[[float], None] | None = None,
+) -> Follower:
+    """A run that has not begun."""
+    part, gap = followed_model(model, apart)
+    bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
+    return Follower(
+        bodies,
+        fall=chosen.fall,
+        pace=chosen.pace,
+        step_limit=chosen.step_limit,
+        stop=clock.late,
+        tell=tell,
+    )
+
+
+def _too_soft(track: Track, overlap: float) -> bool:
+    """Whether it fell on springs that were squeezed, and stiffer ones are to be tried."""
+    return track.ended == "falls" and track.squeezed and overlap > STIFFEST
+
+
+def _judged(
+    model: Model,
+    apart: Apart,
+    carrier: Carrier,
+    moving: bool,
+    chosen: SettlementOptions,
+    clock: Clock,
+    bodies: Bodies,
+    track: Track,
+) -> SettlementPath:
+    """A track in physical numbers, with its outcome; ``moving``: supports have moved."""
     path = _physical(model, apart, bodies, track, carrier)
     travel = float(track.travel.max(initial=0.0))
     if track.ended != "rests":
         # out of steps: where a block is beyond what stands and still moves, it does not stand
-        moved_on = motion is None and not clock.reason and travel > chosen.rest_within
+        moved_on = not moving and not clock.reason and travel > chosen.rest_within
         return replace(path, outcome=Outcome.FALLS) if moved_on else path
     residuals = rest_residuals(path.moved_model(), path.force, path.gap)
     if residuals.largest > PROVEN:
         return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
     # blocks move as far as the supports that they follow
-    near = motion is not None or travel <= chosen.rest_within
+    near = moving or travel <= chosen.rest_within
     return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
 
 
@@ -304,4 +449,4 @@ def _said_met(path: SettlementPath) -> str:
     return "".join(f", {one}" for one in told + more)
 
 
-__all__ = ["block_motions", "scaled_motion", "settle", "support_motion"]
+__all__ = ["block_motions", "scaled_motion", "settle", "settle_many", "support_motion"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy import sparse
@@ -141,7 +141,23 @@ class Response(NamedTuple):
     softening: Floats
 
 
-def respond(bodies: Bodies, gap: Floats, friction: Floats, moved: Floats) -> Response:
+class Springs(Protocol):
+    """What the forces of k corners depend on, (k,) each."""
+
+    @property
+    def normal(self) -> Floats:
+        """Stiffness."""
+
+    @property
+    def tangential(self) -> Floats:
+        """Stiffness."""
+
+    @property
+    def friction(self) -> Floats:
+        """Coefficient."""
+
+
+def respond(bodies: Springs, gap: Floats, friction: Floats, moved: Floats) -> Response:
     """Coulomb friction from increments of slide.
 
     Parameters
@@ -163,7 +179,7 @@ def respond(bodies: Bodies, gap: Floats, friction: Floats, moved: Floats) -> Res
     return Response(force, pressed, sliding & pressed, trial / safe[:, None], ratio)
 
 
-def tangents(bodies: Bodies, response: Response) -> Floats:
+def tangents(bodies: Springs, response: Response) -> Floats:
     """Tangent stiffness (k, 3, 3) of each corner."""
     out = np.zeros((len(response.pressed), 3, 3))
     pressed, sliding, along = response.pressed, response.sliding, response.direction
@@ -199,7 +215,7 @@ class DenseMaps:
     def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
         rows = np.zeros((len(placed.gap), 3, self.width))
-        part = _rows(self.bodies, pose, placed, self.corner, self.block, self.sign)
+        part = corner_rows(self.bodies, pose, placed, self.corner, self.block, self.sign)
         rows.reshape(-1)[self.place] = part
         self.rows = rows
         self.flat = rows.reshape(-1, self.width)
@@ -263,8 +279,8 @@ class SparseMaps:
     def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
         corner = np.arange(len(placed.gap))
-        self.of_a = _rows(self.bodies, pose, placed, corner, self.bodies.block_a, -1.0)
-        self.of_b = _rows(self.bodies, pose, placed, corner, self.bodies.block_b, 1.0)
+        self.of_a = corner_rows(self.bodies, pose, placed, corner, self.bodies.block_a, -1.0)
+        self.of_b = corner_rows(self.bodies, pose, placed, corner, self.bodies.block_b, 1.0)
         self.of_a[~self.free_a] = 0.0
         self.of_b[~self.free_b] = 0.0
 
@@ -305,7 +321,7 @@ def imposed(bodies: Bodies, pose: BlockPositions, placed: Placed, motion: Floats
     moving = np.where((bodies.slot < 0)[:, None], motion, 0.0)
     result = np.zeros((len(corner), 3))
     for block, sign in ((bodies.block_a, -1.0), (bodies.block_b, 1.0)):
-        rows = _rows(bodies, pose, placed, corner, block, sign)
+        rows = corner_rows(bodies, pose, placed, corner, block, sign)
         result += np.einsum("kij,kj->ki", rows, moving[block])
     return result
 
@@ -318,7 +334,7 @@ def maps_of(bodies: Bodies) -> Maps:
     return DenseMaps(bodies) if len(bodies.free) <= DENSE else SparseMaps(bodies)
 
 
-def _rows(
+def corner_rows(
     bodies: Bodies,
     pose: BlockPositions,
     placed: Placed,
@@ -345,6 +361,8 @@ __all__ = [
     "Maps",
     "Placed",
     "Response",
+    "Springs",
+    "corner_rows",
     "imposed",
     "maps_of",
     "place_corners",

@@ -2,6 +2,7 @@
 
 import json
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -59,14 +60,14 @@ def test_the_same_seed_gives_the_same_study_with_an_executor(study: StandingShar
     assert not np.array_equal(other.friction, study.friction)
 
 
-def test_it_stops_after_any_draw(study: StandingShare) -> None:
-    calls = iter(range(100))
-    some = imperfections(
-        slope(22.0), FRICTION, draws=8, seed=5, loading=ORDERS, stop=lambda: next(calls) == 3
-    )
-    assert some.verdicts == study.verdicts[:4]
-    assert some.draws == 2
-    assert len(some.table()) == 4
+def test_it_stops_after_the_draws_that_are_followed_together() -> None:
+    asked = partial(imperfections, slope(22.0), FRICTION, draws=18, seed=5, loading="at once")
+    told: list[int] = []
+    whole = asked(progress=lambda stage, done, total: told.append(done))
+    some = asked(stop=lambda: True)
+    assert (told, some.draws) == ([16, 18], 16)
+    assert some.verdicts == whole.verdicts[:16]
+    assert len(some.table()) == 16
 
 
 def test_a_tolerance_is_the_size_of_what_is_drawn() -> None:

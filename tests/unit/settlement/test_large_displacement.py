@@ -201,8 +201,9 @@ def test_it_ends_early_and_says_so() -> None:
 def test_what_does_not_stand_is_not_pushed() -> None:
     falls = Model.of(stack(1), friction=0.1, load=(1.0, 0.0, -1.0))
     found = push(falls)
-    assert found.message == "it does not stand without what is to grow"
+    assert found.message == "it does not stand before the load grows"
     assert found.end is End.FALLS
+    assert reduce_friction(falls).message == "it does not stand with all of its friction"
 
 
 def test_bad_input_is_told() -> None:

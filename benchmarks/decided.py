@@ -1,0 +1,61 @@
+"""Verdicts around every published limit: ``python -m benchmarks.decided``.
+
+Each model of docs/settlement.md is checked at shares of its settled limit, and a degree below and
+above it. Writes there how many are decided, and every one that is not, with both motions.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+
+from benchmarks.settlement import limits_of_page, written
+from benchmarks.studies import Study, studies
+from drystone import LoadCase, Model, Verdict, check
+
+BEGIN, END = "<!-- decided -->\n", "<!-- end of decided -->\n"
+SHARES = (0.25, 0.5, 0.75, 0.9)
+
+
+def verdicts(study: Study, limit: float) -> tuple[Counter[str], list[str]]:
+    """How many of each verdict, and a line for each model that is undecided."""
+    model = Model.of(study.build(), friction=study.friction)
+    tilts = [share * limit for share in SHARES] + [limit - 1.0, limit + 1.0, limit + 10.0]
+    count: Counter[str] = Counter()
+    lines = []
+    for tilt in tilts:
+        found = check(model.with_load(LoadCase.tilt(model.assembly, study.axis, tilt)))
+        count[found.verdict.value] += 1
+        if found.verdict is Verdict.UNDECIDED:
+            lines.append(f"| {study.key} | {tilt:.1f} | {found.message} |")
+    return count, lines
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", default="", help="studies whose name contains this")
+    given = parser.parse_args()
+    limits = limits_of_page()
+    total: Counter[str] = Counter()
+    undecided: list[str] = []
+    for study in studies():
+        if given.only not in study.key:
+            continue
+        key = f"{study.model} {study.axis_label} mu {study.friction:.2f}"
+        count, lines = verdicts(study, limits[key])
+        print(study.key, dict(count), *lines, sep="\n    ", flush=True)
+        total += count
+        undecided += lines
+    told = ", ".join(f"{count} {verdict}" for verdict, count in sorted(total.items()))
+    lines = [f"{sum(total.values())} models: {told}."]
+    if undecided:
+        lines += ["", "| model | tilt | why |", "|---|---|---|", *undecided]
+    print("\n".join(lines))
+    if not given.only:
+        written(BEGIN, END, lines)
+    others = [line for line in undecided if "the ends of the joints decide" not in line]
+    return 1 if others else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
