@@ -15,6 +15,7 @@ from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.design import MendOptions, find_mends
 from drystone.io.jsontext import Field
+from drystone.live.computing.coarse_steps import CoarseSteps
 from drystone.live.computing.moved_mends import AfterMoving, moved_model
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
@@ -30,7 +31,6 @@ from drystone.settlement import (
     move_supports,
     support_response,
 )
-from drystone.settlement.coarse_steps import CoarseSteps
 from drystone.view import State
 from tests.unit.live.live_client import Window, ask, served_arch
 

@@ -25,6 +25,7 @@ from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
 from drystone.live.computing import tasks
+from drystone.live.computing.coarse_steps import CoarseSteps
 from drystone.live.computing.jobs import Cancelled, Jobs
 from drystone.live.computing.moved_supports import MOST_AT_ONCE, at_once, verdict_of
 from drystone.live.computing.snapshot import Found, snapshot
@@ -34,7 +35,6 @@ from drystone.mcp.answers import answer
 from drystone.mcp.folder import Folder
 from drystone.model import Model
 from drystone.results import Result
-from drystone.settlement.coarse_steps import CoarseSteps
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability import QUICK, CheckOptions, check_near, try_rest
 from drystone.view import scene_of

@@ -12,6 +12,7 @@ from drystone.base.arrays import Floats, cross
 from drystone.base.errors import counted
 from drystone.base.progress import Progress
 from drystone.contacts import Contacts
+from drystone.live.computing.coarse_steps import CoarseSteps
 from drystone.live.computing.snapshot import Found
 from drystone.live.computing.wish import WishedModel
 from drystone.model import Model
@@ -24,7 +25,6 @@ from drystone.settlement import (
     move_supports,
     support_response,
 )
-from drystone.settlement.coarse_steps import CoarseSteps
 from drystone.stability import check
 from drystone.view import LayerKind, SceneStage, State, stage_of
 from drystone.view.scenes.large_scenes import blocks_that_fall, moved_headline

@@ -74,14 +74,14 @@ class CoarseSteps:
         """The blocks at rest; None where none was found."""
         driver = Driver(self.bodies, fall=chosen.fall, step_limit=chosen.step_limit, stop=stop)
         found = None
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            for share in DRAGS:
-                driver.drag = share * driver.first
-                found = driver._increment(None if found is None else found.motion)
-                if found is None:
-                    return None
+        for share in DRAGS:
+            driver.drag = share * driver.first
+            guess = None if found is None else found.motion
+            found = driver.alone(driver._increment(guess))
+            if found is None:
+                return None
         if found is not None:
-            driver._accept(found)
+            driver.alone(driver._accept(found))
         return _Place(driver, np.zeros((len(self.model), 6)))
 
     def moved(self, motion: Floats, seconds: float) -> tuple[LargeState, float] | None:
@@ -102,21 +102,21 @@ class CoarseSteps:
         begin = self.last if nearer else self.rest
         driver = copy.copy(begin.driver)
         driver.frames = [driver.pose]
+        driver.maps.at(driver.pose, driver.placed)  # all places share the maps
         driver.guess, driver.drag = None, DRAGS[-1] * driver.first
         way = wanted - begin.motion
         done, step, end = 0.0, 1.0, time.monotonic() + seconds
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            while done < 1.0 - 1e-12 and step > SHORTEST:
-                step = min(step, 1.0 - done)
-                found = driver._increment(None, step * way)
-                if found is None:
-                    step *= SHORTER
-                else:
-                    driver._accept(found, step * way)
-                    done += step
-                    step *= LONGER
-                if time.monotonic() > end:
-                    break
+        while done < 1.0 - 1e-12 and step > SHORTEST:
+            step = min(step, 1.0 - done)
+            found = driver.alone(driver._increment(None, step * way))
+            if found is None:
+                step *= SHORTER
+            else:
+                driver.alone(driver._accept(found, step * way))
+                done += step
+                step *= LONGER
+            if time.monotonic() > end:
+                break
         reached = begin.motion + done * way
         self.last = _Place(driver, reached)
         length = float(np.linalg.norm(reached[:, :3], axis=1).max()) * self.bodies.length_unit
