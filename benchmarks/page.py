@@ -134,6 +134,7 @@ REST = """(async () => {
   window.drawn = { calls: 0, triangles: 0 };
   const began = performance.now();
   window.dispatchEvent(new Event('resize'));
+  while (!(window.shown > began)) await new Promise((done) => setTimeout(done, 100));
   await idle();
   return { ...window.drawn, time: window.shown - began };
 })()"""

@@ -98,6 +98,7 @@ def test_a_plan_is_played_its_order_changed_and_checked_again(tab: Tab) -> None:
     tab.run("[...document.querySelectorAll('#plan > button')].at(-1).click()")
     tab.until("document.getElementById('task-stop').hidden")
     assert tab.run(names) == wanted
+    assert "propped, " in tab.text("#plan")
     tab.click("#plan-leave")
     verdict(tab, "STABLE")
     assert tab.run("document.getElementById('stage-box').hidden")

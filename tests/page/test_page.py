@@ -210,6 +210,8 @@ def test_exports_hold_the_picture_and_the_joints(opened, standing):
     rows = tab.run("window.made.text()").split("\r\n")
     assert rows[0].startswith("joint,block_a,block_b,area_m2,friction,normal_N")
     assert len(rows) == standing.contacts.count + 2
+    assert rows[1].split(",")[4] == "0.7"  # in the digits of a single number
+    assert tab.run("window.named") == "drystone-stands.csv"
     tab.click("#svg")
     root = ET.fromstring(tab.run("window.made.text()"))
     assert len(root.findall(".//{http://www.w3.org/2000/svg}polygon")) > 30

@@ -22,6 +22,7 @@ from drystone.settlement.driven import DrivenState, Driver
 from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import (
     FARTHEST,
+    Apart,
     faces_apart,
     followed_model,
     model_with_met,
@@ -195,9 +196,8 @@ def move_supports(
             if watch is not None and driver.last and clock.elapsed_s > watched + WATCHED:
                 watched = clock.elapsed_s
                 apart = faces_apart(still, FARTHEST)
-                shown, mine, kept = model_with_met(still, apart, driver.met)
-                now = _of_corners(driver.last, kept)
-                watch(_state(shown, bodies, now, mine, longest, bodies.force_unit))
+                unit = bodies.force_unit
+                watch(large_state(still, apart, bodies, driver.last, driver.met, longest, unit))
 
         ended = driver.shift(scaled_motion(bodies, moving), told)
         return ended, longest, bodies.force_unit
@@ -284,6 +284,20 @@ def _driven(
         fallen, stopped, chosen, {"solve": clock.elapsed_s},
     )  # fmt: skip
     return replace(found, message=_said(found, driver))
+
+
+def large_state(
+    model: Model,
+    apart: Apart,
+    bodies: Bodies,
+    moment: DrivenState,
+    met: Bools,
+    length: float,
+    load: float,
+) -> LargeState:
+    """A moment in m and N, for the interfaces of the model and those that blocks have met."""
+    shown, mine, kept = model_with_met(model, apart, met)
+    return _state(shown, bodies, _of_corners(moment, kept), mine, length, load)
 
 
 def _of_corners(moment: DrivenState, kept: Bools) -> DrivenState:

@@ -15,6 +15,7 @@ from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.design import MendOptions, find_mends
 from drystone.io.jsontext import Field
+from drystone.live.computing.coarse_steps import CoarseSteps
 from drystone.live.computing.moved_mends import AfterMoving, moved_model
 from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
@@ -233,7 +234,24 @@ def test_a_block_that_meets_another_is_shown_with_the_interfaces_of_the_model() 
     assert found.stage.motion[1, 0] < 0.1  # the wall holds it back
 
 
-def test_of_many_blocks_the_supports_are_shown_at_once_and_blocks_as_they_followed_before() -> None:
+def test_of_many_blocks_coarse_steps_give_the_forces_at_once() -> None:
+    model = drystone.Model.of(arch(0.2, 50), friction=0.9)
+    steps = CoarseSteps(model)
+    normal = []
+    for size in (1e-9, 2e-4, 1e-4):  # it is dragged to and fro
+        made = asked(model, wish_of(moves=[{"block": FOOT, "by": [size, 0.0, 0.0]}]))
+        found = at_once(made.moving, steps)
+        while "so far" in found.stage.headline:
+            found = at_once(made.moving, steps)
+        normal.append(found.result.resultants.normal)
+    assert found.stage.headline.startswith("Supports moved by 100 µm, in coarse steps")
+    assert found.stage.verdict is None
+    fine = move_supports(model, {FOOT: (1e-4, 0.0, 0.0)}).states[-1].resultants.normal
+    assert np.linalg.norm(fine - normal[0]) > 0.01 * np.linalg.norm(fine)
+    assert np.linalg.norm(fine - normal[-1]) < 0.002 * np.linalg.norm(fine)
+
+
+def test_where_no_coarse_step_is_found_blocks_are_shown_as_they_followed_before() -> None:
     model = drystone.Model.of(tower(60), friction=0.5)
     name = model.assembly.names[0]
     made = asked(model, wish_of(moves=[{"block": name, "by": [0.0, 0.0, -0.1]}]))
@@ -243,7 +261,7 @@ def test_of_many_blocks_the_supports_are_shown_at_once_and_blocks_as_they_follow
     np.testing.assert_allclose(found.stage.motion[0], [0, 0, -0.1, 0, 0, 0])
     assert not found.stage.motion[1:].any()
     before = np.tile([0.0, 0.0, -0.05, 0.0, 0.0, 0.0], (60, 1))  # of a tower that sinks as a whole
-    after = at_once(made.moving, before)
+    after = at_once(made.moving, before=before)
     np.testing.assert_allclose(after.stage.motion, 2.0 * before)
     assert after.stage.verdict is None
 

@@ -62,6 +62,9 @@ def test_what_was_asked_is_told_in_one_line():
         "tower.json · 2 blocks · free mass 2,400 kg · density 2400 kg/m³ · friction 0.5 · gravity"
         " · supports: block-0 · 2026, drystone 1"
     )
+    numbered = [replace(one, name=str(i)) for i, one in enumerate(tower(2).blocks)]
+    told = asked_line(scene_of(replace(tower(2), blocks=tuple(numbered))).facts)
+    assert "supports: block 0" in told  # not a count
     bare = replace(tower(2), fixed=np.zeros(2, dtype=bool))
     assert "no supports" in asked_line(scene_of(bare).facts)
 

@@ -12,7 +12,7 @@ from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import LISTED, Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.base.written import apart
+from drystone.cli.base.written import Pictures, apart
 from drystone.cli.inputs import loading, options
 from drystone.cli.inputs.model_input import Subject
 
@@ -44,6 +44,7 @@ def fall(
     ] = False,
     time_limit: options.TimeLimit = None,
     html: options.Html = None,
+    section: options.Section = None,
     glb: Annotated[
         Path | None,
         Option("Write the film as an animated GLB.", OUTPUT, kind=kinds.target(".glb")),
@@ -54,6 +55,7 @@ def fall(
 
     Exit code 0: every block is at rest at the end. 1: some still move. 3: MuJoCo is missing.
     """
+    pictures = Pictures(html, section=section)
     apart([html, glb])
     from drystone.fall import FallOptions
     from drystone.fall import fall as followed
@@ -61,6 +63,7 @@ def fall(
 
     require_mujoco()
     model = subject.prepared(waiting, seismic=seismic)
+    pictures.require_through(model.assembly)
     notes = list(model.notes)
     motion = None
     with waiting.keywords(time_limit) as common:
@@ -75,16 +78,17 @@ def fall(
         wanted = FallOptions(duration=duration, ground=not no_ground)
         film = followed(model, motion, options=wanted, **common)
     data = {"model": subject.model, **film.to_dict()}
-    files = partial(_files, film, html, glb, subject.model)
+    files = partial(_files, film, pictures, glb, subject.model)
     return Answer(data, partial(_show, data), 0 if film.lies else 1, notes, files)
 
 
-def _files(film: Film, html: Path | None, glb: Path | None, source: str) -> Files:
+def _files(film: Film, pictures: Pictures, glb: Path | None, source: str) -> Files:
     jobs: list[Job] = []
-    if html is not None:
+    if pictures.html is not None:
         from drystone.view import save_page  # work is imported when there is some
 
-        jobs.append((html, partial(save_page, film, source=source)))
+        page = partial(save_page, film, source=source, section=pictures.section)
+        jobs.append((pictures.html, page))
     if glb is not None:
         jobs.append((glb, film.save_glb))
     return jobs, []

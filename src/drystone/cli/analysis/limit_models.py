@@ -102,10 +102,14 @@ def thickness(
         raise InputError(f"'{name}' is what is searched", where="--set", remedy="leave it out")
     from drystone.limits import limit_thickness
 
+    start = first if thick is None else thick
+    made = partial(_built, build, name, fixed)
+    if pictures.section is not None:
+        pictures.require_through(made(start))
     with search.under_way(waiting) as common:
         found = limit_thickness(
-            partial(_built, build, name, fixed),
-            first if thick is None else thick,
+            made,
+            start,
             last if thin is None else thin,
             friction=0.6 if friction is None else friction,
             parameter=name,

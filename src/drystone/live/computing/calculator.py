@@ -13,6 +13,7 @@ import signal
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -24,8 +25,9 @@ from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
 from drystone.live.computing import tasks
+from drystone.live.computing.coarse_steps import CoarseSteps
 from drystone.live.computing.jobs import Cancelled, Jobs
-from drystone.live.computing.moved_supports import at_once, verdict_of
+from drystone.live.computing.moved_supports import MOST_AT_ONCE, at_once, verdict_of
 from drystone.live.computing.snapshot import Found, snapshot
 from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.live.requests.interface import given_of
@@ -40,6 +42,8 @@ from drystone.view.web.encode import encode, to_text
 
 STARTS = 16
 """Rest states that are kept to start from, of as many windows and sets of blocks."""
+DRAGGED = 4
+"""Models with moved supports that are kept, each of a window and a load case."""
 REST, FOLLOWED = "rest", "followed"
 """What is kept of a window: rest states, and where blocks were that followed supports."""
 OFTEN = 0.2
@@ -55,6 +59,7 @@ class Calculator:
         self.jobs = jobs
         self.models: dict[int, Model] = {}
         self.starts: OrderedDict[Any, dict[int, Floats]] = OrderedDict()
+        self.dragged: OrderedDict[Any, CoarseSteps] = OrderedDict()
         self.mends: tuple[str, list[Mend]] = ("", [])
         self.job = 0
         self._reported = 0.0
@@ -161,9 +166,26 @@ def _quick(self: Calculator, message: Mapping[str, Any]) -> None:
         if made.motion is None:
             found = _at_rest(self, made, message, wish)
         else:
-            found = at_once(made.moving, self.known(message, wish, FOLLOWED).get(0))
+            found = _first_of_moved(self, made, message, wish)
     self.require()
     _show(self, "quick", wish, made, found, began, message["name"])
+
+
+def _first_of_moved(
+    self: Calculator, made: WishedModel, message: Mapping[str, Any], wish: Wish
+) -> Found:
+    """To first order, or from where the blocks of the same load case were followed coarsely."""
+    before = self.known(message, wish, FOLLOWED).get(0)
+    if len(made.part) <= MOST_AT_ONCE:
+        return at_once(made.moving, None, before)
+    key = message["window"], message["model"], replace(wish, moves=())
+    steps = self.dragged.pop(key, None)  # where it is interrupted it is not kept
+    steps = CoarseSteps(made.part, self.stop) if steps is None else steps
+    found = at_once(made.moving, steps, before)
+    self.dragged[key] = steps
+    while len(self.dragged) > DRAGGED:
+        self.dragged.popitem(last=False)
+    return found
 
 
 def _at_rest(self: Calculator, made: WishedModel, message: Mapping[str, Any], wish: Wish) -> Found:

@@ -89,7 +89,7 @@ const HEAR = {
     if (wish === live.wish) stood = live.asked;
     if (planShown()) return;
     showAnswer(picture, true);
-    atOnce = `${now.moves.length ? "first order" : "uniform stiffness"}: ${Math.round(answer.computed_ms)} ms`;
+    atOnce = `${now.moves.length ? "first answer" : "uniform stiffness"}: ${Math.round(answer.computed_ms)} ms`;
     byId("live-state").textContent = atOnce;
   },
   following: ({ wish, picture }) => {

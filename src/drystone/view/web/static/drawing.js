@@ -4,7 +4,7 @@ const COARSE = 0.5; // pixels by those of the screen where pictures come slowly
 const PAPER = 700; // [CSS pixels], about the width of a printed page
 const IN_PLANE = 1e-3; // by the size of a block: what is so near the section plane lies in it
 const MARKER = 6.5; // [CSS pixels], half the size of a marker on large blocks
-const MANY = 3000; // blocks, from which lines wait where pictures come slowly
+const MANY = 1000; // blocks, from which edges and lines wait where pictures come slowly
 
 function sizeOf() {
   return { width: Math.max(1, canvas.clientWidth), height: Math.max(1, canvas.clientHeight) };
@@ -47,7 +47,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     ramp: new Float32Array(data.ramp[theme()].flatMap(colourOf)),
     stretch: page.stretch,
     showBlocks: shownLayers.get("blocks"),
-    showEdges: shownLayers.get("edges") && !hurried,
+    showEdges: shownLayers.get("edges") && !(hurried && (bare || data.count >= MANY)),
     hurried,
     coarse: coarse(),
     showGhost: shownLayers.get("ghost") && Boolean(stage().motion) && !camera.spread,
