@@ -57,12 +57,13 @@ function currentView(ratio = window.devicePixelRatio || 1) {
   };
 }
 
-// While blocks move their joints mean nothing; while pictures of many blocks come slowly, lines wait.
+// While blocks move their joints mean nothing, but what would hold them stays; while pictures of many
+// blocks come slowly, lines wait.
 // The forces of a stage that `moved` are those at the end of its motion.
 function isDrawn(layer, time) {
   if (stage().moved) {
     if (page.time < 1) return false;
-  } else if (time > 0) return layer.kind === "markers";
+  } else if (time > 0) return layer.kind === "markers" || layer.colour === "help";
   if (camera.spread && layer.kind === "lines" && layer.value) return false; // they would end in the air
   if (!hurried) return true;
   return layer.kind === "polygons" ? !bare : !coarse() || data.count < MANY;
