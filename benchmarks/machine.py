@@ -15,6 +15,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import drystone
+
 ROOT = Path(__file__).parents[1]
 
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "RAYON")
@@ -53,7 +55,7 @@ def description() -> str:
     )
     busy = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     return (
-        f"drystone {version('drystone')}, commit {commit()}; Python {platform.python_version()}, "
+        f"drystone {drystone.__version__}, commit {commit()}; Python {platform.python_version()}, "
         f"{packages}; {processor()}, {os.cpu_count()} cores, {platform.system()}; load average "
         f"{busy} at the start."
     )

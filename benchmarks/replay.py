@@ -2,7 +2,8 @@
 
 Every stage of a plan is simulated for two seconds with the blocks that are in place, held and
 propped ones fixed. It stays when no block moves by more than a hundredth of its size. MuJoCo's
-contacts are soft and slide a little (docs/robots.md), so this is a referee well inside the limits.
+contacts are soft and creep (docs/robots.md): a stage that does not stay is simulated again with
+contacts and time steps of a twentieth.
 With ``--rows FILE`` every stage is kept as soon as it is known, and a later run goes on from there.
 """
 
@@ -33,6 +34,8 @@ STAYS = 0.01
 """Largest displacement by the size of a block; after ``SECONDS`` of simulated time."""
 CONTACT = {"bridge": 0.005, "vault": 0.01, "dome": 0.01, "dome-0.75": 0.01}
 """[s], time constant of contacts. The bridge creeps with a large one, many contacts need one."""
+STIFFER = 20.0
+"""Divides it where a stage does not stay: blocks creep in proportion to it."""
 
 
 def stages(found: Plan) -> list[tuple[str, Model]]:
@@ -60,7 +63,7 @@ def replay(name: str, found: Plan, contact_s: float, kept: Path | None) -> str:
     """A row of the table; stages in the file ``kept`` of an earlier run are not simulated again."""
     rows = json.loads(kept.read_text("utf-8")) if kept is not None and kept.exists() else {}
     far: dict[str, float] = {}
-    spent = 0.0
+    spent, again = 0.0, 0
     for block, some in stages(found):
         stage = hashlib.sha256(mjcf_text(some, contact_s=contact_s).encode()).hexdigest()[:16]
         if stage not in rows:
@@ -73,14 +76,21 @@ def replay(name: str, found: Plan, contact_s: float, kept: Path | None) -> str:
             }
             if kept is not None:
                 write_bytes(kept, json.dumps(rows, indent=1).encode())
-        far[block] = rows[stage]["moved"]
+        if rows[stage]["moved"] > STAYS and "stiffer" not in rows[stage]:
+            began = time.process_time()
+            rows[stage]["stiffer"] = moved(some, contact_s / STIFFER)
+            rows[stage]["cpu_s"] += time.process_time() - began
+            if kept is not None:
+                write_bytes(kept, json.dumps(rows, indent=1).encode())
+        again += "stiffer" in rows[stage]
+        far[block] = rows[stage].get("stiffer", rows[stage]["moved"])
         spent += rows[stage]["cpu_s"]
     counts = found.counts
     worst = max(far, key=far.__getitem__)
     return (
         f"| {name} | {len(found.model.assembly.free)} | {counts['free']} | {counts['held']} "
         f"| {counts['propped']} | {contact_s:g} | {len(far)} "
-        f"| {sum(one <= STAYS for one in far.values())} | {far[worst]:.1e} | {worst} "
+        f"| {again} | {sum(one <= STAYS for one in far.values())} | {far[worst]:.1e} | {worst} "
         f"| {spent:.0f} |"
     )
 
@@ -99,9 +109,9 @@ def main() -> None:
         "dome-0.75": lambda: plan(Model.of(ring_dome(), friction=0.75), options=course),
     }
     lines = [
-        "| plan | blocks | free | held | propped | contact [s] | stages | stay "
+        "| plan | blocks | free | held | propped | contact [s] | stages | stiffer | stay "
         "| largest move / size | at | time [s] |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     for name in arguments.names or plans:
         lines.append(replay(name, plans[name](), CONTACT[name], arguments.rows))

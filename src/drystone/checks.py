@@ -198,7 +198,7 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
     -------
     hinge, slide : (m,)
         Interfaces whose blocks turn about corners that stay closed; whose blocks slide along each
-        other. Interfaces that lift off wholly are neither.
+        other. Those that slide on an edge are both, those that lift off wholly are neither.
     place : (m, 3) [m]
         Middle of the corners that stay closed; where there are none, of all corners.
     """
@@ -212,12 +212,15 @@ def moving_joints(model: Model, motion: Floats) -> tuple[Bools, Bools, Floats]:
     moving = most > MOVING * float(most.max())
     small = MOVING * most[interface]
     still = reach < small
-    hinge = moving & corners.any(still)
+    resting = corners.any(still)
+    closed = np.abs(moved[:, 0]) < small
+    hinge = moving & (resting | (corners.any(closed) & corners.any(moved[:, 0] > small)))
     sliding = lengths(moved[:, 1:])
     friction = contacts.friction[interface]
     along = (sliding > small) & (np.abs(moved[:, 0]) < friction * sliding + small)
-    slide = moving & ~hinge & corners.any(along)
-    kept = np.where(hinge[interface], still, True).astype(float)
+    slide = moving & ~resting & corners.any(along)
+    edge = np.where(resting[interface], still, closed)
+    kept = np.where(hinge[interface], edge, True).astype(float)
     place: Floats = corners.sum(kept[:, None] * contacts.point) / corners.sum(kept)[:, None]
     return hinge, slide, place
 

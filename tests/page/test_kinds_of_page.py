@@ -64,7 +64,7 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
         "Stands down to thickness 0.",
     ),
     "sweep of tilts": (lambda: tilt_sweep(tower(2), 4, friction=0.3), "Stands up to 16."),
-    "plan": (lambda: drystone.plan(STACK), "Stands without help"),
+    "plan": (lambda: drystone.plan(STACK), "Can be assembled without help"),
     "settlement of supports": (lambda: support_response(ARCH, SINKING), "Settled"),
     "supports that move far": (
         lambda: move_supports(ARCH, SINKING, to=0.02), "Stands with its supports moved by 20 mm"

@@ -104,6 +104,14 @@ def test_what_cannot_be_is_refused_in_words_and_the_next_wish_is_answered(browse
     verdict(tab, "STABLE")
     tab.slide("#friction-number", -1)
     tab.until("document.getElementById('live-trouble').textContent.includes('zero or more')")
+    tab.until("document.getElementById('friction-number').value !== '-1'")  # it is not kept
+    tab.slide("#tilt-number", 9)  # and refuses nothing else
+    verdict(tab, "UNSTABLE")
+    assert tab.run("document.getElementById('live-trouble').hidden")
+    tab.run("document.getElementById('tilt-number').value = ''")
+    tab.run("document.getElementById('tilt-number').dispatchEvent(new Event('change'))")
+    verdict(tab, "STABLE")
+    assert tab.run("document.getElementById('tilt').value") == "0"
     tab.slide("#friction-number", 0.05)
     verdict(tab, "UNSTABLE")
     assert tab.run("document.getElementById('live-trouble').hidden")

@@ -179,12 +179,16 @@ def test_the_page_of_a_limit_says_the_limit_and_shows_both_sides(opened):
 def test_the_page_of_a_plan_brings_each_block_in(opened):
     model = drystone.Model.of(tower(3))
     tab = opened(drystone.plan(model))
-    assert tab.text("#stage-label") == "1 of 3: block 1 of 2, block-1"
+    assert tab.text("h1") == "Can be assembled without help"
+    assert tab.text("#stage-label") == "all blocks, after 2 steps"
+    tab.slide("#stage", 0)
+    assert tab.text("h1") == "Block 1 of 2: stands without help"
+    assert tab.text("#stage-label") == "block 1 of 2, block-1 (step 1 of 2)"
     before = pixels(tab)
     tab.slide("#motion", 0.2)
     assert pixels(tab) != before
     tab.key("PageDown")
-    assert tab.text("#stage-label").startswith("2 of 3: block 2 of 2")
+    assert tab.text("#stage-label").startswith("block 2 of 2")
     assert tab.run("document.getElementById('motion').value") == "1"
 
 

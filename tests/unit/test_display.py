@@ -35,7 +35,7 @@ from drystone.detection import ContactReport, Detection, DetectionOptions, Short
 from drystone.fall import FallOptions, Film
 from drystone.io import FORMATS, read_file
 from drystone.joints import force_network
-from drystone.models import arch, box, burr, shelf, tower, vault
+from drystone.models import arch, box, burr, dome, shelf, tower, vault
 from drystone.view.web import notebook
 
 INSIDE = {"cli", "geometry", "solvers", "formulations", "statics", "checks", "display", "settings"}
@@ -81,6 +81,8 @@ def values(folder: Path) -> Iterator[object]:
     yield from (design.mend(tower(2)), design.sharpen(tower(2)), design.SharpenOptions(step=5.0))
     still = design.block_moves(rare, ["block-1"], (1.0, 0.0, 0.0), 0.1)
     yield from (design.shape(tower(2), still), still, design.ShapeOptions(rounds=3))
+    ring = Model.of(dome(slices=5, rings=3), friction=0.6)
+    yield design.free_vertices(ring, 0.1, along=None, mirror="y")
     yield design.FamilyMoves.of(arch, {"thickness_ratio": 0.2}, {"thickness_ratio": 0.1})
     edge = design.Parameter("edge", 0.5, 2.0)
     count = design.Parameter("count", choices=(2, 3))

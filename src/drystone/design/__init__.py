@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from drystone.design.shaping.shape_options import Shaped as Shaped
     from drystone.design.shaping.shape_options import ShapeOptions as ShapeOptions
     from drystone.design.shaping.shaping import shape as shape
+    from drystone.design.shaping.shared_planes import PlaneMoves as PlaneMoves
     from drystone.design.shaping.variables import FamilyMoves as FamilyMoves
     from drystone.design.tuning.tuned_values import Parameter as Parameter
     from drystone.design.tuning.tuned_values import Tuned as Tuned
@@ -75,6 +76,7 @@ _HOME = {
     "Moves": "shaping.free_moves",
     "Needs": "causes.missing",
     "Parameter": "tuning.tuned_values",
+    "PlaneMoves": "shaping.shared_planes",
     "PropForce": "causes.prop_forces",
     "Pull": "causes.missing",
     "Recut": "building.joint_recuts",

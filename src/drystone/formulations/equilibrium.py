@@ -251,7 +251,7 @@ def solve_extreme_force(
 
 
 def project_on_mechanisms(
-    statics: Statics, *, stop: Callable[[], bool] | None = None
+    statics: Statics, *, pull: float = 0.0, stop: Callable[[], bool] | None = None
 ) -> EquilibriumSolution | None:
     """The mechanism nearest to the loads; None if the solver fails.
 
@@ -264,6 +264,15 @@ def project_on_mechanisms(
     It is zero where forces balance the loads. Otherwise it is a mechanism on which the loads do
     the work ``|v|^2``, and ``p - v`` is the nearest load that can be balanced (Moreau 1962: the
     cones of mechanisms and of balanced loads are polar).
+
+    Parameters
+    ----------
+    statics
+    pull
+        Share of the opening dn with which joints pull, t = ``pull`` dn; ``pull/2 |dn|^2`` is added
+        to what is minimised. Then ``|v|^2 + |t|^2 / pull`` is the least of all props v and pulls t
+        with which forces f balance the loads, v = A (f - t) + p.
+    stop
     """
     if not statics.dry:
         return None
@@ -274,12 +283,21 @@ def project_on_mechanisms(
     velocity = program.variable(
         "velocity", 6 * statics.free_count, linear=-statics.load.ravel(), quadratic=1.0
     )
+    if pull > 0.0:
+        apart = program.variable("apart", k, quadratic=pull)
+        normal = statics.matrix_transposed[::3]
+        program.equal("apart", np.zeros(k), (velocity, normal), (apart, -1.0))
     opening = sparse.diags(scale.ravel()) @ statics.matrix_transposed
     program.cone("opening", 3, np.zeros(3 * k), (velocity, -opening))
-    raw = program.build().solve(ConicOptions(tolerance=1e-10), stop=stop)
+    made = program.build()
+    raw = made.solve(ConicOptions(tolerance=1e-10), stop=stop)
     if raw.status is not ConicStatus.SOLVED:
         return None
-    return EquilibriumSolution(np.zeros((k, 3)), np.zeros(k), raw.x.reshape(-1, 6), raw)
+    force = scale * raw.z[made.rows["opening"]].reshape(-1, 3)
+    motion = raw.x[velocity.place].reshape(-1, 6)
+    tension = pull * np.maximum(0.0, statics.displacement(motion)[:, 0])
+    force[:, 0] -= tension
+    return EquilibriumSolution(force, tension, motion, raw)
 
 
 def held_still(statics: Statics, solution: EquilibriumSolution) -> EquilibriumSolution:

@@ -18,6 +18,7 @@ from drystone.io.draft import Contents, Draft
 from drystone.io.formats import Format
 from drystone.io.mesh import glb, glb_write, obj, ply, stl
 from drystone.io.own import brick_list, drystone_json, drystone_json_write
+from drystone.io.simulators import write_mjcf, write_urdf
 from drystone.io.wording import one_line_errors
 from drystone.model import Model
 from drystone.results import Result
@@ -31,9 +32,27 @@ def _read_json(data: bytes, path: Path) -> Draft:
     return drystone_json.read(top)
 
 
+def _write_mjcf(contents: Contents, path: Path) -> None:
+    write_mjcf(_simulated(contents), path)
+
+
+def _write_urdf(contents: Contents, path: Path) -> None:
+    write_urdf(_simulated(contents), path)
+
+
+def _simulated(contents: Contents) -> Model:
+    """The model of a simulator, its contacts found if there are none."""
+    assembly, load = contents.assembly, next(iter(contents.loads), None)
+    if contents.contacts is None:
+        return Model.of(assembly, load=load, anyway=True)
+    made = Model(assembly, contents.contacts)
+    return made if load is None else made.with_load(load)
+
+
 LOADS = "loads and results"
 CONTACTS = f"contacts, {LOADS}"
 MATERIAL = f"supports, densities, metadata, {CONTACTS}"
+SIMULATED = "results, loads but for gravity"
 SINGLE = "digits beyond single precision, polygons that are not plane"
 FORMATS: tuple[Format, ...] = (
     Format("drystone", "drystone JSON", (".json",), _read_json, drystone_json_write.write),
@@ -62,6 +81,15 @@ FORMATS: tuple[Format, ...] = (
     Format("3dm", "Rhino 3dm", (".3dm",), rhino.read, rhino_write.write, CONTACTS, layers=True),
     Format("bricks", "stud-and-tube bricks", (".bricks",), brick_list.read),
     Format(
+        "mjcf",
+        "MJCF, for MuJoCo",
+        (".xml",),
+        None,
+        _write_mjcf,
+        f"friction of single joints, {SIMULATED}",
+    ),
+    Format("urdf", "URDF, with meshes", (".urdf",), None, _write_urdf, "friction, loads, results"),
+    Format(
         "glb", "glTF 2.0, binary", (".glb",), glb.read, glb_write.write, f"{SINGLE}, {CONTACTS}"
     ),
 )
@@ -86,7 +114,7 @@ def format_of(path: PathLike, name: str | None = None) -> Format:
     for known in FORMATS:
         if suffix in known.suffixes:
             return known
-    suffixes = ", ".join(sorted({s for f in FORMATS for s in f.suffixes}))
+    suffixes = ", ".join(sorted({s for f in FORMATS if f.read for s in f.suffixes}))
     has = f"suffix '{suffix}' is not known" if suffix else "the name has no suffix"
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 

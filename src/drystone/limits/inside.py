@@ -204,7 +204,10 @@ def _in_two_steps(
             elif first.falls is not None and full.stands(first.falls) is False:
                 near, far = robust, first.falls
         full.results.update({v: one for v, one in every.results.items() if _is_robust(one)})
-        rest = full.around(near, far, span, width=width, beyond=outer, closing=closing)
+        # where uniform stiffness holds nothing, blocks settle almost up to the limit of equilibrium
+        rest = full.around(
+            near, far, span, width=width, beyond=outer, closing=closing, inward=edge is None
+        )
         stands_again = [all(full.stands(end) is True for end in run) for run in uniform.islands]
         islands = tuple(run for run, yes in zip(uniform.islands, stands_again, strict=True) if yes)
         rest = replace(rest, islands=islands, evaluations=full.evaluations())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import TypeAlias
 
 from drystone import stability
@@ -20,7 +19,6 @@ SEARCHED = 500
 ones are made instead."""
 
 ONE_STIFFNESS = stability.CheckOptions(samples=0, settle=False)
-STIFFNESSES = stability.CheckOptions(settle=False)
 
 UNIFORM = stability.QUICK.with_slip_lengths(None, 1.0)
 """Screening of large models, for the limit of uniform stiffness. Measured on the Armadillo vault:
@@ -36,18 +34,12 @@ def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
 
 def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     """Whether it stands with every contact stiffness that is tried: robust."""
-    found = stability.check(model, options=STIFFNESSES, stop=stop)
-    if not found.stable:
-        return found
-    if found.samples.standing < found.samples.tried:
-        return replace(found, verdict=Verdict.UNDECIDED)
-    # robust: the answer of the check with default options
-    return replace(found, options=stability.CheckOptions())
+    return stability.stands_robustly(model, stop=stop)
 
 
 def verdict(model: Model, *, stop: Stop | None = None) -> Result:
     """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
-    return stability.check(model, stop=stop)
+    return stability.verdict_alone(model, stop=stop)
 
 
 STANDS: Mapping[Verdict, bool | None] = {

@@ -145,6 +145,7 @@ class VerdictSearch:
         width: float,
         beyond: Bracket | None = None,
         closing: float = 0.0,
+        inward: bool = False,
     ) -> FoundBracket:
         """Bracket the change of the verdict by growing steps from two guesses.
 
@@ -160,6 +161,9 @@ class VerdictSearch:
             As for :meth:`run`.
         closing
             Distance from a guess that stands to the fall ``beyond`` within which nothing is tried.
+        inward
+            Whether steps then grow from the fall towards the start, where the change is expected
+            near the fall although ``near`` is far from it.
 
         Raises
         ------
@@ -174,6 +178,9 @@ class VerdictSearch:
         if held is not False:
             self._walk(far, end, width, False)
         bracket = self.so_far(start, beyond).bracket
+        if inward and bracket.stands is not None and bracket.falls is not None:
+            self._walk(bracket.falls, bracket.stands, width, True)
+            bracket = self.so_far(start, beyond).bracket
         inside, outside = bracket.stands, bracket.falls
         if inside is not None and inside != end:
             ends = abs(inside - start), np.inf if outside is None else abs(outside - start)

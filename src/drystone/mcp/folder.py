@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 from drystone.base.errors import InputError
 from drystone.io import FORMATS, jsontext
 
-SUFFIXES = frozenset(suffix for known in FORMATS for suffix in known.suffixes)
+SUFFIXES = frozenset(suffix for known in FORMATS if known.read for suffix in known.suffixes)
 MIB = 2**20
 
 

@@ -37,8 +37,8 @@ from drystone.sequence.scaffold.scaffold_items import (
     Strut,
     with_scaffold,
 )
+from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
-from drystone.sequence.scaffold.scaffolded_stages import ScaffoldOptions, Support
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import check_both, check_once, check_thoroughly
 from drystone.sequence.stage.stages import Stage, StageAnswer

@@ -263,6 +263,10 @@ def gravity_region(
     model = as_model(given, **how)
     if key is not None:
         model = model.with_supports([key] if isinstance(key, int | str) else list(key))
+        if not model.assembly.fixed.any():
+            raise InputError(
+                "no block is held", where="key", remedy="name a block, or leave it out"
+            )
     if isinstance(directions, int):
         if directions < 1:
             raise InputError(f"{directions} directions", remedy="give one or more")

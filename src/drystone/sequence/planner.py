@@ -9,6 +9,7 @@ from typing import Unpack
 
 import numpy as np
 
+from drystone.base.errors import counted
 from drystone.base.files import PathLike
 from drystone.base.progress import Clock, Progress, Stop, Stopped, Workers
 from drystone.base.settings import Options, checked_call
@@ -18,11 +19,8 @@ from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
 from drystone.sequence.rules import BoundRules, Rules, bind
-from drystone.sequence.scaffold.scaffolded_stages import (
-    ScaffoldedStages,
-    ScaffoldOptions,
-    Support,
-)
+from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
+from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.search.best_first import OrderSearch
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
@@ -187,6 +185,7 @@ class _Planner:
         self.removal = removal
         self.options = options
         self.progress = progress
+        self.scaffold: ScaffoldedStages | None = None
 
     def run(self, complete: StageAnswer) -> Plan:
         free, _ = self.model.largest
@@ -200,10 +199,9 @@ class _Planner:
             int(min(4.0, max(1.0, patience // 4))),
         )
         best = None
-        scaffold = None
         if self.options.scaffold is not None:
             kind, bearing = self.options.scaffold, self.options.scaffold_options
-            scaffold = ScaffoldedStages(self.model.model, kind, bearing)
+            self.scaffold = ScaffoldedStages(self.model.model, kind, bearing)
         while True:
             search = OrderSearch(
                 self.evaluator,
@@ -212,7 +210,7 @@ class _Planner:
                 options,
                 bounded=whole and not self.options.exact,
                 progress=self.progress,
-                scaffold=scaffold,
+                scaffold=self.scaffold,
             )
             root = Node(self.model.everything, 0)
             if not complete.stands:
@@ -257,12 +255,46 @@ class _Planner:
             complete,
             tuple(steps),
             impossible,
-            _message(complete, steps, impossible, screened=bool(screened)),
+            self.message(complete, steps, impossible, screened=bool(screened)),
             self.proves(complete, order.proved, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
             rules=self.bound.rules,
         )
+
+    def message(
+        self,
+        complete: StageAnswer,
+        steps: Sequence[Step],
+        impossible: dict[int, str],
+        *,
+        screened: bool,
+    ) -> str:
+        """How a plan ended; ``screened`` stages were not checked in full."""
+        if not steps:
+            return "no block can be removed" if impossible else "there is no block to place"
+        unsure = [step for step in steps if not step.answer.stands]
+        settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
+        words = []
+        if not complete.stands:
+            words.append("the complete structure does not stand without its props")
+        if impossible:
+            words.append(f"{len(impossible)} blocks cannot be inserted")
+        if unsure:
+            last = self.model.assembly.names[unsure[0].blocks[-1]]
+            words.append(
+                f"{counted(len(unsure), 'stage')} could not be shown to stand, the first when "
+                f"'{last}' is placed: {unsure[0].answer.message}"
+            )
+            refused = "" if self.scaffold is None else self.scaffold.refusal
+            words += [refused] if refused else []
+        if settled:
+            words = words or ["every stage stands"]
+            words.append(f"{settled} of {len(steps)} after settling: there the joints decide")
+        words = words or ["every stage stands"]
+        if screened:
+            words.append(f"only uniform contact stiffness was tried (more than {CHECKED} corners)")
+        return "; ".join(words)
 
     def proves(self, complete: StageAnswer, proved: bool, steps: list[Step]) -> bool:
         """Whether no order needs less help: there is no help, or the search was complete."""
@@ -298,30 +330,6 @@ def _refusal(complete: StageAnswer, names: Sequence[str]) -> str:
         f"the complete structure was not shown to stand{words}; {complete.message}; a thorough "
         "check (--thorough) tries more"
     )
-
-
-def _message(
-    complete: StageAnswer, steps: Sequence[Step], impossible: dict[int, str], *, screened: bool
-) -> str:
-    """How a plan ended; ``screened`` stages were not checked in full."""
-    if not steps:
-        return "no block can be removed" if impossible else "there is no block to place"
-    unsure = sum(not step.answer.stands for step in steps)
-    settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
-    words = []
-    if not complete.stands:
-        words.append("the complete structure does not stand without its props")
-    if impossible:
-        words.append(f"{len(impossible)} blocks cannot be inserted")
-    if unsure:
-        words.append(f"{unsure} stages could not be shown to stand")
-    if settled:
-        words = words or ["every stage stands"]
-        words.append(f"{settled} of {len(steps)} after settling: there the joints decide")
-    words = words or ["every stage stands"]
-    if screened:
-        words.append(f"only uniform contact stiffness was tried (more than {CHECKED} corners)")
-    return "; ".join(words)
 
 
 __all__ = ["PlanOptions", "plan"]

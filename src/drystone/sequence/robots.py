@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, frozen_floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 
@@ -36,11 +36,9 @@ class Robot(OneLine):
         where = f"robot '{self.name}'"
         if not isinstance(self.name, str) or not self.name:
             raise InputError("a robot needs a name", remedy="give a non-empty string")
-        base = np.asarray(self.base, dtype=np.float64)
-        if base.shape != (3,) or not np.isfinite(base).all():
-            raise InputError("its base is no point", where=where, remedy="give x, y, z in metres")
+        base = frozen_floats(self.base, (3,), f"{where}: its base")
         for word, value in (("reach", self.reach), ("payload", self.payload)):
-            if not value > 0.0:
+            if not number(value, f"{where}: its {word}", finite=False) > 0.0:
                 raise InputError(f"its {word} is {value}", where=where, remedy="give more than 0")
         object.__setattr__(self, "base", tuple(base.tolist()))
 

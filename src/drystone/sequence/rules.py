@@ -55,8 +55,8 @@ class Rules(Options):
         Groups of names: every block of a group is placed before any block of the next group. Other
         blocks can be placed at any time.
     order
-        Or a list of names in the order of assembly, which is followed where possible. Other blocks
-        are placed first.
+        Or its name, or a list of names in the order of assembly, which is followed where possible.
+        Other blocks are placed first.
     placed
         Names of blocks that are in place before the plan begins, though they are not fixed.
     """
@@ -65,9 +65,20 @@ class Rules(Options):
     payload: float = float("inf")
     before: Sequence[tuple[str, str]] = ()
     reach: Sequence[Sequence[str]] = ()
-    order: Order | Sequence[str] = Order.TOP
+    order: Order | str | Sequence[str] = Order.TOP
     robots: Sequence[Robot] = ()
     placed: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isinstance(self.order, str):
+            known = [one.value for one in Order]
+            if self.order not in known:
+                raise InputError(
+                    f"order '{self.order}' is not known",
+                    remedy=f"use {', '.join(known)}, or give a list of names",
+                )
+            object.__setattr__(self, "order", Order(self.order))
 
 
 @dataclass(frozen=True, eq=False)

@@ -119,7 +119,7 @@ class _Increment(NamedTuple):
     iterations: int
 
 
-class Answer(NamedTuple):
+class ResponseAsked(NamedTuple):
     """Asks for the forces after a motion (f, 6), and for what is not balanced.
 
     Attributes
@@ -136,7 +136,7 @@ class Answer(NamedTuple):
     shift: Floats | None
 
 
-class Step(NamedTuple):
+class StepAsked(NamedTuple):
     """Asks for the Newton step against what is ``left`` (f, 6).
 
     With the tangents of ``response``; without one, with the last tangents again.
@@ -154,7 +154,7 @@ class Place(NamedTuple):
     motion: Floats
 
 
-Asked: TypeAlias = Answer | Step | Place
+Asked: TypeAlias = ResponseAsked | StepAsked | Place
 Found = TypeVar("Found")
 Steps: TypeAlias = Generator[Asked, Any, Found]
 """Work that asks for what takes time. So several runs can be computed side by side."""
@@ -239,7 +239,7 @@ class Follower:
         a pose, its corners and the travel (f,).
         """
         bodies, maps = self.bodies, self.maps
-        if isinstance(asked, Answer):
+        if isinstance(asked, ResponseAsked):
             moved = maps.moved(asked.motion)
             if asked.shift is not None:
                 moved = moved + asked.shift
@@ -247,7 +247,7 @@ class Follower:
             drag = asked.drag * bodies.mass[:, None]
             left = maps.wrench(response.force) + asked.load - drag * asked.motion
             return response, left, _length(left) / self.load_size
-        if isinstance(asked, Step):
+        if isinstance(asked, StepAsked):
             try:
                 if asked.response is not None:
                     weight = np.repeat(asked.drag * bodies.mass[:, None], 6, axis=1)
@@ -362,7 +362,7 @@ class Follower:
         bodies, drag = self.bodies, self.drag
         shift = None if moving is None else imposed(bodies, self.pose, self.placed, moving)
         motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
-        response, left, size = yield Answer(motion, bodies.load, drag, shift)
+        response, left, size = yield ResponseAsked(motion, bodies.load, drag, shift)
         recent = [size]
         begun = False
         for number in range(NEWTON):
@@ -374,13 +374,13 @@ class Follower:
             # convergence is quadratic in the end: the last factors then do for one step more
             renew = not begun or size**2 > BALANCED * recent[-2]
             begun = True
-            step = yield Step(left, response if renew else None, drag)
+            step = yield StepAsked(left, response if renew else None, drag)
             if step is None:
                 return None
             length, allowed = 1.0, max(recent[-4:])
             while True:
                 trial = motion + length * step
-                response, left, size = yield Answer(trial, bodies.load, drag, shift)
+                response, left, size = yield ResponseAsked(trial, bodies.load, drag, shift)
                 if size < (1.0 - 1e-3 * length) * allowed or length < 0.03:
                     break
                 length *= 0.5
@@ -469,4 +469,13 @@ def _length(values: Floats) -> float:
     return float(np.sqrt(flat @ flat))
 
 
-__all__ = ["Answer", "Asked", "Follower", "Place", "Step", "Steps", "Track", "travelled"]
+__all__ = [
+    "Asked",
+    "Follower",
+    "Place",
+    "ResponseAsked",
+    "StepAsked",
+    "Steps",
+    "Track",
+    "travelled",
+]

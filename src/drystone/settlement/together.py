@@ -18,7 +18,16 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import Ends
-from drystone.settlement.follow import Answer, Asked, Follower, Place, Step, Steps, Track, travelled
+from drystone.settlement.follow import (
+    Asked,
+    Follower,
+    Place,
+    ResponseAsked,
+    StepAsked,
+    Steps,
+    Track,
+    travelled,
+)
 from drystone.settlement.springs import (
     BlockPositions,
     DenseMaps,
@@ -152,10 +161,10 @@ class Together:
     def tracks(self) -> list[Track]:
         """The tracks of all runs, when the last one has ended."""
         found: dict[int, Track] = {}
-        waiting: dict[type[Asked], dict[int, Any]] = {Answer: {}, Step: {}, Place: {}}
+        waiting: dict[type[Asked], dict[int, Any]] = {ResponseAsked: {}, StepAsked: {}, Place: {}}
         given: dict[int, Any] = dict.fromkeys(range(len(self.runs)))
         kinds: dict[type[Asked], Callable[..., list[Any]]]
-        kinds = {Answer: self._answers, Step: self._steps, Place: self._places}
+        kinds = {ResponseAsked: self._answers, StepAsked: self._steps, Place: self._places}
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             while True:
                 for number, what in given.items():
@@ -204,7 +213,7 @@ class Together:
         ends = Ends._make(array.reshape(-1, *array.shape[2:]) for array in ends)
         return dataclasses.replace(self.bodies, ends=ends, **flat)
 
-    def _answers(self, chosen: Ints, asked: Sequence[Answer]) -> list[Any]:
+    def _answers(self, chosen: Ints, asked: Sequence[ResponseAsked]) -> list[Any]:
         followers = [self.runs[number][0] for number in chosen]
         many, rows = len(chosen), self.rows[chosen]
         wide = rows.shape[2]
@@ -222,7 +231,7 @@ class Together:
         responses = map(Response, *parts)
         return list(zip(responses, left.reshape(many, -1, 6), size, strict=True))
 
-    def _steps(self, chosen: Ints, asked: Sequence[Step]) -> list[Any]:
+    def _steps(self, chosen: Ints, asked: Sequence[StepAsked]) -> list[Any]:
         new = [i for i, one in enumerate(asked) if one.response is not None]
         if new:
             self._tangents(chosen[new], [asked[i] for i in new])
@@ -233,7 +242,7 @@ class Together:
         except np.linalg.LinAlgError:  # one of them is singular
             return [_solved(*one) for one in zip(matrix, left, strict=True)]
 
-    def _tangents(self, chosen: Ints, asked: Sequence[Step]) -> None:
+    def _tangents(self, chosen: Ints, asked: Sequence[StepAsked]) -> None:
         """New tangent matrices."""
         responses = [one.response for one in asked if one.response is not None]
         response = Response(*map(np.concatenate, zip(*responses, strict=True)))

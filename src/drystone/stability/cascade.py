@@ -54,6 +54,12 @@ class Cascade:
     within
         Numbers (m,) of the interfaces in a larger model, and how many interfaces that has: the
         stiffness of each interface is then drawn as it is there.
+    robust
+        Whether only standing with every stiffness counts: the first that does not hold it ends the
+        check.
+    witness
+        Whether other stiffnesses are tried for a first motion where blocks were followed to a fall.
+        Their motion is told where there is none.
 
     Attributes
     ----------
@@ -70,6 +76,8 @@ class Cascade:
         executor: Workers | None = None,
         known: Mapping[int, Floats] | None = None,
         within: tuple[Ints, int] | None = None,
+        robust: bool = False,
+        witness: bool = True,
     ) -> None:
         self.problem = problem
         self.options = options
@@ -77,6 +85,8 @@ class Cascade:
         self.executor = executor
         self.known = known or {}
         self.within = within
+        self.robust = robust
+        self.witness = witness
         self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)
@@ -117,6 +127,8 @@ class Cascade:
                 uniform = attempts.attempt(smooth, again=True)
         if uniform.stands:
             self.rests[0] = uniform.displacement
+        elif self.robust:
+            return self.answers.answer(Verdict.UNDECIDED, "uniform contact stiffness does not hold")
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
         if not settle or uniform.stands:  # otherwise the stiffness decides, whatever others do
@@ -172,7 +184,7 @@ class Cascade:
             self.answers.report("stiffness samples", 2 + number)
             if record.standing:
                 self.rests[number] = record.standing[0].displacement
-            elif self.options.uniform:  # settlement decides
+            elif self.options.uniform or self.robust:  # settlement decides, or nothing is left
                 break
 
     def _free_fall(self) -> Result | None:
@@ -251,7 +263,8 @@ class Cascade:
         """The verdict of finite steps, where the contact stiffness decides."""
         found = self._follow()
         moves = found.outcome in (Outcome.FALLS, Outcome.DISPLACED)
-        if found.outcome is Outcome.UNKNOWN or (moves and self._first_motion() is None):
+        told = not moves or not self.witness or self._first_motion() is not None
+        if found.outcome is Outcome.UNKNOWN or not told:
             self._other_stiffnesses(uniform)
         stood, tried = len(self.attempts.standing), self.attempts.tried
         held = f"{stood or 'none'} of {tried} contact stiffnesses tried would hold it in place"

@@ -11,7 +11,7 @@ from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
-from drystone.results import Result
+from drystone.results import Result, Verdict
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
@@ -106,6 +106,53 @@ def check_near(
 
 
 @checked_call
+def stands_robustly(
+    model: Model,
+    *,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+) -> Result:
+    """Does it stand with every contact stiffness that :func:`drystone.check` tries?
+
+    No blocks are followed, and the first stiffness that does not hold the blocks ends the check.
+
+    Returns
+    -------
+    Result
+        That of :func:`drystone.check` where it stands with all of them. Otherwise UNSTABLE where
+        no forces balance the loads, or else UNDECIDED.
+    """
+    options, clock = CheckOptions(settle=False), Clock(time_limit_s, stop)
+    cascade = Cascade(Problem.build(model), options, progress, clock, executor, robust=True)
+    found = cascade.run()
+    if found.stable and found.samples.standing < found.samples.tried:
+        return replace(found, verdict=Verdict.UNDECIDED)
+    # the answer of the check with default options
+    return replace(found, options=CheckOptions()) if found.stable else found
+
+
+@checked_call
+def verdict_alone(
+    model: Model,
+    *,
+    executor: Workers | None = None,
+    progress: Progress | None = None,
+    stop: Stop | None = None,
+    time_limit_s: float = float("inf"),
+) -> Result:
+    """The verdict of :func:`drystone.check`, for a search that asks for many.
+
+    Where blocks were followed to a fall no other stiffness is tried for a first motion: the
+    mechanism of the result is then the motion that was followed.
+    """
+    clock = Clock(time_limit_s, stop)
+    problem, options = Problem.build(model), CheckOptions()
+    return Cascade(problem, options, progress, clock, executor, witness=False).run()
+
+
+@checked_call
 def could_hold(
     given: Given,
     *,
@@ -136,4 +183,4 @@ def could_hold(
     return Cascade(problem, chosen, progress, Clock(time_limit_s, stop), executor).run()
 
 
-__all__ = ["CheckOptions", "check", "check_near", "could_hold"]
+__all__ = ["CheckOptions", "check", "check_near", "could_hold", "stands_robustly", "verdict_alone"]

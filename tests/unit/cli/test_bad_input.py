@@ -107,7 +107,7 @@ def test_a_bad_model_gets_one_line_and_exit_2(
         (["--time-limit", "-1"], ["--time-limit", "above zero"]),
         (["--html", "page.pdf"], ["--html", "page.pdf", ".html"]),
         (["--html", "no/folder/page.html"], ["--html", "no/folder"]),
-        (["--png", "figure.jpg"], ["--png", "figure.jpg", ".png or .svg"]),
+        (["--png", "figure.jpg"], ["--png", "figure.jpg", ".png, .svg or .pdf"]),
         (["--html", "one.html", "--joints", "./one.html"], ["one.html", "named twice"]),
         (["--joints", "one.csv", "--joints", "one.csv"], ["one.csv", "named twice"]),
         (["--colour", "red"], ["--colour", "check --help"]),

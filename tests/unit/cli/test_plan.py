@@ -181,3 +181,5 @@ def test_scaffolding_is_compared_and_planned_with(tmp_path, capsys):
     _, data = answer(capsys, *given, "--scaffold", "clamp")
     assert data["scaffolding"]["failed"] == []
     assert data["scaffolding"]["cost"] == pytest.approx(rows[0]["cost"])
+    assert main(["plan", *given, "--scaffold", "strut", "--scaffold-foot", "nowhere"]) == 2
+    assert "no block is called 'nowhere'" in capsys.readouterr().err

@@ -1,17 +1,21 @@
 """Why structures fall: regions, first motions, and what is missing, against closed forms."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import drystone
-from drystone import Assembly, InputError, Model, Verdict
+from drystone import Assembly, InputError, Model, Verdict, check
+from drystone.checks import check_forces
 from drystone.cli import main
 from drystone.design import Diagnosis, DiagnosisOptions, JointMotion, diagnose
+from drystone.design.causes.missing_wrenches import with_wrenches
 from drystone.design.causes.prop_forces import least_prop, propped
 from drystone.design.causes.regions import regions_of
+from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, h_model, prism, shelf, tower
 
 G = 9.81
@@ -156,6 +160,39 @@ def test_regions_beyond_the_number_asked_for_are_named_only() -> None:
     assert found.others == (10,)
     assert "1 more block falls: 'block-10'" in found.sentences
     assert found.regions[0].needs.friction is None
+
+
+def test_the_least_wrench_with_cohesion_is_the_distance_from_the_cone_of_friction() -> None:
+    model = slope(40.0, 0.3)
+    weight, angle, friction = model.assembly.mass[1] * G, np.deg2rad(40.0), np.arctan(0.3)
+    cohesion = 0.1 * weight
+    model = model.with_capacity(JointCapacity(np.zeros(1), np.array([cohesion])))
+    fallen = replace(check(model), prop=None, falling=())  # a check may end with a mechanism alone
+    found = with_wrenches(fallen, lambda: False)
+    assert found.falling == (1,)
+    assert found.prop is not None
+    assert found.force_with_props is not None
+    missing = weight * np.sin(angle - friction) - cohesion * np.cos(friction)
+    assert np.linalg.norm(found.prop[1, :3]) == pytest.approx(missing, rel=1e-4)
+    left = check_forces(model, found.force_with_props, prop=found.prop)
+    assert max(left.equilibrium, left.tension, left.cone) < 1e-6
+
+
+def test_a_structure_that_falls_although_it_is_glued_is_diagnosed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    base = box((1.0, 1.0, 1.0), name="base")
+    out = box((1.0, 1.0, 0.2), (0.7, 0.0, 1.0), "out")
+    model = Model.of(Assembly((base, out), np.array([True, False])), friction=0.6)
+    model = model.with_capacity(JointCapacity(np.ones(1), np.ones(1)))
+    region = only(diagnose(model))
+    assert region.verdict is Verdict.UNSTABLE
+    assert region.needs.support is not None
+    assert region.needs.pulls[0].force > 0.0
+    path = tmp_path / "glued.json"
+    drystone.write(model, path)
+    assert main(["check", str(path)]) == 1
+    assert "'out' hinges about an edge of 'base'" in capsys.readouterr().out.replace("\n", " ")
 
 
 def test_without_time_it_tells_what_falls_and_why_it_ended() -> None:

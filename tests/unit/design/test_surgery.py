@@ -207,6 +207,19 @@ def test_glue_is_weaker_where_less_of_the_joint_is_left() -> None:
         move_face(model, "out", toward, -0.75)
 
 
+@pytest.mark.parametrize(
+    "change", [lambda m: wedge_joint(m, 4, 20.0), lambda m: turn_joint(m, 4, 5.0)]
+)
+def test_glue_far_from_a_change_stays_as_it_is(change: Callable[[Model], Model]) -> None:
+    model = Model.of(tower(6), friction=0.6)
+    strength = np.array([100.0, 0.0, 0.0, 0.0, 0.0])
+    contacts = change(model.with_capacity(JointCapacity(strength, strength))).contacts
+    assert contacts.capacity is not None
+    far = (contacts.block_a == 0) & (contacts.block_b == 1)
+    assert contacts.capacity.tension[far].tolist() == [100.0]
+    assert contacts.capacity.tension[~far].max() == 0.0
+
+
 def test_a_block_with_a_tie_is_not_changed() -> None:
     model = tied(Model.of(tower(4), friction=0.6), 3, 2)
     with pytest.raises(InputError, match="'block-3' and 'block-2': have a tie between them"):

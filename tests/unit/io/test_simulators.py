@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from drystone import InputError, LoadCase, Model
+from drystone import Assembly, InputError, LoadCase, Model, io
 from drystone.io.simulators import mjcf_text, write_mjcf, write_urdf
 from drystone.io.simulators.simulator_bodies import bodies
 from drystone.models import box, bridge, stool, tower
@@ -77,6 +77,24 @@ def test_urdf_has_a_link_per_block_and_its_meshes_beside_it(tmp_path):
     meshes = {mesh.get("filename") for mesh in root.iter("mesh")}
     assert all((tmp_path / mesh).exists() for mesh in meshes)
     assert len(files) == len(meshes) + 1
+
+
+def test_a_block_may_have_the_name_of_the_ground(tmp_path):
+    below, above = box((1.0, 1.0, 1.0), name="world"), box((1.0, 1.0, 1.0), (0, 0, 1.0), "top")
+    model = Model.of(Assembly((below, above), [True, False]), friction=0.6)
+    names = [body.name for body in bodies(model)]
+    assert len({"world", *names}) == 3
+
+
+def test_no_folder_is_made_beside_a_file_that_cannot_be_written(tmp_path):
+    with pytest.raises(InputError, match="there is no folder"):
+        write_urdf(MODEL, tmp_path / "none" / "bridge.urdf")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_model_without_contacts_is_written_by_its_suffix(tmp_path):
+    io.write(bridge(), tmp_path / "bridge.xml")
+    assert len(ET.parse(tmp_path / "bridge.xml").findall("./worldbody/body")) == len(bridge())
 
 
 def test_a_tower_stays_and_a_leaning_block_falls_in_mujoco():

@@ -175,3 +175,27 @@ def test_an_executor_changes_nothing() -> None:
         together.bracket.stands,
         together.bracket.falls,
     )
+
+
+@pytest.mark.parametrize("limit", [0.97, 0.6, 0.02])
+def test_steps_that_grow_from_the_fall_end_at_the_same_change(limit: float) -> None:
+    found = VerdictSearch(Given(), Steps((limit,), (S, U))).around(
+        0.0, 1.0, (0.0, 1.0), width=0.01, inward=True
+    )
+    bracket = found.bracket
+    assert bracket.stands is not None
+    assert bracket.falls is not None
+    assert bracket.stands <= limit < bracket.falls
+    assert bracket.falls - bracket.stands <= 0.01 * (1.0 + 1e-9)
+
+
+def test_a_change_near_the_fall_takes_fewer_values_from_there() -> None:
+    counts = [
+        len(
+            VerdictSearch(Given(), Steps((0.997,), (S, U)))
+            .around(0.0, 1.0, (0.0, 1.0), width=1e-3, inward=inward)
+            .evaluations
+        )
+        for inward in (False, True)
+    ]
+    assert counts[1] < counts[0]

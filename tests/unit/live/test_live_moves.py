@@ -76,7 +76,7 @@ def test_a_moved_support_is_answered_to_first_order_and_then_followed(
         raw = picture["blobs"][stage["motion"]["blob"]]
         motion = np.frombuffer(base64.b64decode(raw), "<f4").reshape(-1, 6)
         np.testing.assert_allclose(motion[-1], [*AWAY, 0, 0, 0], atol=1e-7)
-        assert "supports moved" in dict(stage["facts"])["Load"]
+        assert "springer-right moved by 20 mm" in dict(stage["facts"])["Load"]
         marks = [one for one in stage["layers"] if one["kind"] == "markers"]
         assert marks
         assert all("interface" not in one for one in marks)  # they are where the blocks went

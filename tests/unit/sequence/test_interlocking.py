@@ -71,6 +71,8 @@ def test_a_box_in_a_box_interlocks_and_one_side_open_does_not():
 def test_nothing_fixed_is_refused():
     with pytest.raises(InputError, match="nothing is fixed"):
         interlocking(burr())
+    with pytest.raises(InputError, match="no block is held"):
+        gravity_region(tower(2), ())
 
 
 def test_a_block_on_another_holds_without_friction_for_gravity_straight_down_only():

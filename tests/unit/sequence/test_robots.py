@@ -135,6 +135,8 @@ def test_robots_and_orders_that_make_no_sense_are_refused():
         {"name": ""},
         {"name": "a", "reach": 0.0},
         {"name": "a", "payload": -1.0},
+        {"name": "a", "reach": "3 m"},
+        {"name": "a", "base": "here"},
         {"name": "a", "base": (0.0, float("nan"), 0.0)},
     ):
         with pytest.raises(InputError):

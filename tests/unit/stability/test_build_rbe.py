@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import drystone
+from benchmarks.workloads import random_pile
 from drystone import InputError, RBEOptions, Verdict
 from drystone.models import shelf, vault
 from drystone.stability import FrictionCone, FrictionRule, Objective, Weights
@@ -53,3 +54,23 @@ def test_rows_and_variables_have_names(cone: FrictionCone, rule: FrictionRule) -
 def test_bad_input_is_refused_as_by_solve_rbe() -> None:
     with pytest.raises(InputError):
         drystone.build_rbe(3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_whether_any_forces_balance_a_pile_is_the_same_as_whether_the_least_do(seed: int) -> None:
+    model = random_pile(seed)
+    least = drystone.solve_rbe(model)
+    some = drystone.solve_rbe(model, options=RBEOptions.feasibility())
+    assert some.verdict is least.verdict
+    assert (some.force is None) is (some.mechanism is not None)
+    if some.residuals is not None:
+        assert max(some.residuals.equilibrium, some.residuals.cone) < 1e-8
+
+
+def test_a_joint_that_pulls_may_hold_what_falls_apart() -> None:
+    model = drystone.Model.of(shelf(), friction=0.05)
+    much = np.full(model.contacts.count, 1e9)
+    strong = model.with_capacity(drystone.JointCapacity(tension=much, cohesion=much))
+    options = RBEOptions.feasibility()
+    assert drystone.solve_rbe(model, options=options).verdict is Verdict.UNSTABLE
+    assert drystone.solve_rbe(strong, options=options).verdict is Verdict.EQUILIBRIUM_EXISTS

@@ -8,7 +8,7 @@ from drystone.geometry.frames import rotation_about
 from drystone.models import concave, h_model, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
-from drystone.stability import could_hold, try_rest
+from drystone.stability import could_hold, stands_robustly, try_rest, verdict_alone
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 MOVING = CheckOptions(settlement=SettlementOptions(carrier=Carrier.MOVING))
@@ -143,3 +143,32 @@ def test_a_block_that_its_free_neighbours_settle_against_does_not_fall_freely(
 
 def test_a_plate_too_heavy_for_the_friction_of_its_neighbours_falls() -> None:
     assert check(Model.of(plate(density=40_000.0), friction=0.7)).verdict is Verdict.UNSTABLE
+
+
+def test_a_robust_check_ends_at_the_first_stiffness_that_does_not_hold() -> None:
+    stands, decides, falls = (
+        tilted(wedge("b", longer=0.2), X, angle) for angle in (20.0, 55.0, 59.5)
+    )
+    found, whole = stands_robustly(stands), check(stands)
+    assert found.verdict is whole.verdict is Verdict.STABLE
+    assert found.samples == whole.samples
+    for model in (decides, falls):
+        found = stands_robustly(model)
+        assert found.verdict is Verdict.UNDECIDED
+        assert found.samples.tried < 5
+        assert found.settlement is None
+
+
+def test_a_robust_check_keeps_the_proof_that_no_forces_balance_the_loads() -> None:
+    found = stands_robustly(tilted(wedge("c"), X, 47.5))
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.mechanism is not None
+
+
+@pytest.mark.parametrize("angle", [20.0, 55.0, 59.5])
+def test_the_verdict_alone_is_that_of_the_check(angle: float) -> None:
+    model = tilted(wedge("b", longer=0.2), X, angle)
+    found, whole = verdict_alone(model), check(model)
+    assert found.verdict is whole.verdict
+    assert (found.mechanism is None) is (whole.mechanism is None)
+    assert found.samples.tried <= whole.samples.tried

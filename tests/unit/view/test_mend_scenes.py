@@ -8,6 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import drystone
+from drystone.checks import corner_motion
+from drystone.design import DiagnosisOptions
 from drystone.models import arch, box, tower
 from drystone.settlement import push
 from drystone.view import LayerKind, State, mended_scene, scene_of
@@ -62,3 +64,17 @@ def test_what_was_asked_is_told_in_one_line():
     )
     bare = replace(tower(2), fixed=np.zeros(2, dtype=bool))
     assert "no supports" in asked_line(scene_of(bare).facts)
+
+
+def test_the_hinges_of_a_thin_arch_are_those_that_its_sentence_counts() -> None:
+    model = drystone.Model.of(arch(0.09, 12), friction=0.7)
+    found = drystone.check(model)
+    options = DiagnosisOptions(needs=False)
+    (sentence,) = drystone.diagnose(model, result=found, options=options).sentences
+    assert "5 joints are hinges" in sentence
+    (stage,) = scene_of(found).stages
+    (hinges,) = (layer for layer in stage.layers if layer.key == "hinges")
+    assert hinges.count == 5
+    assert stage.motion is not None
+    moved = corner_motion(model.assembly, model.contacts, stage.motion)
+    assert moved[:, 0].min() > -1e-5 * np.abs(moved).max()  # no block enters another

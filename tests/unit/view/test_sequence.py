@@ -52,6 +52,14 @@ def test_a_block_has_its_colour_while_it_is_propped_and_is_hatched_before(planne
         assert seen.index(State.PROPPED) == seen.count(State.ABSENT) + len(later)
 
 
+def test_a_hand_lets_go_when_its_step_has_ended(planned):
+    scene = plan_scene(planned)
+    assert any((stage.state == State.HELD).any() for stage in scene.stages[:-1])
+    for stage in _ends(scene.stages[:-1]):
+        assert not (stage.state == State.HELD).any()
+        assert "hand" not in stage.headline
+
+
 def test_stages_and_blocks_are_numbered_alike_and_each_block_comes_in_along_its_way(planned):
     scene = plan_scene(planned)
     numbers = block_numbers(planned)

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 
 @command(
-    "drystone settle wedge.json --gravity 0,-7.5,-6.3 --html settled.html",
-    "drystone settle arch.json --move springer-right:0.01,0,0",
+    "drystone settle arch.json --gravity 0,1,-9.81 --html settled.html",
     "drystone settle arch.json --move springer-right:1,0,0 --to 0.05 --html spread.html",
 )
 def settle(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields, is_dataclass
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import click
 
@@ -49,6 +49,13 @@ class Option:
     kind: kinds.OptionKind | None = None
     metavar: str | None = None
     expert: bool = False
+
+
+@dataclass(frozen=True)
+class Experts:
+    """Marks a dataclass of options whose options are shown by ``--help-all`` only, but for some."""
+
+    but: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -149,12 +156,19 @@ def command(*examples: str, name: str = "") -> Callable[[Callable[..., Answer]],
             hint = hints[one.name]
             if hint is Waiting:
                 continue
-            if is_dataclass(hint) and isinstance(hint, type):
-                groups[one.name] = hint
-                inner = get_type_hints(hint, include_extras=True)
-                params += [
-                    _param(each.name, inner[each.name], each.default) for each in fields(hint)
+            kind, *marks = get_args(hint) if get_origin(hint) is Annotated else (hint,)
+            if is_dataclass(kind) and isinstance(kind, type):
+                groups[one.name] = kind
+                inner = get_type_hints(kind, include_extras=True)
+                made_of = [
+                    _param(each.name, inner[each.name], each.default) for each in fields(kind)
                 ]
+                for param in made_of:
+                    hides = any(isinstance(mark, Experts) and param.name not in mark.but
+                                for mark in marks)  # fmt: skip
+                    if hides and isinstance(param, GroupedOption):
+                        param.expert = True
+                params += made_of
             else:
                 default = MISSING if one.default is one.empty else one.default
                 params.append(_param(one.name, hint, default))
@@ -241,5 +255,5 @@ def _param(name: str, hint: Any, default: Any) -> click.Parameter:
 
 __all__ = [
     *("ANALYSIS", "CONTACTS", "LOADS", "MODEL", "OUTPUT"),
-    *("Argument", "Command", "GroupedOption", "Option", "command", "write_examples"),
+    *("Argument", "Command", "Experts", "GroupedOption", "Option", "command", "write_examples"),
 ]

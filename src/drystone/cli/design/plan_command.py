@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
@@ -23,10 +23,11 @@ if TYPE_CHECKING:
     from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.model import Model
-    from drystone.sequence import ExecutorFactory, Margins, Plan, Rules, ScaffoldOptions
+    from drystone.sequence import ExecutorFactory, Margins, Plan, Robot, Rules, ScaffoldOptions
 
 LISTED = 40
 """Rows shown of a table; --json has all."""
+HANDS = 2
 SCAFFOLDS = ("strut", "rope", "clamp", "centring")
 STYLE = {"held": "bold", "propped": "bold red", "impossible": "bold magenta"}
 
@@ -53,11 +54,41 @@ ScaffoldLimit: TypeAlias = Annotated[
 ]  # fmt: skip
 
 
-def scaffold_options(limit: float | None) -> ScaffoldOptions:
+ScaffoldFoot: TypeAlias = Annotated[
+    str | None,
+    Option("Block on which struts stand, and which bears their force (the ground).",
+           metavar="BLOCK", expert=True),
+]  # fmt: skip
+ScaffoldLength: TypeAlias = Annotated[
+    float | None,
+    Option("Length of the longest strut, in m (no limit).", kind=kinds.POSITIVE, expert=True),
+]
+
+
+def scaffold_options(
+    limit: float | None, foot: str | None, length: float | None
+) -> ScaffoldOptions:
     """Limits of scaffolding, from the command line."""
     from drystone.sequence import ScaffoldOptions
 
-    return ScaffoldOptions() if limit is None else ScaffoldOptions(limit=limit)
+    free = float("inf")
+    return ScaffoldOptions(limit=limit or free, foot=foot, longest=length or free)
+
+
+def _robot(text: str) -> Robot:
+    """A robot from ``NAME:X,Y,Z``, with its reach [m] and payload [kg] behind further colons."""
+    from drystone.sequence import Robot
+
+    name, *rest = text.split(":")
+    try:
+        base, *most = rest
+        reach, payload = (float(one) if one else float("inf") for one in (*most, "", "")[:2])
+        x, y, z = (float(one) for one in base.split(","))
+    except ValueError as error:
+        raise InputError(
+            f"'{text}' is no robot", remedy="write NAME:X,Y,Z:REACH:PAYLOAD"
+        ) from error
+    return Robot(name, (x, y, z), reach, payload)
 
 
 @command(
@@ -78,7 +109,18 @@ def plan(
     ] = "top",
     hands: Annotated[
         int, Option("Hands or robots: one places, others hold (2).", flags=("--hands", "--robots"))
-    ] = 2,
+    ] = HANDS,
+    robot: Annotated[
+        tuple[Any, ...],  # of Robot, which is imported when needed
+        Option("A robot: its base in m, its reach in m and its payload in kg; several times. Then "
+               "--hands and --payload are not used.",
+               kind=kinds.OptionKind("NAME:X,Y,Z:REACH:PAYLOAD", _robot), expert=True),
+    ] = (),
+    work: Annotated[
+        Path | None,
+        Option("Write the placements for robots: paths, grips and holds, .json or .csv.", OUTPUT,
+               kind=kinds.target(".json", ".csv"), expert=True),
+    ] = None,
     payload: Annotated[
         float, Option("Mass that each hand can lift or hold, in kg.", expert=True)
     ] = float("inf"),
@@ -107,6 +149,8 @@ def plan(
                kind=kinds.one_of(SCAFFOLDS)),
     ] = None,
     scaffold_limit: ScaffoldLimit = None,
+    scaffold_foot: ScaffoldFoot = None,
+    scaffold_length: ScaffoldLength = None,
     margins: Annotated[
         bool, Option("Least friction and tilt limit of every stage.", expert=True)
     ] = False,
@@ -136,7 +180,8 @@ def plan(
                kinds.target(".html", ".htm"), expert=True),
     ] = None,
     csv: Annotated[
-        Path | None, Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"))
+        Path | None,
+        Option("Write the table of stages, .csv.", OUTPUT, kind=kinds.target(".csv"), expert=True),
     ] = None,
     waiting: Waiting,
 ) -> Answer:  # fmt: skip
@@ -145,9 +190,9 @@ def plan(
     Exit code 0: every stage stands without a prop. 1: props are needed, blocks cannot be inserted,
     or the complete model does not stand. 2: bad input.
     """
-    apart([html, png, cad, instructions, csv])
+    apart([html, png, cad, instructions, csv, work])
     refuse_missing(cad)
-    rules = _rules(order, hands, payload, before, reach)
+    rules = _rules(order, hands, payload, before, reach, robot)
     executor = _executor(workers, dask)
     waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
     model = subject.prepared(waiting, finding)
@@ -156,7 +201,8 @@ def plan(
     waiting.stage("plan", "planning")
     chosen = sequence.PlanOptions(
         rules=rules, exact=exact, patience=float("inf") if best else None, anyway=finding.anyway,
-        scaffold=scaffold, scaffold_options=scaffold_options(scaffold_limit),
+        scaffold=scaffold,
+        scaffold_options=scaffold_options(scaffold_limit, scaffold_foot, scaffold_length),
     )  # fmt: skip
     check = sequence.check_thoroughly if thorough else None
 
@@ -185,7 +231,9 @@ def plan(
     }
     helped = found.counts["propped"] + found.counts["impossible"]
     code = 0 if found.steps and found.stable and not helped else 1
-    files = partial(_files, found, measured, html, png, cad, instructions, csv, subject.model)
+    files = partial(
+        _files, found, measured, html, png, cad, instructions, csv, work, robot, subject.model
+    )
     return Answer(data, partial(_show, data, found), code, model.notes, files)
 
 
@@ -197,9 +245,11 @@ def _files(
     cad: Path | None,
     steps: Path | None,
     csv: Path | None,
+    work: Path | None,
+    robots: Sequence[Robot],
     source: str,
 ) -> Files:
-    wanted = [str(path) for path in (html, png, cad, steps, csv) if path is not None]
+    wanted = [str(path) for path in (html, png, cad, steps, csv, work) if path is not None]
     if not plan.steps:
         return [], [f"not written: {', '.join(wanted)}"] if wanted else []
     jobs: list[Job] = cad_jobs(cad, plan, source)
@@ -213,6 +263,11 @@ def _files(
             jobs.append((png, partial(save_figure, plan, source=source)))
         if steps is not None:
             jobs.append((steps, partial(save_instructions, plan)))
+    if work is not None:
+        from drystone.sequence import handling
+
+        placed = handling(plan, robots)
+        jobs.append((work, placed.save_csv if work.suffix == ".csv" else placed.save_json))
     if csv is not None:
         jobs.append((csv, (plan if margins is None else margins).table().to_csv))
     return jobs, []
@@ -224,13 +279,17 @@ def _rules(
     payload: float,
     before: tuple[tuple[str, str], ...],
     reach: tuple[list[str], ...],
+    robots: tuple[Robot, ...],
 ) -> Rules:
     from drystone.sequence import Order, Rules
 
+    if robots and (hands != HANDS or payload != float("inf")):
+        raise InputError("--robot contradicts --hands and --payload", remedy="give one of them")
     tried = {one.value: one for one in Order}.get(order)
     return Rules(
-        hands, payload, list(before), list(reach), tried if tried is not None else _names(order)
-    )
+        len(robots) or hands, payload, list(before), list(reach),
+        tried if tried is not None else _names(order), robots,
+    )  # fmt: skip
 
 
 def _executor(workers: int, dask: str | None) -> Executor | ExecutorFactory | None:

@@ -12,7 +12,13 @@ from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.design.plan_command import SCAFFOLDS, ScaffoldLimit, scaffold_options
+from drystone.cli.design.plan_command import (
+    SCAFFOLDS,
+    ScaffoldFoot,
+    ScaffoldLength,
+    ScaffoldLimit,
+    scaffold_options,
+)
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
 
@@ -46,6 +52,8 @@ def scaffold(
     ] = (),
     hands: Annotated[int, Option("Hands or robots: one places, others hold (2).")] = 2,
     limit: ScaffoldLimit = None,
+    foot: ScaffoldFoot = None,
+    length: ScaffoldLength = None,
     csv: Annotated[
         Path | None, Option("Write the table, .csv.", OUTPUT, kind=kinds.target(".csv"))
     ] = None,
@@ -73,7 +81,7 @@ def scaffold(
             options=sequence.PlanOptions(
                 rules=sequence.Rules(hands),
                 anyway=finding.anyway,
-                scaffold_options=scaffold_options(limit),
+                scaffold_options=scaffold_options(limit, foot, length),
             ),
             **common,
         )

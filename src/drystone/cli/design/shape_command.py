@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
@@ -13,6 +13,9 @@ from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.design.mend_command import Changed, margins
 from drystone.cli.inputs.model_input import Finding, Subject
+
+if TYPE_CHECKING:
+    from drystone.design.shaping.variables import ShapeVariables
 
 
 @command(
@@ -48,16 +51,20 @@ def shape(
         ),
     ] = "free",
     directions: Annotated[
-        str, Option("Axes along which vertices may move (xz).", metavar="AXES", expert=True)
-    ] = "xz",
-    along: Annotated[
-        str,
+        str | None,
         Option(
-            "Axis along which blocks are prisms, before and after; none for triangles (y).",
+            "Axes along which vertices may move (all but --along).", metavar="AXES", expert=True
+        ),
+    ] = None,
+    along: Annotated[
+        str | None,
+        Option(
+            "Axis along which blocks are prisms, before and after; none for domes and shells (y, "
+            "x or z where all blocks are, else none).",
             kind=kinds.one_of(("x", "y", "z", "none")),
             expert=True,
         ),
-    ] = "y",
+    ] = None,
     mirror: Annotated[
         str | None,
         Option(
@@ -66,6 +73,14 @@ def shape(
             expert=True,
         ),
     ] = None,
+    sectors: Annotated[
+        int,
+        Option(
+            "Equal sectors about a vertical axis that stay equal, with --move free (1).",
+            kind=kinds.whole(1),
+            expert=True,
+        ),
+    ] = 1,
     keep: Annotated[
         tuple[str, ...],
         Option("Block whose vertices stay. Can be given several times.", metavar="BLOCK"),
@@ -83,27 +98,35 @@ def shape(
 ) -> Answer:
     """Move the vertices of free blocks until a model stands, weighs least, or can be tilted most.
 
-    Vertices at one place move together, so that joints stay shared. The verdict is that of
+    Vertices at one place move together, and joints stay plane, so that they stay shared. The
+    verdict is that of
     ``check``. --html and --png show it with the edges of the model before.
 
     Exit code 0: it stands. 1: it does not. 2: bad input. 130: stopped by Ctrl-C, with the best
     shape so far.
     """
-    if move == "joints" and keep_side is not None:
-        raise InputError(
-            "joints slide along both sides", where="--keep-side", remedy="leave it out"
-        )
+    for given, option, why in (
+        (keep_side is not None, "--keep-side", "joints slide along both sides"),
+        (sectors > 1, "--sectors", "the ends of joints have no sectors"),
+        (directions is not None, "--directions", "joints slide along the sides of blocks"),
+    ):
+        if move == "joints" and given:
+            raise InputError(why, where=option, remedy="leave it out")
     stands_at = margins(changed.margin)
     model = subject.prepared(waiting, finding)
     from drystone import design  # work is imported when there is some
+    from drystone.design.shaping.free_moves import prism_axis
 
     size = float(model.assembly.size[model.assembly.free].mean())
     farthest = 0.1 * size if most is None else most
-    prisms = None if along == "none" else along
+    prisms = prism_axis(model, keep) if along is None else along if along != "none" else None
+    moves: ShapeVariables
     if move == "joints":
         moves = design.joint_moves(model, farthest, prisms, mirror, keep)
     else:
-        moves = design.free_vertices(model, farthest, directions, prisms, mirror, keep, keep_side)
+        moves = design.free_vertices(
+            model, farthest, directions, prisms, mirror, keep, keep_side, sectors
+        )
     chosen = design.ShapeOptions(
         aim=design.ShapeAim(aim), margin=stands_at, least_edge=least_edge or 0.0
     )

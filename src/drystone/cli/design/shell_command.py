@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import partial as bound
 from pathlib import Path
@@ -11,40 +10,24 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import OUTPUT, Option, command
+from drystone.cli.base.command import OUTPUT, Experts, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
 from drystone.cli.design.buildable_answer import Asked, find_buildable, show_buildable
-from drystone.cli.inputs import options
+from drystone.cli.design.parameter_search import SearchRequest, parameter_range, show_front
+from drystone.cli.design.shell_pattern import ShellPattern, shell_on, varied_shell, with_values
+from drystone.cli.inputs import families, options
 from drystone.cli.inputs.surfaces import SurfaceRequest, surface_of
 
 if TYPE_CHECKING:
     from drystone.base.files import Job
     from drystone.cli.base.answer import Files
+    from drystone.design import Tuned
     from drystone.shells import Shell
 
 BLOCK_FORMATS = ("obj", "stl", "ply", "glb", "3dm", "json")
 """Formats of the files of single blocks."""
-
-
-def _count_or_auto(text: str) -> int | None:
-    if text == "auto":
-        return None
-    try:
-        return int(text)
-    except ValueError as error:
-        raise InputError(f"is '{text}'", remedy="give a number or auto") from error
-
-
-def _wedges(text: str) -> tuple[float, ...]:
-    try:
-        found = tuple(float(part) for part in text.split(","))
-    except ValueError as error:
-        raise InputError(f"is '{text}'", remedy="give numbers separated by commas") from error
-    if not all(map(math.isfinite, found)):
-        raise InputError(f"is {text}", remedy="give finite numbers")
-    return found
 
 
 @command(
@@ -54,27 +37,7 @@ def _wedges(text: str) -> tuple[float, ...]:
 def shell(
     *,
     wanted: SurfaceRequest,
-    courses: Annotated[int | None, Option("Number of courses (12).")] = None,
-    course_height: Annotated[float | None, Option("Or their height in m.", expert=True)] = None,
-    partial: Annotated[
-        int | None,
-        Option(
-            "Courses that end inside where a side is longer: a number or auto (0).",
-            kind=kinds.OptionKind("COUNT|auto", _count_or_auto),
-            expert=True,
-        ),
-    ] = 0,
-    blocks: Annotated[int | None, Option("Blocks in each course.")] = None,
-    width: Annotated[float | None, Option("Or their width in m (an eighth of the span).")] = None,
-    wedge: Annotated[
-        tuple[float, ...] | None,
-        Option(
-            "Shift of bed joints, by the height of a course: -0.45 to 0.45 (0; with --straight "
-            "what the curvatures ask for). One value, or one for each bed line between courses.",
-            kind=kinds.OptionKind("WEDGE[,WEDGE...]", _wedges),
-            expert=True,
-        ),
-    ] = None,
+    pattern: ShellPattern,
     buildable: Annotated[
         bool,
         Option(
@@ -82,15 +45,7 @@ def shell(
             "course, so that the fewest blocks are propped, then held, while it is built."
         ),
     ] = False,
-    joggle: Annotated[
-        float,
-        Option(
-            "Slope of hooks in bed joints, degrees: 10 to 25, or -25 to -10 (0: none).", expert=True
-        ),
-    ] = 0.0,
-    straight: Annotated[
-        bool, Option("Make the inner face of every block planar.", expert=True)
-    ] = False,
+    search: Annotated[SearchRequest, Experts(but=("vary",))],
     friction: options.Friction = None,
     time_limit: options.TimeLimit = None,
     out: Annotated[
@@ -118,45 +73,43 @@ def shell(
     pictures: Pictures,
     waiting: Waiting,
 ) -> Answer:  # fmt: skip
-    """Divide a surface into blocks that fit, and check whether they stand."""
+    """Divide a surface into blocks that fit, and check whether they stand.
+
+    With --vary its options are searched, as ``drystone tune`` does; the best shell is the answer.
+
+    Exit code 0: it stands. 1: it does not. 2: bad input. 130: Ctrl-C ended it; of a search the best
+    shell so far is written.
+    """
     apart([out, schedule, unrolled, pictures.html, pictures.png])
-    for one, other, names in (
-        (courses, course_height, "--courses and --course-height"),
-        (blocks, width, "--blocks and --width"),
-    ):
-        if one is not None and other is not None:
-            raise InputError("say the same thing", where=names, remedy="give one of them")
+    pattern.refuse_two_ways()
     if block_format is not None and block_files is None:
         raise InputError(
             "is for --block-files", where="--block-format", remedy="name a folder with that"
         )
-    from drystone.shells import Intrados, Layout, ShellBody, build_shell, write_blocks
-    from drystone.shells.shell_by_name import COURSES
+    tuned = None
+    if search.vary:
+        if buildable:
+            raise InputError(
+                "are two searches", where="--buildable and --vary", remedy="give one of them"
+            )
+        tuned = _search(wanted, pattern, search, friction, waiting, time_limit)
+        if not tuned.front:
+            return _none_stands(tuned, wanted.surface)
+        wanted, pattern = with_values(wanted, pattern, **tuned.front[0].values)
+    else:
+        search.refuse_without_vary()
+    from drystone.shells import write_blocks
 
-    body = ShellBody(
-        thickness=wanted.thickness,
-        joggle_deg=joggle,
-        intrados=Intrados.STRAIGHT if straight else Intrados.OFFSET,
-    )
     waiting.stage("read", "building the shell")
     base = surface_of(wanted)
-    shift = wedge[0] if wedge is not None and len(wedge) == 1 else wedge
-    layout = Layout(
-        courses=COURSES if courses is None and course_height is None else courses,
-        height=course_height,
-        partial=partial,
-        blocks=blocks,
-        width=base.width if blocks is None and width is None else width,
-        wedge=0.0 if wedge is None and not straight else shift,
-    )
     told = None
     if buildable:
-        asked = Asked(wedge, courses is None and course_height is None,
-                      blocks is None and width is None, straight)  # fmt: skip
+        asked = Asked(pattern.wedge, pattern.any_courses, pattern.any_width, pattern.straight)
+        layout, body = pattern.layout(base.width), pattern.body(wanted.thickness)
         told = find_buildable(base.shape, layout, body, asked, friction, waiting, time_limit)
         made = told.shell
     else:
-        made = build_shell(base.shape, layout, body, progress=waiting)
+        made = shell_on(base, wanted, pattern, waiting)
     model = made.model() if friction is None else made.model(friction=friction)
     model = replace(model, notes=(*base.notes, *made.notes))
     pictures.require_through(model.assembly)
@@ -169,8 +122,34 @@ def shell(
     answer.data["shell"] = summary(made)
     if told is not None:
         answer.data["buildable"] = told.to_dict()
+    if tuned is not None:
+        answer.data["search"] = {"message": tuned._summary(), **tuned.to_dict()}
     show = bound(_show, answer)
     return replace(answer, show=show, written=waiting.wrote)
+
+
+def _search(
+    wanted: SurfaceRequest,
+    pattern: ShellPattern,
+    search: SearchRequest,
+    friction: float | None,
+    waiting: Waiting,
+    time_limit: float | None,
+) -> Tuned:
+    """The shells that were tried."""
+    known = families.shell_parameters()
+    ranges = [parameter_range(text, known) for text in search.vary]
+    with_values(wanted, pattern, **{one.name: one.choices[0] if one.choices else one.low
+                                    for one in ranges})  # fmt: skip
+    how: dict[str, Any] = {} if friction is None else {"friction": friction}
+    return search.run(bound(varied_shell, wanted, pattern), known, how, waiting, time_limit)
+
+
+def _none_stands(tuned: Tuned, surface: str) -> Answer:
+    """The answer where no shell is good enough."""
+    message = tuned._summary()
+    data = {"model": surface, "message": message, "search": tuned.to_dict()}
+    return Answer(data, lambda screen: screen.line(surface, message, "bold"), 1)
 
 
 def _files(
@@ -210,6 +189,9 @@ def _show(answer: Answer, screen: Screen) -> None:
     told = answer.data["shell"]
     if "buildable" in answer.data:
         show_buildable(answer.data["buildable"], screen)
+    if "search" in answer.data:
+        screen.line(answer.data["search"]["message"])
+        show_front(answer.data["search"], screen)
     screen.line(
         f"{told['voussoirs']} voussoirs in {told['courses']} courses, {told['ground_blocks']} "
         f"ground blocks, {told['volume']:.2f} m3"

@@ -66,10 +66,16 @@ def shell_family(name: str) -> tuple[Callable[..., Any], Parameters] | None:
         return None
     from drystone.shells import shell_by_name
 
-    build = partial(shell_by_name, surface)
+    return partial(shell_by_name, surface), shell_parameters()
+
+
+def shell_parameters() -> Parameters:
+    """The parameters of a shell, but for its surface."""
+    from drystone.shells import shell_by_name
+
     known = dict(inspect.signature(shell_by_name, eval_str=True).parameters)
     del known["surface"]
-    return build, known
+    return known
 
 
 def refuse_unknown(name: str, known: Parameters, where: str) -> None:

@@ -110,8 +110,8 @@ Html: TypeAlias = Annotated[
 ]  # fmt: skip
 Png: TypeAlias = Annotated[
     Path | None,
-    Option("Write a figure, .png, .svg or .pdf.", OUTPUT, ("--png", "--figure"),
-           kinds.target(".png", ".svg", ".pdf")),
+    Option("Write a figure, .png, .svg or .pdf.", OUTPUT,
+           kind=kinds.target(".png", ".svg", ".pdf")),
 ]  # fmt: skip
 Section: TypeAlias = Annotated[
     str | None,

@@ -49,7 +49,12 @@ class SurfaceRequest:
     ] = None
     length: Annotated[
         float | None,
-        Option("Length of a barrel, depth of a free-edge plan, in m.", MODEL, kind=kinds.POSITIVE),
+        Option(
+            "Length of a barrel, depth of a free-edge plan, in m.",
+            MODEL,
+            kind=kinds.POSITIVE,
+            expert=True,
+        ),
     ] = None
     rise: Annotated[
         float | None,
@@ -120,7 +125,7 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
             f"surface '{wanted.surface}' is not known",
             remedy=f"use {', '.join(known)} or a mesh file",
         )
-    _refuse_unused(wanted, kind)
+    refuse_unused(wanted)
     if kind is None:
         return _from_mesh(wanted.surface, wanted.supports, wanted.units)
     span = SPAN if wanted.span is None else wanted.span
@@ -136,7 +141,9 @@ def surface_of(wanted: SurfaceRequest) -> Surface:
     return Surface(shape, span / SHARE, notes)
 
 
-def _refuse_unused(wanted: SurfaceRequest, kind: str | None) -> None:
+def refuse_unused(wanted: SurfaceRequest) -> None:
+    """Raise InputError where an option is given that the surface does not have."""
+    kind = wanted.surface if wanted.surface in USED else None
     for option, value in (
         ("--span", wanted.span),
         ("--length", wanted.length),

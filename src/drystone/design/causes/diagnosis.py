@@ -27,6 +27,7 @@ from drystone.design.causes.missing import (
     pulls_of,
     turn_needed,
 )
+from drystone.design.causes.missing_wrenches import solve_alone, with_wrenches
 from drystone.design.causes.prop_forces import (
     LARGE_REGION,
     QUICK,
@@ -39,10 +40,7 @@ from drystone.design.causes.regions import first_motion_of, interfaces_of, local
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
 from drystone.results import Result
-from drystone.stability import PenaltyOptions, check, solve_cra_penalty
-
-AS_IT_LIES = PenaltyOptions(search=False)
-"""Joints are as stiff as they are: what shims could hold needs help all the same."""
+from drystone.stability import check
 
 
 @dataclass(frozen=True)
@@ -123,10 +121,7 @@ def diagnose(
     answer = check(model, stop=clock.late) if result is None else result
     if answer.stable:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))))
-    if answer.prop is None or not answer.falling:
-        answer = solve_cra_penalty(
-            model, options=AS_IT_LIES, stop=clock.late, time_limit_s=clock.left_s
-        )
+    answer = with_wrenches(answer, clock.late, clock.left_s)
     if answer.prop is None or not answer.falling:
         return Diagnosis(answer, (), frozen(np.zeros((len(model), 6))), stopped=clock.reason)
     prop = np.zeros((len(model), 6))
@@ -162,11 +157,7 @@ def _region(
     local, position = local_model(model, blocks)
     inside = np.zeros(len(model), dtype=bool)
     inside[list(blocks)] = True
-    alone = (
-        solve_cra_penalty(local, options=AS_IT_LIES, stop=late)
-        if options.needs
-        else check(local, options=QUICK, stop=late)
-    )
+    alone = solve_alone(local, late) if options.needs else check(local, options=QUICK, stop=late)
     own = tuple(range(len(blocks)))
     wrench = prop[list(blocks)]
     if alone.prop is not None and not alone.stable and np.any(alone.prop):

@@ -12,13 +12,16 @@ from drystone.base.arrays import Bools, Floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.shaping.block_sides import on_side, slides
+from drystone.design.shaping.shared_planes import PlaneMoves, SharedPlanes
 from drystone.design.shaping.vertex_measures import owners_of, vertices_of
 from drystone.design.shaping.vertex_places import (
+    AXES,
     TOGETHER,
     Places,
     axis_of,
+    is_prism,
     places_of,
-    require_plane,
+    require_prisms,
 )
 from drystone.model import Model
 
@@ -71,16 +74,31 @@ class Moves(OneLine):
         return self.matrix
 
 
+def prism_axis(model: Model, keep: Sequence[int | str] = ()) -> str | None:
+    """The first of y, x and z along which all free blocks but those to keep are prisms."""
+    stay = {*np.flatnonzero(model.assembly.fixed).tolist(), *model.assembly.indices(list(keep))}
+    some = [block for i, block in enumerate(model.assembly.blocks) if i not in stay]
+    for axis in ("y", "x", "z"):
+        if all(is_prism(block, axis) for block in some):
+            return axis
+    return None
+
+
 def free_vertices(
     model: Model,
     most: float,
-    directions: str = "xz",
+    directions: str | None = None,
     along: str | None = "y",
     mirror: str | None = None,
     keep: Sequence[int | str] = (),
     keep_side: str | None = None,
-) -> Moves:
+    sectors: int = 1,
+) -> Moves | PlaneMoves:
     """Vertices that move freely; those at one place move together, so that joints stay shared.
+
+    Joints stay plane: where a move would bend a joint, other vertices of the joint follow it
+    (:class:`PlaneMoves`). Faces that no joint covers may be warped; a warped face is its fan about
+    the mean of its corners.
 
     Parameters
     ----------
@@ -88,10 +106,10 @@ def free_vertices(
     most : [m]
         Largest move of each vertex along each direction.
     directions
-        Axes along which they move, such as ``xz``.
+        Axes along which they move, such as ``xz``; when left out, all but ``along``.
     along
         Vertices that differ along this axis only move together: blocks that are prisms along it
-        stay prisms, and their faces plane. ``None`` where faces are triangles.
+        stay prisms. ``None`` for other blocks, such as those of domes and shells.
     mirror
         Vertices that are mirror images along this axis, about the middle of the model, move as
         mirror images.
@@ -99,19 +117,31 @@ def free_vertices(
         Names or positions of blocks whose vertices stay. Those of fixed blocks stay in any case.
     keep_side
         ``intrados`` or ``extrados``: the vertices of that side stay.
+    sectors
+        Equal sectors about a vertical axis through the middle of the model that stay equal.
 
     Raises
     ------
     InputError
-        An axis or a side is unknown, a face would not stay plane, or nothing is left to move.
+        An axis or a side is unknown, the model does not have the symmetry, every move would bend a
+        joint, or nothing is left to move.
     """
+    if directions is None:
+        directions = "".join(axis for axis in AXES if axis != along)
     ways = np.eye(3)[[axis_of(axis) for axis in directions]]
     kept = model.assembly.fixed.copy()
     kept[model.assembly.indices(list(keep))] = True
-    require_plane(model, along, kept)
-    places = Places.of(model, along, mirror)
-    side = None if keep_side is None else on_side(model, keep_side, along)
-    return _moves(model, places, [ways] * places.count, kept, most, side)
+    if along is not None:
+        require_prisms(model, along, kept)
+    places = Places.of(model, along, mirror, sectors)
+    still = kept[owners_of(model.assembly)]
+    if keep_side is not None:
+        still |= on_side(model, keep_side, along)
+    moves = _moves(model, places, [ways] * places.count, kept, most, still)
+    plane = PlaneMoves.of(
+        moves.matrix, moves.most, SharedPlanes.of(model, still), vertices_of(model.assembly)
+    )
+    return plane if plane.bending.shape[1] else moves
 
 
 def joint_moves(
@@ -143,9 +173,11 @@ def joint_moves(
     """
     kept = np.zeros(len(model), dtype=bool)
     kept[model.assembly.indices(list(keep))] = True
-    require_plane(model, along, kept)
+    if along is not None:
+        require_prisms(model, along, kept)
     places = Places.of(model, along, mirror)
-    return _moves(model, places, slides(model, places), kept, most)
+    still = kept[owners_of(model.assembly)]
+    return _moves(model, places, slides(model, places), kept, most, still)
 
 
 def _moves(
@@ -154,11 +186,10 @@ def _moves(
     ways: Sequence[Floats],
     kept: Bools,
     most: float,
-    side: Bools | None = None,
+    still: Bools,
 ) -> Moves:
-    """The moves of places along ways (w, 3) each; blocks (n,) and a side (v,) may stay."""
-    still = kept[owners_of(model.assembly)]
-    matrix = places.matrix(ways, still if side is None else still | side)
+    """The moves of places along ways (w, 3) each; blocks (n,), or vertices (v,), may stay."""
+    matrix = places.matrix(ways, still)
     if not matrix.shape[1]:
         names = [model.assembly.names[i] for i in np.flatnonzero(kept)]
         stay = f": the blocks {', '.join(names[:LISTED])} stay" if names else ""
@@ -217,4 +248,4 @@ def _largest(most: float, count: int) -> Floats:
     return np.full(count, float(most))
 
 
-__all__ = ["Moves", "block_moves", "free_vertices", "joint_moves", "thickening"]
+__all__ = ["Moves", "block_moves", "free_vertices", "joint_moves", "prism_axis", "thickening"]

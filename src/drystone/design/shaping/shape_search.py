@@ -255,7 +255,7 @@ class ShapeSearch(ShapeValues):
         """What was found, checked in full."""
         result = self.options.margin.holds(model)
         stands = self.options.margin.meets(result)
-        late, self.late = self.late, bool
+        late, self.late, self.ground = self.late, bool, GROUND
         values = []
         for where, one in ((x, model), (np.zeros_like(x), self.model)):
             try:

@@ -18,6 +18,9 @@ from drystone.design.surgery.changed_model import changed
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.model import Model
 
+ROUNDING = 1e-6
+"""Share by which an edge may be shorter than the least: the optimiser keeps bounds to rounding."""
+
 
 class ShapeValues:
     """What is to be least, the help that is needed and the lengths of edges of one shape.
@@ -97,6 +100,11 @@ class ShapeValues:
             slope += 2.0 * along[:, axis, None] * both.toarray() / self.options.least_edge
         return (along**2).sum(axis=1) - 1.0, slope
 
+    def shortest(self, vertex: Floats) -> float:
+        """The length of the shortest edge that moves, for vertices (v, 3) [m]."""
+        i, j = self.moving.T
+        return float(np.linalg.norm(vertex[i] - vertex[j], axis=1).min(initial=np.inf))
+
     @cached_property
     def moving(self) -> Ints:
         """The edges (e, 2) of all blocks whose length changes with a variable."""
@@ -142,6 +150,8 @@ class ShapeValues:
         """The model with variables (p,), its contacts found anew; ``None`` where it cannot be."""
         try:
             vertex = self.moves.moved(self.bodies.vertex, x)
+            if self.shortest(vertex) < (1.0 - ROUNDING) * self.options.least_edge:
+                return None
             assembly = self.bodies.assembly_at(vertex)
             moved = {
                 i: block

@@ -59,7 +59,8 @@ def shape(
     ------
     InputError
         What was given cannot be made into a model, the moves are those of another model, a joint is
-        curved, or a model that is to be made lighter does not stand.
+        curved, an edge is shorter than the least, or a model that is to be made lighter does not
+        stand.
 
     Examples
     --------
@@ -82,6 +83,13 @@ def shape(
             remedy="build the model with them",
         )
     search = ShapeSearch(model, variables, chosen, progress, clock.late)
+    shortest = search.shortest(vertex)
+    if shortest < chosen.least_edge:
+        raise InputError(
+            f"an edge that moves is {shortest:.4g} m long already, shorter than the least of "
+            f"{chosen.least_edge:.4g} m",
+            remedy=f"give a least edge of {shortest:.4g} m or less",
+        )
     return raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from drystone.assembly import Assembly, replace_block
 from drystone.base.arrays import Floats, Ints, cross
@@ -33,8 +34,10 @@ class BlockVertices:
     vertex : (v, 3) [m] of all blocks, one after the other
     start : (n + 1,) where those of each block begin
     owner : (v,) the block of each vertex
-    triangle : (t, 3) vertices of the triangles of all faces
+    triangle : (t, 3) points of the triangles of all faces: fans about the means of their corners
     triangle_owner : (t,)
+    mean : (v + f, v) the points of the triangles: the vertices, and the means of faces with more
+        than three corners
     """
 
     assembly: Assembly
@@ -43,22 +46,33 @@ class BlockVertices:
     owner: Ints
     triangle: Ints
     triangle_owner: Ints
+    mean: sparse.csr_matrix
 
     @classmethod
     def of(cls, assembly: Assembly) -> BlockVertices:
         """The vertices and triangles of an assembly."""
         counts = [len(block.vertices) for block in assembly.blocks]
         start = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
+        total = int(start[-1])
         fan: list[tuple[int, int, int]] = []
         owner: list[int] = []
+        corners: list[Ints] = []
         for i, block in enumerate(assembly.blocks):
-            first = int(start[i])
             for loop in block.faces:
-                fan += [
-                    (first + loop[0], first + loop[j], first + loop[j + 1])
-                    for j in range(1, len(loop) - 1)
-                ]
-                owner += [i] * (len(loop) - 2)
+                ring = int(start[i]) + np.array(loop, dtype=np.intp)
+                if len(ring) == 3:
+                    fan.append((int(ring[0]), int(ring[1]), int(ring[2])))
+                    owner.append(i)
+                    continue
+                middle = total + len(corners)
+                corners.append(ring)
+                ends = zip(ring.tolist(), np.roll(ring, -1).tolist(), strict=True)
+                fan += [(middle, one, other) for one, other in ends]
+                owner += [i] * len(ring)
+        count = np.array([len(ring) for ring in corners], dtype=np.intp)
+        row = np.repeat(np.arange(len(corners)), count)
+        column = np.concatenate([*corners, np.zeros(0, dtype=np.intp)])
+        means = sparse.csr_matrix((1.0 / count[row], (row, column)), (len(corners), total))
         return cls(
             assembly,
             vertices_of(assembly),
@@ -66,6 +80,7 @@ class BlockVertices:
             owners_of(assembly),
             np.array(fan, dtype=np.intp),
             np.array(owner, dtype=np.intp),
+            sparse.csr_matrix(sparse.vstack([sparse.identity(total), means])),
         )
 
     def assembly_at(self, vertex: Floats) -> Assembly:
@@ -119,16 +134,17 @@ class BlockVertices:
         moment = by_moment[self.triangle_owner]
         along = rest[self.triangle_owner] / 6.0 + np.einsum("ti,ti->t", moment, total) / 24.0
         shared = moment * (six / 24.0)[:, None]
-        out = np.zeros_like(vertex)
+        out = np.zeros((self.mean.shape[0], 3))
         for k, (one, other) in enumerate(((b, c), (c, a), (a, b))):
             np.add.at(out, self.triangle[:, k], along[:, None] * cross(one, other) + shared)
         # the origin of each block moves with its vertices, and has no effect
-        return out
+        by_vertex: Floats = self.mean.T @ out
+        return by_vertex
 
     def _tetrahedra(self, vertex: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
         """Corners of the triangles about the middle of their block, six volumes, sums, middles."""
         middle = np.add.reduceat(vertex, self.start[:-1], axis=0) / np.diff(self.start)[:, None]
-        local = vertex - middle[self.owner]
+        local = self.mean @ (vertex - middle[self.owner])
         a, b, c = (local[self.triangle[:, k]] for k in range(3))
         return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
 

@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from drystone.assembly import Block
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError
 from drystone.design.shaping.vertex_measures import vertices_of
@@ -19,14 +20,14 @@ TOGETHER = 1e-6
 """Vertices are at the same place when they are nearer than this share of the size of the model."""
 
 OFF = 1e-6
-"""A direction whose part within the mirror plane is below this share leads off the plane."""
+"""A direction of which symmetries and other directions leave less than this share adds nothing."""
 
 AXES = {"x": 0, "y": 1, "z": 2}
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """The places of the vertices of a model, and their mirror images.
+    """The places of the vertices of a model, and their images in its symmetries.
 
     Attributes
     ----------
@@ -34,35 +35,33 @@ class Places:
         Of each place, with the coordinate along the axis of the prisms left out.
     group : (v,)
         The place of each vertex.
-    image : (g,)
-        The mirror image of each place; itself without a mirror.
-    sign : (g, 3)
-        Of the moves of the image; zero off the mirror plane for places on it.
+    image : (s, g)
+        The image of each place in each symmetry; the first symmetry leaves all as it is.
+    turn : (s, 3, 3)
+        The symmetries: rotations and mirrors.
     """
 
     point: Floats
     group: Ints
     image: Ints
-    sign: Floats
+    turn: Floats
 
     @classmethod
-    def of(cls, model: Model, along: str | None, mirror: str | None) -> Places:
+    def of(cls, model: Model, along: str | None, mirror: str | None, sectors: int = 1) -> Places:
         """The places of a model.
 
         Raises
         ------
         InputError
-            An axis is unknown, or the model is not its own mirror image.
+            An axis is unknown, or the model does not have the symmetry.
         """
         vertex = vertices_of(model.assembly)
         near = TOGETHER * float(np.ptp(vertex, axis=0).max())
         flat = flattened(vertex, along)
         group = places_of(flat, near)
         point = flat[np.unique(group, return_index=True)[1]]
-        image, sign = np.arange(len(point)), np.ones((len(point), 3))
-        if mirror is not None:
-            image, sign = _images(point, axis_of(mirror), near)
-        return cls(point, group, image, sign)
+        turn = symmetries(mirror, sectors)
+        return cls(point, group, _images(point, turn, near), turn)
 
     @property
     def count(self) -> int:
@@ -76,22 +75,19 @@ class Places:
         ----------
         ways
         still : (v,)
-            A place stays where one of its vertices, or of those of its mirror image, stays.
+            A place stays where one of its vertices, or of those of its images, stays.
         """
         stays = np.zeros(self.count, dtype=bool)
         stays[self.group[still]] = True
-        stays |= stays[self.image]
+        stays = np.asarray(stays[self.image].any(axis=0), dtype=np.bool_)
         members = [np.flatnonzero(self.group == place) for place in range(self.count)]
         rows: list[Ints] = []
         values: list[Floats] = []
-        for place in np.flatnonzero(~stays & (np.arange(self.count) <= self.image)).tolist():
-            image, sign = int(self.image[place]), self.sign[place]
-            for way in ways[place]:
-                step = {place: way * sign} if image == place else {place: way, image: way * sign}
-                size = float(np.linalg.norm(step[place]))
-                if size < OFF:
-                    continue  # on the mirror plane, and moving off it
-                some = [(members[one], move / size) for one, move in step.items()]
+        firsts = np.arange(self.count) == self.image.min(axis=0)
+        for place in np.flatnonzero(~stays & firsts).tolist():
+            for way in self._kept(place, ways[place]):
+                step = dict(zip(self.image[:, place].tolist(), self.turn @ way, strict=True))
+                some = [(members[one], move) for one, move in step.items()]
                 rows.append(np.concatenate([(3 * m[:, None] + np.arange(3)).ravel()
                                             for m, _ in some]))  # fmt: skip
                 values.append(np.concatenate([np.tile(move, len(m)) for m, move in some]))
@@ -102,6 +98,41 @@ class Places:
         made = sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), column)), shape)
         made.eliminate_zeros()
         return made
+
+    def _kept(self, place: int, ways: Floats) -> Floats:
+        """Unit moves (w, 3) of a place along ways (w, 3) that its symmetries leave as they are."""
+        own = self.turn[self.image[:, place] == place].mean(axis=0)
+        found: list[Floats] = []
+        for move in ways @ own.T:
+            rest = move - sum((one * float(one @ move) for one in found), np.zeros(3))
+            size = float(np.linalg.norm(rest))
+            if size > OFF:
+                found.append(rest / size)
+        return np.array(found).reshape(-1, 3)
+
+
+def symmetries(mirror: str | None, sectors: int) -> Floats:
+    """The rotations and mirrors (s, 3, 3) of a number of sectors about z, and of a mirror axis.
+
+    Raises
+    ------
+    InputError
+        The axis is unknown, there is less than one sector, or sectors are mirrored upside down.
+    """
+    if sectors < 1:
+        raise InputError(f"sectors is {sectors}", remedy="give 1 or more")
+    if sectors > 1 and mirror == "z":
+        raise InputError("sectors about z are not mirrored along z", remedy="give x or y")
+    angle = 2.0 * np.pi * np.arange(sectors) / sectors
+    turn = np.zeros((sectors, 3, 3))
+    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(angle)
+    turn[:, 1, 0], turn[:, 0, 1] = np.sin(angle), -np.sin(angle)
+    turn[:, 2, 2] = 1.0
+    if mirror is None:
+        return turn
+    flip = np.eye(3)
+    flip[axis_of(mirror), axis_of(mirror)] = -1.0
+    return np.concatenate([turn, turn @ flip])
 
 
 def axis_of(name: str) -> int:
@@ -134,45 +165,55 @@ def places_of(point: Floats, near: float) -> Ints:
     return np.asarray(connected_components(links, directed=False)[1], dtype=np.intp)
 
 
-def require_plane(model: Model, along: str | None, kept: Bools) -> None:
-    """Refuse where free vertices would bend a face of a block that is not among those kept (n,).
+def require_prisms(model: Model, along: str, kept: Bools) -> None:
+    """Refuse where a block that is not among those kept (n,) is no prism along an axis.
 
     Raises
     ------
     InputError
-        A block has a face of more than three corners, and is no prism along the axis.
+        There is such a block that has faces of more than three corners.
     """
     some = [model.assembly.blocks[i] for i in np.flatnonzero(~kept)]
     if all(len(loop) == 3 for block in some for loop in block.faces):
         return
-    if along is None:
-        raise InputError(
-            "faces with more than three corners would not stay plane",
-            remedy="name an axis along which the blocks are prisms",
-        )
-    axis = axis_of(along)
     for block in some:
-        level = np.unique(np.round(block.vertices[:, axis] / (TOGETHER * block.size)))
-        ends = places_of(flattened(block.vertices, along), TOGETHER * block.size)
-        if len(np.unique(ends)) * 2 != len(ends) or len(level) != 2:
+        if not is_prism(block, along):
             raise InputError(
                 f"is no prism along {along}: its faces would not stay plane",
                 where=f"block '{block.name}'",
-                remedy="keep it, or name another axis",
+                remedy="keep it, name another axis, or name none",
             )
 
 
-def _images(place: Floats, axis: int, near: float) -> tuple[Ints, Floats]:
-    """The mirror image of each place, and the signs of its moves; zero off a plane it is on."""
-    middle = 0.5 * (place[:, axis].min() + place[:, axis].max())
-    other = place.copy()
-    other[:, axis] = 2.0 * middle - other[:, axis]
-    away, image = map(np.asarray, cKDTree(other).query(place))
-    if away.max() > 10.0 * near:
-        raise InputError("the model is not its own mirror image", remedy="leave the mirror out")
-    sign = np.ones((len(place), 3))
-    sign[:, axis] = np.where(image == np.arange(len(place)), 0.0, -1.0)
-    return np.asarray(image, dtype=np.intp), sign
+def is_prism(block: Block, along: str) -> bool:
+    """Whether a block is a prism along an axis."""
+    level = np.unique(np.round(block.vertices[:, axis_of(along)] / (TOGETHER * block.size)))
+    ends = places_of(flattened(block.vertices, along), TOGETHER * block.size)
+    return len(np.unique(ends)) * 2 == len(ends) and len(level) == 2
 
 
-__all__ = ["TOGETHER", "Places", "axis_of", "flattened", "places_of", "require_plane"]
+def _images(place: Floats, turn: Floats, near: float) -> Ints:
+    """The image (s, g) of each place in each symmetry, about the mean of all places."""
+    centred = place - place.mean(axis=0)
+    found = []
+    for one in turn:
+        away, image = map(np.asarray, cKDTree(centred).query(centred @ one.T))
+        if away.max() > 10.0 * near or len(np.unique(image)) < len(image):
+            what = "mirror image" if np.linalg.det(one) < 0.0 else "image in another sector"
+            raise InputError(
+                f"the model is not its own {what}", remedy="leave the mirror or the sectors out"
+            )
+        found.append(image)
+    return np.array(found, dtype=np.intp)
+
+
+__all__ = [
+    "AXES",
+    "TOGETHER",
+    "Places",
+    "axis_of",
+    "flattened",
+    "is_prism",
+    "places_of",
+    "require_prisms",
+]

@@ -87,7 +87,8 @@ def changed(
             origin[left] = heir
         after = np.concatenate([origin[kept], np.full(len(added), parts_of, dtype=np.intp)])
         origin[np.setdiff1d(np.asarray(removed, dtype=np.intp), list(heirs or {}))] = -1
-        contacts = _as_before(model, _found(model, assembly, touched, after), origin, after)
+        found = _found(model, assembly, touched, after)
+        contacts = _as_before(model, found, origin, after, ~stays)
     return Model(
         assembly,
         joined_contacts(unchanged, contacts),
@@ -136,11 +137,12 @@ def _found(model: Model, assembly: Assembly, touched: Bools, after: Ints) -> Con
     return found.select(mine, back)
 
 
-def _as_before(model: Model, part: Contacts, before: Ints, after: Ints) -> Contacts:
+def _as_before(model: Model, part: Contacts, before: Ints, after: Ints, gone: Bools) -> Contacts:
     """New interfaces with the friction and the capacity of the joints in whose place they are.
 
     A joint has one key before and after: the origins of its two blocks. Its friction is the least
-    one before. Its strength is spread over its area, and less where the area is less.
+    one before. Its strength is spread over its area, and less where the area is less. ``gone`` are
+    the interfaces (m,) of the model that were not kept.
 
     Raises
     ------
@@ -164,15 +166,17 @@ def _as_before(model: Model, part: Contacts, before: Ints, after: Ints) -> Conta
         for row, value in enumerate((capacity.tension, capacity.cohesion, capacity.shear)):
             total = float(value[was].sum())
             strength[row, now] = NO_LIMIT if total >= NO_LIMIT else total * share
-    _refuse_lost(model, capacity, *keys)
+    _refuse_lost(model, capacity, gone, *keys)
     part = part.with_friction(friction)
     return part if old.capacity is None else part.with_capacity(JointCapacity(*strength))
 
 
-def _refuse_lost(model: Model, capacity: JointCapacity, before: Ints, after: Ints) -> None:
+def _refuse_lost(
+    model: Model, capacity: JointCapacity, gone: Bools, before: Ints, after: Ints
+) -> None:
     """Refuse a change with which a joint with strength disappears."""
     there = set(map(tuple, after.tolist()))
-    for k in np.flatnonzero((capacity.tension > 0.0) | (capacity.cohesion > 0.0)):
+    for k in np.flatnonzero(gone & ((capacity.tension > 0.0) | (capacity.cohesion > 0.0))):
         key = tuple(before[k].tolist())
         if min(key) >= 0 and key[0] != key[1] and key not in there:
             names = [model.assembly.names[i] for i in key]

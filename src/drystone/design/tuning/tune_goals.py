@@ -6,7 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from drystone.base.errors import InputError, counted
+from drystone.base.progress import Clock
 from drystone.design.mends.margin import DesignMargin
 from drystone.io.opening import as_model
 from drystone.model import Model
@@ -54,21 +57,33 @@ class TuneGoals:
 
 
 def outcome_of(
-    build: Callable[..., Any], how: Mapping[str, Any], wanted: TuneGoals, values: Mapping[str, Any]
-) -> Outcome:
-    """Build one structure, check it, and plan it where that is asked for."""
+    build: Callable[..., Any],
+    how: Mapping[str, Any],
+    wanted: TuneGoals,
+    values: Mapping[str, Any],
+    clock: Clock | None = None,
+) -> Outcome | None:
+    """Build one structure, check it, and plan it where that is asked for.
+
+    ``None`` where the time was up before the answer was known.
+    """
+    clock = Clock(np.inf) if clock is None else clock
     try:
         model = model_of(build(**values), how)
-        result = wanted.margin.holds(model, settle=False)
+        result = wanted.margin.holds(model, clock.late, settle=False)
     except InputError as error:
         return (), False, str(error)
+    if result.stopped:
+        return None
     good = wanted.margin.meets(result)
     why = "" if good else result.message
     counts: Mapping[str, int] = {}
     if wanted.planned:
         if not good:
             return (), False, why
-        counts, why = planned_counts(model)
+        counts, why = planned_counts(model, clock)
+        if clock.reason:
+            return None
         if why:
             return (), False, why
         if wanted.props is not None and counts["propped"] > wanted.props:
@@ -92,9 +107,10 @@ def model_of(made: Any, how: Mapping[str, Any]) -> Model:
     return made if isinstance(made, Model) else as_model(made, **how)
 
 
-def planned_counts(model: Model) -> tuple[Mapping[str, int], str]:
+def planned_counts(model: Model, clock: Clock | None = None) -> tuple[Mapping[str, int], str]:
     """Blocks by status while a structure is built course by course; else why it cannot be."""
-    made = plan(model, options=PlanOptions(rules=Rules(order=Order.COURSE)))
+    stop = None if clock is None else clock.late
+    made = plan(model, options=PlanOptions(rules=Rules(order=Order.COURSE)), stop=stop)
     if not made.steps or made.counts["impossible"] or made.verdict is not Verdict.STABLE:
         return made.counts, f"it cannot be built: {made.message}"
     return made.counts, ""

@@ -102,7 +102,8 @@ class Tuned(OneLine):
         standing = sum(trial.stands for trial in self.trials)
         tried = counted(len(self.trials), "trial")
         if standing or not self.trials:
-            return f"{tried}, {counted(standing, 'structure')} that stand"
+            stand = "that stands" if standing == 1 else "that stand"
+            return f"{tried}, {counted(standing, 'structure')} {stand}"
         why = Counter(trial.message for trial in self.trials).most_common(1)[0][0]
         return f"{tried}, none of which stands: {why}; widen the bounds"
 

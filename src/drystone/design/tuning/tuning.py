@@ -124,11 +124,12 @@ def tune(
             "the goals contradict each other, or there is none", remedy="name each once"
         )
     wanted = TuneGoals(asked, chosen.margin, chosen.props)
-    evaluate = partial(outcome_of, build, dict(how or {}), wanted)
     clock = Clock(time_limit_s, stop)
+    evaluate = partial(outcome_of, build, dict(how or {}), wanted, clock=clock)
+    built = told(partial(build, **dict(how or {})))
     with WorkerPool(executor) as pool:
         return _ValueSearch(
-            parameters, asked, evaluate, store, chosen, pool, progress, clock.late
+            parameters, asked, evaluate, built, store, chosen, pool, progress, clock.late
         ).run()
 
 
@@ -139,7 +140,8 @@ class _ValueSearch:
         self,
         parameters: Sequence[Parameter],
         goals: tuple[str, ...],
-        evaluate: Callable[[Mapping[str, Any]], Outcome],
+        evaluate: Callable[[Mapping[str, Any]], Outcome | None],
+        built: str,
         store: str | Path | None,
         options: TuneOptions,
         pool: WorkerPool,
@@ -156,6 +158,7 @@ class _ValueSearch:
         self.optuna: Any = optuna
         self.parameters, self.goals, self.evaluate = parameters, goals, evaluate
         self.options, self.pool, self.progress, self.late = options, pool, progress, late
+        self.built = built
         self.study = self.opened(store)
 
     def opened(self, store: str | Path | None) -> Any:
@@ -183,6 +186,7 @@ class _ValueSearch:
             {
                 "parameters": [[one.name, *self.range_of(one)] for one in self.parameters],
                 "goals": self.goals,
+                "build": self.built,
                 "margin": str(self.options.margin),
                 "props": self.options.props,
                 "seed": self.options.seed,
@@ -193,7 +197,8 @@ class _ValueSearch:
         before = study.user_attrs.get(SETTINGS, settings)
         if before != settings:
             raise InputError(
-                "has the trials of another search: its parameters, goals, seed or batch differ",
+                "has the trials of another search: its structures, parameters, goals, seed or "
+                "batch differ",
                 where=str(store),
                 remedy="name another file",
             )
@@ -242,7 +247,10 @@ class _ValueSearch:
         """Evaluate trials, and tell what came of them in the order of their numbers."""
         values = [one.params for one in batch]
         answers = self.pool.answers(self.evaluate, values, self.late, failed=_failed)
-        for frozen, (goals, stands, message) in zip(batch, answers, strict=False):
+        for frozen, outcome in zip(batch, answers, strict=False):
+            if outcome is None:  # ended before its answer was known: the next run evaluates it
+                break
+            goals, stands, message = outcome
             trial = self.optuna.trial.Trial(self.study, frozen._trial_id)
             if FALLS not in frozen.user_attrs:  # else it was ended before this trial was told
                 trial.set_constraint(FALLS, 0.0 if stands else 1.0)
@@ -264,6 +272,16 @@ class _ValueSearch:
                 yield TuneTrial(
                     one.number, one.params, goals, stands, one.user_attrs.get("message", "")
                 )
+
+
+def told(made: Any) -> str:
+    """What builds a structure, in words that are the same in every process."""
+    if isinstance(made, partial):
+        given = [*made.args, *sorted(made.keywords.items())]
+        return f"{told(made.func)}({', '.join(map(told, given))})"
+    if isinstance(made, tuple):
+        return f"({', '.join(map(told, made))})"
+    return str(getattr(made, "__qualname__", made))
 
 
 def _failed(_: Mapping[str, Any]) -> Outcome:

@@ -85,12 +85,12 @@ def gravity_of(model: Model) -> Floats:
 
 
 def _plain_names(names: tuple[str, ...]) -> list[str]:
-    """Names that are valid in every format, all different."""
-    out: list[str] = []
+    """Names that are valid in every format, all different; ``world`` is that of the ground."""
+    out: list[str] = ["world"]
     for i, name in enumerate(names):
         plain = re.sub(r"[^A-Za-z0-9._-]", "_", name)
         out.append(plain if plain not in out and plain == name else f"{plain}_{i}")
-    return out
+    return out[1:]
 
 
 def _hull(point: Floats) -> tuple[Floats, Ints]:

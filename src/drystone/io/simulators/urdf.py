@@ -10,6 +10,7 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import FormatError
 from drystone.base.files import Job, PathLike, write_together
 from drystone.io.simulators.simulator_bodies import SimulatorBody, bodies
 from drystone.model import Model
@@ -36,7 +37,11 @@ def write_urdf(model: Model, path: PathLike, *, name: str = "drystone") -> list[
     target = Path(path)
     folder = target.with_name(f"{target.stem}_meshes")
     found = bodies(model)
-    folder.mkdir(parents=True, exist_ok=True)
+    if not target.parent.is_dir():
+        raise FormatError(
+            f"there is no folder '{target.parent}'", where=str(target), remedy="make it first"
+        )
+    folder.mkdir(exist_ok=True)
     jobs: list[Job] = []
     for body in found:
         for k, (point, triangle) in enumerate(body.pieces):

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import DrystoneError
+from drystone.base.errors import DrystoneError, InputError
 from drystone.design import Mend
 from drystone.io import read
 from drystone.io.jsontext import Field, parse
@@ -145,7 +145,10 @@ def facts(model: Model) -> dict[str, Any]:
 
 def _read(self: Calculator, message: Mapping[str, Any]) -> None:
     folder: Folder = message["folder"]
-    path = folder.model(message["name"])
+    name = message["name"]
+    if not (folder.path / name).is_file():  # while it was watched
+        raise InputError("the file is gone", where=name, remedy="save it again")
+    path = folder.model(name)
     model = read(path, **message["how"])
     self.keep(model, message["number"], message["name"])
 

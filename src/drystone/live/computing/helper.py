@@ -20,6 +20,16 @@ POLL_INTERVAL = 0.1
 """[s] between two tests whether a job was cancelled or is late."""
 
 
+ENDED = (
+    "the calculation ended without an answer, perhaps because memory ran out",
+    "give a smaller model",
+)
+NOT_STARTED = (
+    "the process that computes ended before it was ready",
+    "see what it wrote; in a script, start the server below: if __name__ == '__main__':",
+)
+
+
 class Helper:
     """One process, and the job that it works on. Only one thread may call :meth:`run`."""
 
@@ -84,10 +94,10 @@ class Helper:
                         hear(event)
                     continue
             except (EOFError, OSError):
+                why = ENDED if self._ready else NOT_STARTED
                 self._replace()
                 if self._cancelled_at is None:
-                    hear(_failed("the calculation ended without an answer, perhaps because memory"
-                                 " ran out", "give a smaller model"))  # fmt: skip
+                    hear(_failed(*why))
                 return
             now = time.monotonic()
             if self._cancelled_at is not None and now - self._cancelled_at > GRACE:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from drystone import io
+from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.design import Mend, MendOptions, find_mends, recut_joints
@@ -26,7 +27,16 @@ from drystone.live.computing.moved_supports import after_moving, verdict_of
 from drystone.live.computing.wish import Wish, WishedModel, asked
 from drystone.loads import DOWN, LoadCase
 from drystone.model import Model
-from drystone.sequence import CutOptions, Order, PlanOptions, Rules, cut_until_free, plan
+from drystone.sequence import (
+    CutOptions,
+    Order,
+    Plan,
+    PlanOptions,
+    Rules,
+    Status,
+    cut_until_free,
+    plan,
+)
 from drystone.view import scene_of
 from drystone.view.web.encode import encode, to_text
 
@@ -242,9 +252,19 @@ def _plan(work: Work) -> Iterator[Event]:
         "message": found.message,
         "stopped": found.stopped,
         "impossible": {part.assembly.names[b]: why for b, why in found.impossible.items()},
+        "help": _help(found),
     }
     scene = to_text(encode(scene_of(found, source=work.name))) if found.steps else None
     yield "plan", {"plan": told, "scene": scene}
+
+
+def _help(found: Plan) -> dict[str, str]:
+    """The help that each block needs, by its name."""
+    names = found.model.assembly.names
+    told = {names[b]: "held" for b, one in enumerate(found.status) if one is Status.HELD}
+    for prop in found.props:
+        told[names[prop.block]] = f"propped, {units.quantity(prop.force, 'N')}"
+    return told
 
 
 def _cases(work: Work) -> Iterator[Event]:

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from drystone.base import units
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import acceleration_of
@@ -164,9 +165,7 @@ def asked(model: Model, wish: Wish) -> WishedModel:
         load = load + more_gravity(model, wish.gravity)
     for block, force in wish.pushes:
         load = load + LoadCase.point_load(model.assembly, block, force)
-    name = model.load.name + (", pushed" if wish.pushes else "")
-    name += ", supports moved" if wish.moves or model.load.motion is not None else ""
-    model = model.with_load(replace(load, name=name))
+    model = model.with_load(replace(load, name=_load_name(model.load, wish)))
     gone = np.zeros(len(model), dtype=bool)
     gone[model.assembly.indices(list(wish.removed))] = True
     if gone.all():
@@ -187,6 +186,26 @@ def asked(model: Model, wish: Wish) -> WishedModel:
     if not gone.any():
         return WishedModel(whole, whole, model, kept, axis, moves)
     return WishedModel(whole, whole.subset(kept), model.subset(kept), kept, axis, moves)
+
+
+def _load_name(load: LoadCase, wish: Wish) -> str:
+    """What a wish asks about, for the head of the page."""
+    words = [load.name]
+    if wish.gravity is not None:
+        size = f"gravity {wish.gravity:g} m/s\N{SUPERSCRIPT TWO}"
+        words = [size] if load.name == "gravity" else [load.name, size]
+    pushed = [(block, math.hypot(*force)) for block, force in wish.pushes]
+    if len(pushed) == 1:
+        words.append(f"{pushed[0][0]} pushed with {units.quantity(pushed[0][1], 'N')}")
+    elif pushed:
+        words.append(f"{len(pushed)} blocks pushed, at most with "
+                     f"{units.quantity(max(size for _, size in pushed), 'N')}")  # fmt: skip
+    if len(wish.moves) == 1 and load.motion is None:
+        block, by = wish.moves[0]
+        words.append(f"{block} moved by {units.quantity(math.hypot(*by), 'm')}")
+    elif wish.moves or load.motion is not None:
+        words.append("supports moved")
+    return ", ".join(words)
 
 
 def more_gravity(model: Model, gravity: float) -> LoadCase:

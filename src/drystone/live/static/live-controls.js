@@ -26,7 +26,9 @@ function connectSlider(id, { write }) {
   for (const input of [byId(id), byId(`${id}-number`)]) {
     const value = () => (input.value === "" ? null : Number(input.value));
     input.addEventListener("input", () => value() !== null && change(write(value()), false));
-    input.addEventListener("change", () => value() !== null && change(write(value())));
+    // an emptied field is as in the file
+    input.addEventListener("change", () => change(write(value() ?? plainState(now.model)[id])));
+    input.addEventListener("blur", showControls);
   }
 }
 
@@ -84,6 +86,7 @@ const HEAR = {
   file: newFile,
   quick: ({ wish, answer, picture }) => {
     answered(wish);
+    if (wish === live.wish) stood = live.asked;
     if (planShown()) return;
     showAnswer(picture, true);
     atOnce = `${now.moves.length ? "first order" : "uniform stiffness"}: ${Math.round(answer.computed_ms)} ms`;
@@ -106,7 +109,8 @@ const HEAR = {
   error: ({ wish, what, where, remedy }) => {
     answered(wish);
     busy(false);
-    complain(inWords({ what, where, remedy }));
+    if (wish === live.wish) refuse(inWords({ what, where, remedy }));
+    else complain(inWords({ what, where, remedy }));
   },
   limit: (event) => {
     busy(false);

@@ -156,11 +156,13 @@ async function mended({ model, facts, what, state }) {
 }
 
 let order = [];
+let orderHelp = {}; // what each block of the order that was checked needs
 
 function showPlanAnswer({ plan, scene }) {
   const box = byId("plan");
   box.replaceChildren();
   order = [...plan.order];
+  orderHelp = plan.help;
   const counts = Object.entries(plan.counts).filter(([, n]) => n > 0).map(([kind, n]) => `${n} ${kind}`);
   const words = [plan.stopped, plan.message, counts.join(", ")];
   if (plan.asked.length && plan.asked.join("\n") !== plan.order.join("\n")) {
@@ -182,9 +184,11 @@ function showOrder() {
     const line = element("div", undefined, { class: "row" });
     const move = (by) => {
       [order[i], order[i + by]] = [order[i + by], order[i]];
+      orderHelp = {};
       showOrder();
     };
     line.append(element("span", name, { class: "name", title: name }));
+    if (orderHelp[name]) line.append(element("small", orderHelp[name]));
     const up = button("\u2191", () => move(-1), { "aria-label": `${name} earlier` });
     const down = button("\u2193", () => move(1), { "aria-label": `${name} later` });
     [up.disabled, down.disabled] = [i === 0, i === order.length - 1];

@@ -12,6 +12,7 @@ const plainState = (model) => ({
 });
 
 let now = plainState(begins.model); // what the controls say
+let stood = now; // the last of them that was answered
 const past = { states: [now], at: 0 };
 let dirty = false;
 let sentAt = 0;
@@ -33,9 +34,10 @@ function change(parts, keep = true) {
   send();
 }
 
-// What was found for another load case: mends, and the edge unless only the tilt has changed.
+// What was found for another load case: mends, the plan, and the edge unless only the tilt has changed.
 function forgetFound(parts) {
   byId("mends").replaceChildren();
+  byId("plan").replaceChildren();
   const ofTheEdge = Object.keys(parts).every((key) => key === "tilt" || key === "direction");
   if (!ofTheEdge) byId("edge-answer").replaceChildren();
 }
@@ -63,8 +65,19 @@ async function goTo(state) {
   send();
 }
 
-// The next wish waits for the quick answer to the one before, but not for ever.
-async function send() {
+// What cannot be is not kept: the controls show the last state that was answered, which is asked for again.
+function refuse(text) {
+  complain(text);
+  if (now === stood || now !== live.asked || stood.model !== now.model) return;
+  past.states = past.states.filter((one) => one !== now);
+  past.at = Math.min(past.at, past.states.length - 1);
+  now = stood;
+  showControls();
+  send(text);
+}
+
+// The next wish waits for the quick answer to the one before, but not for ever. `trouble` stays to be read.
+async function send(trouble = "") {
   dirty = true;
   const waited = performance.now() - sentAt;
   if (live.waiting && waited < IMPATIENT) {
@@ -80,10 +93,11 @@ async function send() {
   live.sending = ask("/live/wish", { window: live.window, number, model: now.model, wish: wishOf(now) });
   try {
     await live.sending;
-    complain("");
+    complain(trouble);
   } catch (error) {
     answered(number);
-    complain(error.message);
+    if (error.refused && number === live.wish) refuse(error.message);
+    else complain(error.message);
   }
 }
 

@@ -25,7 +25,7 @@ async function ask(path, body) {
   const how = body === undefined ? {} : { method: "POST", body: JSON.stringify(body) };
   const answer = await fetch(path, { ...how, headers: asBearer() });
   const told = await answer.json();
-  if (!answer.ok) throw new Error(inWords(told.error));
+  if (!answer.ok) throw Object.assign(new Error(inWords(told.error)), { refused: answer.status < 500 });
   return told;
 }
 

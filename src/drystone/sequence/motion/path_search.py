@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.errors import InputError
 from drystone.model import Model
 from drystone.sequence.motion.directions import freedom
 from drystone.sequence.motion.joint_cones import (
@@ -74,6 +75,12 @@ def find_path(
     """
     finder = PathFinder(model, options)
     which = int(model.assembly.indices([block])[0])
+    if model.assembly.fixed[which]:
+        raise InputError(
+            "it is a support, which stays",
+            where=f"block '{model.assembly.names[which]}'",
+            remedy="name a free block",
+        )
     here = np.array(model.assembly.fixed)
     everything = range(len(model.assembly)) if placed is None else placed
     here[model.assembly.indices(everything)] = True

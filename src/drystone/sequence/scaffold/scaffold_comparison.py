@@ -16,8 +16,8 @@ from drystone.io.opening import Given, How, as_model
 from drystone.sequence.planner import PlanOptions, plan
 from drystone.sequence.plans import Plan
 from drystone.sequence.rules import Order
+from drystone.sequence.scaffold.scaffold_places import Support
 from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
-from drystone.sequence.scaffold.scaffolded_stages import Support
 
 BEST = "best"
 """The order with the fewest props, by a search without limit."""

@@ -27,109 +27,13 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
 from drystone.model import Model
 from drystone.results import Result
+from drystone.sequence.scaffold.scaffold_kinds import Centring, Clamp, Rope, ScaffoldItem, Strut
 
+TOUCHING = 0.01
+"""Distance of an end from its block, by the size of the block, that is still taken as touching."""
 THICK = 0.02
 """Width of the body that stands for a strut, a rope or a clamp, by the size of its block: it is
 there to be seen and carries nothing by it."""
-
-
-@dataclass(frozen=True, eq=False)
-class ScaffoldItem(OneLine):
-    """What holds one block.
-
-    Parameters
-    ----------
-    block
-        Position or name of the block.
-    limit : [N]
-        Largest force of the whole item; infinite when left out.
-    """
-
-    block: int | str
-    limit: float = float("inf")
-
-    @property
-    def length(self) -> float:
-        """[m] of material that it takes."""
-        return 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Strut(ScaffoldItem):
-    """Pushes a block from a foot, on the ground or on another block.
-
-    Attributes
-    ----------
-    head, foot : (3,) [m]
-        Where it touches the block, and where it stands.
-    on
-        Block on which it stands, which bears the force; the ground when left out.
-    """
-
-    head: Sequence[float] = (0.0, 0.0, 0.0)
-    foot: Sequence[float] = (0.0, 0.0, 0.0)
-    on: int | str | None = None
-
-    @property
-    def length(self) -> float:
-        """[m]"""
-        return float(np.linalg.norm(np.subtract(self.head, self.foot)))
-
-
-@dataclass(frozen=True, eq=False)
-class Rope(ScaffoldItem):
-    """Pulls a block towards an anchor.
-
-    Attributes
-    ----------
-    at, anchor : (3,) [m]
-        Where it is tied to the block, and where it hangs from.
-    """
-
-    at: Sequence[float] = (0.0, 0.0, 0.0)
-    anchor: Sequence[float] = (0.0, 0.0, 0.0)
-
-    @property
-    def length(self) -> float:
-        """[m]"""
-        return float(np.linalg.norm(np.subtract(self.at, self.anchor)))
-
-
-@dataclass(frozen=True, eq=False)
-class Clamp(ScaffoldItem):
-    """Holds a block at its centroid, pushing and pulling.
-
-    Attributes
-    ----------
-    moment : [N m]
-        Largest moment about the centroid.
-    """
-
-    moment: float = float("inf")
-
-
-@dataclass(frozen=True, eq=False)
-class Centring(ScaffoldItem):
-    """Carries the free lower face of a block.
-
-    Attributes
-    ----------
-    face : (c, 3) [m]
-        Its corners, counter-clockwise from outside the block.
-    friction
-        Coefficient.
-    height : [m]
-        Of the face above the ground, which counts as length.
-    """
-
-    face: Floats = None  # type: ignore[assignment]  # always given
-    friction: float = 0.6
-    height: float = 0.0
-
-    @property
-    def length(self) -> float:
-        """[m]"""
-        return self.height
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,35 +93,38 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
     Raises
     ------
     InputError
-        A block is not known, a limit is not above zero, or an item has no length.
+        A block is not known, an item has no length, or it does not touch its block.
     """
     before, bodies = len(model), []
     joints: list[tuple[int, int, Floats, Floats, float, float]] = []
     owner: list[int] = []
     pull: dict[int, float] = {}
-    for number, item in enumerate(items):
+    for k, item in enumerate(items):
+        if not isinstance(item, ScaffoldItem):
+            raise InputError(f"{item!r} is no strut, rope, clamp or centring", where=f"item {k}")
         block = int(model.assembly.indices([item.block])[0])
-        where = f"item {number} at block '{model.assembly.names[block]}'"
-        if not item.limit > 0.0:
-            raise InputError(
-                f"its limit is {item.limit}", where=where, remedy="give newtons above zero"
-            )
-        bearer = before + number
+        where = f"item {k} at block '{model.assembly.names[block]}'"
+        bearer = before + k
         size = float(model.assembly.size[block])
         centroid = model.assembly.centroid[block]
         first = len(joints)
         ends: tuple[Floats, Floats]
         if isinstance(item, Strut):
-            head, foot = np.asarray(item.head, float), np.asarray(item.foot, float)
+            head, foot = np.asarray(item.head), np.asarray(item.foot)
             ends = (foot, head)
-            under = bearer if item.on is None else int(model.assembly.indices([item.on])[0])
+            _require_touching(model, block, head, f"{where}: its head")
+            under = bearer
+            if item.on is not None:
+                under = int(model.assembly.indices([item.on])[0])
+                _require_touching(model, under, foot, f"{where}: its foot")
             joints.append((under, block, head[None], _axis(head - foot, where), 0.0, 0.0))
         elif isinstance(item, Rope):
-            at, anchor = np.asarray(item.at, float), np.asarray(item.anchor, float)
+            at, anchor = np.asarray(item.at), np.asarray(item.anchor)
             ends = (at, anchor)
+            _require_touching(model, block, at, where)
             joints.append((bearer, block, at[None], _axis(anchor - at, where), 0.0, 0.0))
         elif isinstance(item, Centring):
-            face = np.asarray(item.face, float)
+            face = item.face
             turned = face[::-1]  # counter-clockwise about the inward normal
             area = 0.5 * np.cross(turned - turned[0], np.roll(turned, -1, 0) - turned[0]).sum(0)
             inward = _axis(area, where)
@@ -226,17 +133,15 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
             joints.append(
                 (bearer, block, turned, inward, float(np.linalg.norm(area)), item.friction)
             )
-        elif isinstance(item, Clamp):
+        else:
             ends = (centroid, centroid + np.array([0.0, 0.0, 0.2 * size]))
             reach = 0.25 * size
             ring = reach * np.array([[1.0, 0, 0], [0, 1.0, 0], [-1.0, 0, 0], [0, -1.0, 0]])
             up = np.array([0.0, 0.0, 1.0])
             joints.append((bearer, block, centroid + ring, up, 2.0 * reach**2, 0.0))
             pull[first] = min(item.limit, NO_LIMIT)
-        else:
-            raise InputError(f"{item!r} is no strut, rope, clamp or centring", where=where)
-        bodies.append(_bar(*ends, THICK * size, f"scaffold-{number:03d}"))
-        owner += [number] * (len(joints) - first)
+        bodies.append(_bar(*ends, THICK * size, f"scaffold-{k:03d}"))
+        owner += [k] * (len(joints) - first)
     assembly = Assembly(
         (*model.assembly.blocks, *bodies),
         np.concatenate([model.assembly.fixed, np.ones(len(bodies), dtype=bool)]),
@@ -251,6 +156,18 @@ def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedMode
         tuple(items),
         np.concatenate([none, np.array(owner, dtype=np.intp)]),
     )
+
+
+def _require_touching(model: Model, block: int, point: Floats, where: str) -> None:
+    """Refuse a point that is away from a block, by the box around the block."""
+    low, high = model.assembly.bounds[block]
+    away = float(np.maximum(np.maximum(low - point, point - high), 0.0).max())
+    if away > TOUCHING * float(model.assembly.size[block]):
+        raise InputError(
+            f"it is {away:.3g} m away from block '{model.assembly.names[block]}'",
+            where=where,
+            remedy="give a point of its surface",
+        )
 
 
 def _axis(vector: Floats, where: str) -> Floats:

@@ -23,11 +23,8 @@ from drystone.base.workers import WorkerPool
 from drystone.results import Result
 from drystone.sequence.plans import Plan
 from drystone.sequence.scaffold.scaffold_items import Clamp, ScaffoldedModel
-from drystone.sequence.scaffold.scaffolded_stages import (
-    ScaffoldedStages,
-    ScaffoldOptions,
-    Support,
-)
+from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
+from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.stage.stage_checks import Check, check_once
 from drystone.sequence.stage.stages import mask_of
 

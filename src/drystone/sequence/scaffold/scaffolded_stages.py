@@ -2,102 +2,17 @@
 
 from __future__ import annotations
 
-import enum
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import shapely
 
-from drystone.base.arrays import Floats
-from drystone.base.errors import InputError
-from drystone.base.settings import Options
-from drystone.geometry.frames import frames_from_normals
+from drystone.base.errors import InputError, counted
 from drystone.model import Model
 from drystone.results import Result, Verdict
-from drystone.sequence.scaffold.scaffold_items import (
-    Centring,
-    Clamp,
-    Rope,
-    ScaffoldedModel,
-    ScaffoldItem,
-    Strut,
-    with_scaffold,
-)
+from drystone.sequence.scaffold.scaffold_items import ScaffoldedModel, ScaffoldItem, with_scaffold
+from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support, items_of
 from drystone.sequence.stage.stage_checks import Check, check_once
 from drystone.sequence.stage.stages import StageAnswer, mask_of, members
-
-INSET = 0.6
-"""Distance of heads and knots from the middle of their face, by that of its corners; chosen, well
-inside the face."""
-SLOPING = 0.3
-"""Least cosine between a face that carries a block and the direction of its load; chosen, about 70
-degrees."""
-
-
-LEAST_FREE = 0.05
-"""Least share of a face that must be free of joints for an item; chosen."""
-
-
-class Support(enum.Enum):
-    """With what the blocks of a plan are held."""
-
-    STRUT = "strut"
-    """Struts along the load under the lower face, one near each of its corners."""
-    ROPE = "rope"
-    """Ropes along the load from the upper face up to one height."""
-    CLAMP = "clamp"
-    """One clamp, or hand, at the centroid."""
-    CENTRING = "centring"
-    """Centring under the lower face."""
-
-    @classmethod
-    def named(cls, support: Support | str) -> Support:
-        """The kind of a name.
-
-        Raises
-        ------
-        InputError
-            It is not known.
-        """
-        try:
-            return cls(support)
-        except ValueError as error:
-            known = ", ".join(one.value for one in cls)
-            raise InputError(f"support '{support}' is not known", remedy=f"use {known}") from error
-
-
-@dataclass(frozen=True)
-class ScaffoldOptions(Options):
-    """What scaffolding may bear, and what it costs.
-
-    Attributes
-    ----------
-    limit : [N]
-        Of one strut, rope, clamp, or the centring under one block.
-    moment : [N m]
-        Of one clamp.
-    friction
-        Between centring and blocks.
-    clear : [m]
-        Height of the anchors of ropes above the highest block.
-    stage_cost
-        Of a metre for one stage. A clamp counts as one metre.
-    move_cost
-        Of setting up what holds one block, once.
-    """
-
-    limit: float = float("inf")
-    moment: float = float("inf")
-    friction: float = 0.6
-    clear: float = 1.0
-    stage_cost: float = 1.0
-    move_cost: float = 1.0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._refuse_unless_positive("limit", "moment")
-        self._refuse_below(0.0, "friction", "clear", "stage_cost", "move_cost")
 
 
 class ScaffoldedStages:
@@ -121,7 +36,7 @@ class ScaffoldedStages:
     Raises
     ------
     InputError
-        A kind that is not known.
+        A kind that is not known, or a foot that is no block.
     """
 
     def __init__(
@@ -135,6 +50,11 @@ class ScaffoldedStages:
         self.support = Support.named(support)
         self.options = ScaffoldOptions.of(options)
         self.check = check
+        self.foot = -1
+        if self.support is Support.STRUT and self.options.foot is not None:
+            self.foot = model.assembly.index(self.options.foot)
+        self._rest = np.zeros((len(model.assembly), 6))
+        self._refused: list[str] = []
         self._items: dict[int, tuple[ScaffoldItem, ...]] = {}
         self._known: dict[tuple[int, int], tuple[ScaffoldedModel, Result]] = {}
 
@@ -167,14 +87,34 @@ class ScaffoldedStages:
         Raises
         ------
         InputError
-            A held block has no face for an item.
+            A held block has no face for an item, or the block under the struts is not in place.
         """
         if (placed, held) not in self._known:
-            here = [*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)]
+            missing = self._missing(placed, held)
+            if missing:
+                raise InputError(missing, remedy="take a block that is placed earlier")
+            here = self._here(placed)
             mine = [item for block in members(held) for item in self.items(block)]
-            whole = with_scaffold(self.model.subset(sorted(here)), mine)
-            self._known[placed, held] = whole, self.check(whole.model)
+            whole = with_scaffold(self.model.subset(here), mine)
+            if self.check is check_once:
+                near = np.concatenate([self._rest[here], np.zeros((len(mine), 6))])
+                result = check_once(whole.model, near)
+            else:
+                result = self.check(whole.model)
+            if result.displacement is not None:
+                self._rest[here] = result.displacement[: len(here)]
+            self._known[placed, held] = whole, result
         return self._known[placed, held]
+
+    def _here(self, placed: int) -> list[int]:
+        """The supports and the free blocks in place."""
+        return sorted([*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)])
+
+    def _missing(self, placed: int, held: int) -> str:
+        """Why the struts of a stage have nothing to stand on; else empty."""
+        if self.foot < 0 or not held or self.foot in self._here(placed):
+            return ""
+        return f"'{self.model.assembly.names[self.foot]}', on which struts stand, is not in place"
 
     def answer(self, placed: int, held: int) -> StageAnswer:
         """Whether a stage stands with its items, none of them beyond its limit."""
@@ -183,8 +123,11 @@ class ScaffoldedStages:
             names = ", ".join(self.model.assembly.names[b] for b in members(bare))
             kind = self.support.value
             return StageAnswer(Verdict.UNSTABLE, f"no free face of {names} takes a {kind}")
+        missing = self._missing(placed, held)
+        if missing:
+            return StageAnswer(Verdict.UNSTABLE, missing)
         whole, result = self.result(placed, held)
-        here = sorted([*np.flatnonzero(self.model.assembly.fixed).tolist(), *members(placed)])
+        here = self._here(placed)
         if not result.stable:
             falling = tuple(here[i] for i in result.falling if i < len(here))
             return StageAnswer(
@@ -200,84 +143,18 @@ class ScaffoldedStages:
     def _can_take(self, block: int) -> bool:
         try:
             self.items(block)
-        except InputError:
+        except InputError as error:
+            self._refused.append(str(error))
             return False
         return True
 
-
-def items_of(
-    model: Model, block: int, *, support: Support, options: ScaffoldOptions
-) -> tuple[ScaffoldItem, ...]:
-    """The items of one kind that hold one block.
-
-    Parameters
-    ----------
-    model
-        Complete: faces that are joints in it carry no item.
-    block
-    support
-    options
-
-    Raises
-    ------
-    InputError
-        It has no free face that looks along, or against, the load.
-    """
-    name = model.assembly.names[block]
-    if support is Support.CLAMP:
-        return (Clamp(name, options.limit, options.moment),)
-    total = model.load.wrench[model.assembly.free, :3].sum(axis=0)
-    down = total / np.linalg.norm(total)
-    facing = -1.0 if support is Support.ROPE else 1.0
-    face = _free_face(model, block, facing * down)
-    if face is None:
-        raise InputError(
-            f"no free face of it takes a {support.value}",
-            where=f"block '{name}'",
-            remedy="use a clamp",
-        )
-    heights = [float((one.vertices @ down).max()) for one in model.assembly.blocks]
-    ground, top = max(heights), min(float((b.vertices @ down).min()) for b in model.assembly.blocks)
-    points = face.mean(axis=0) + INSET * (face - face.mean(axis=0))
-    if support is Support.CENTRING:
-        height = ground - float(face.mean(axis=0) @ down)
-        return (Centring(name, options.limit, face, options.friction, height),)
-    if support is Support.ROPE:
-        return tuple(
-            Rope(name, options.limit, at, at - (at @ down - top + options.clear) * down)
-            for at in points
-        )
-    reach = 1e-3 * float(model.assembly.size[block])
-    return tuple(
-        Strut(name, options.limit, head, head + max(ground - float(head @ down), reach) * down)
-        for head in points
-    )
+    @property
+    def refusal(self) -> str:
+        """How many blocks take no item, and why the first one does not; empty where all do."""
+        count = len(self.model.assembly.free) - self.takes.bit_count()
+        if not count:
+            return ""
+        return f"{counted(count, 'block')} can have no {self.support.value}: {self._refused[0]}"
 
 
-def _free_face(model: Model, block: int, direction: Floats) -> Floats | None:
-    """The part (c, 3) of a face without joints that looks most along a direction, by its area."""
-    body, contacts = model.assembly.blocks[block], model.contacts
-    own = np.flatnonzero((contacts.block_a == block) | (contacts.block_b == block))
-    best, found = 0.0, None
-    for loop in body.faces:
-        corner = body.vertices[list(loop)]
-        area = 0.5 * np.cross(corner - corner[0], np.roll(corner, -1, 0) - corner[0]).sum(0)
-        size = float(np.linalg.norm(area))
-        slope = float(area @ direction) / size
-        if slope <= SLOPING:
-            continue
-        frame = frames_from_normals((area / size)[None])[0]
-        face = shapely.Polygon((corner - corner[0]) @ frame[1:].T)
-        for k in own.tolist():
-            joint = contacts.polygon(k) - corner[0]
-            if len(joint) >= 3 and np.abs(joint @ frame[0]).max() < 1e-3 * np.sqrt(size):
-                face = face.difference(shapely.Polygon(joint @ frame[1:].T).buffer(0.0))
-        free = max(shapely.get_parts(face), key=lambda part: part.area, default=None)
-        if free is not None and free.area > LEAST_FREE * size and free.area * slope > best:
-            best = free.area * slope
-            ring = shapely.get_coordinates(shapely.geometry.polygon.orient(free).exterior)[:-1]
-            found = corner[0] + ring @ frame[1:]
-    return found
-
-
-__all__ = ["ScaffoldOptions", "ScaffoldedStages", "Support", "items_of"]
+__all__ = ["ScaffoldedStages"]

@@ -379,7 +379,7 @@ class OrderSearch:
             node = replace(node, props=node.props | (falling & reach or falling))
             answer = self.answer(node, self.later_levels)
         added = node.props & ~given
-        if added.bit_count() <= 2 * self.options.tries:
+        if answer.stands and added.bit_count() <= 2 * self.options.tries:
             for block in members(added):
                 fewer = replace(node, props=node.props & ~(1 << block))
                 if self.answer(fewer, self.later_levels).stands:

@@ -123,7 +123,7 @@ def _needed(node: Node, search: OrderSearch) -> int:
     """Props without which a stage falls, tested one by one if there are few."""
     mask = node.props
     certain = mask_of(search.local.unbalanced(mask, node.placed))
-    if mask == certain:
+    if mask == certain or search.failure(node.placed, mask) is not None:
         return mask
     if not certain and _stands(replace(node, props=0), search, well=False):
         return 0
@@ -147,6 +147,8 @@ def _spare(path: Sequence[Node], active: list[int], search: OrderSearch) -> None
             for i in stages:
                 if not active[i] & bit:
                     break  # all were removed from the other end
+                if search.failure(path[i].placed, active[i]) is not None:
+                    break  # what does not carry with a prop does not carry without it
                 fewer = replace(path[i], props=active[i] & ~bit)
                 if not (
                     search.local.holds(block, fewer.placed) and _stands(fewer, search, well=True)

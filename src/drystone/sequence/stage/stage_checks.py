@@ -29,9 +29,9 @@ followed further: the structure does not stand."""
 BOTH = replace(FOLLOWED, uniform=True)
 
 
-def check_once(model: Model) -> Result:
-    """The verdict with uniform contact stiffness."""
-    return check(model, options=CheckOptions(samples=0, settle=False))
+def check_once(model: Model, start: Floats | None = None) -> Result:
+    """The verdict with uniform contact stiffness; ``start`` as in :func:`drystone.check`."""
+    return check(model, options=CheckOptions(samples=0, settle=False), start=start)
 
 
 def check_both(model: Model) -> Result:

@@ -16,13 +16,19 @@ from drystone.formulations.equilibrium import (
     build_equilibrium,
     solved,
 )
+from drystone.formulations.nearest_mechanism import nearest_mechanism
 from drystone.io.opening import Given, How, as_model
 from drystone.results import Result, Verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.program import ConicProgram
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import found_mechanism, moving_blocks
+from drystone.stability.proofs import (
+    balanced,
+    found_mechanism,
+    moving_blocks,
+    sound_mechanism,
+)
 from drystone.statics import Statics
 
 BALANCE_TOLERANCE = 1e-6
@@ -66,6 +72,12 @@ class RBEOptions(Options):
         """
         exact = cone if cone is not None else FrictionCone.exact()
         return cls(cone=exact, tension=False, conic=ConicOptions(gap=ANY_FORCES))
+
+    @property
+    def any_forces(self) -> bool:
+        """Whether any forces within the exact cone, or a mechanism, are an answer."""
+        far = self.conic.gap is not None and self.conic.gap >= ANY_FORCES
+        return far and not self.tension and self.cone == FrictionCone.exact()
 
 
 @checked_call
@@ -194,6 +206,11 @@ def solve_rbe(
     clock = Clock(min(time_limit_s, chosen.conic.time_limit_s), stop)
     problem = Problem.build(as_model(given, **how))
 
+    if chosen.any_forces and problem.statics.dry and problem.statics.free_count:
+        quick = _nearest(problem, chosen, clock)
+        if quick is not None:
+            return quick
+
     def run(tension: bool) -> EquilibriumSolution:
         if progress is not None:
             progress("forces with tension" if tension else "equilibrium", int(tension), 2)
@@ -243,5 +260,35 @@ def solve_rbe(
         options=chosen,
         solver=solution.raw.solver,
         iterations=solution.raw.iterations,
+        time_s={"solve": clock.elapsed_s},
+    )
+
+
+def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | None:
+    """The answer of the mechanism nearest to free fall; None where it proves nothing."""
+    found = nearest_mechanism(problem.system, stop=clock.late)
+    mechanism = force = residuals = None
+    if found.motion is not None:
+        mechanism = sound_mechanism(problem, found.motion)
+    elif balanced(problem, found.force):
+        force = problem.force(found.force)
+        residuals = check_forces(problem.model, force)
+    if mechanism is None and force is None:
+        return None
+    falls = mechanism is not None
+    return Result(
+        method="rbe",
+        verdict=Verdict.UNSTABLE if falls else Verdict.EQUILIBRIUM_EXISTS,
+        model=problem.model,
+        message="no contact forces can balance the loads"
+        if falls
+        else "some contact forces balance the loads",
+        force=force,
+        mechanism=mechanism,
+        falling=() if mechanism is None else moving_blocks(problem.model.assembly, mechanism),
+        residuals=residuals,
+        options=options,
+        solver="nearest mechanism by interior points",
+        iterations=found.iterations,
         time_s={"solve": clock.elapsed_s},
     )

@@ -126,7 +126,12 @@ def _supports(assembly: Assembly) -> str:
     fixed = [assembly.names[i] for i in np.flatnonzero(assembly.fixed)]
     if not fixed:
         return "none"
-    return ", ".join(fixed) if len(fixed) <= NAMED else f"{len(fixed):,} blocks"
+    if len(fixed) > NAMED:
+        return f"{len(fixed):,} blocks"
+    told = ", ".join(fixed)
+    if any(name.isdecimal() for name in fixed):  # "0" alone would be a count
+        return f"block {told}" if len(fixed) == 1 else f"blocks {told}"
+    return told
 
 
 def _range(values: Floats, unit: str) -> str:

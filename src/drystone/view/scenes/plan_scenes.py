@@ -36,6 +36,7 @@ STATE_OF = {
 def plan_scene(plan: Plan, source: str = "") -> Scene:
     """A scene with a stage for every block that is placed; the last shows the status of all.
 
+    A page opens with the last one, whose headline is the answer of the whole plan.
     The block that is placed moves along its path. Orange blocks are held by a hand, vermilion
     ones are propped at that stage, hatched ones will be propped later.
     """
@@ -59,6 +60,7 @@ def plan_scene(plan: Plan, source: str = "") -> Scene:
         facts,
         number,
         still=-1,
+        opens=-1,
         preset="stages" if len(stages) > 1 else "solid",
     )
 
@@ -79,7 +81,7 @@ def _stages(plan: Plan, number: int, forces: bool) -> list[SceneStage]:
     for k, (block, answer) in enumerate(zip(step.blocks, (*step.during, step.answer), strict=True)):
         placed |= 1 << block
         held = step.blocks[: k + 1] if k < len(step.during) else ()
-        parts = [f"step {number + 1} of {len(plan.steps)}"]
+        parts = [f"step {number + 1} of the {len(plan.steps)} of the plan"]
         if held:
             parts.append(f"{', '.join(names[b] for b in held)} held while the next is placed")
         elif len(step.blocks) > 1:
@@ -89,8 +91,11 @@ def _stages(plan: Plan, number: int, forces: bool) -> list[SceneStage]:
         state = _state(plan, placed, number, held)
         if state[block] in (State.FREE, State.LATER):
             state[block] = State.COMING
-        label = f"block {numbers[block]} of {count}, {names[block]}"
+        here = f"block {numbers[block]} of {count}"
+        label = f"{here}, {names[block]} (step {number + 1} of {len(plan.steps)})"
         stage = _stage(plan, label, "; ".join(parts), state, answer, forces)
+        told = f"{here.capitalize()}: {stage.headline[0].lower()}{stage.headline[1:]}"
+        stage = replace(stage, headline=told)
         out.append(replace(stage, motion=_way_in(plan, block, step.motion[k])))
     return out
 
@@ -110,6 +115,7 @@ def _state(plan: Plan, placed: int, number: int, held: tuple[int, ...]) -> Ints:
     for prop in plan.props:
         if placed >> prop.block & 1:
             state[prop.block] = State.LATER if prop.first > number else State.FREE
+    state[state == State.HELD] = State.FREE  # a hand lets go when its step has ended
     state[[b for b in held if placed >> b & 1]] = State.HELD
     state[[b for b in plan.steps[number].props if placed >> b & 1]] = State.PROPPED
     state[plan.model.assembly.fixed] = State.SUPPORT
@@ -168,8 +174,8 @@ def summary_stage(plan: Plan) -> SceneStage:
     verdict = plan.verdict
     up, gravity = directions(plan.model.assembly, plan.model.model.load)
     return SceneStage(
-        "all blocks",
-        counts_text(plan),
+        f"all blocks, after {counted(len(plan.steps), 'step')}",
+        plan_sentence(plan),
         message,
         state,
         verdict,
@@ -177,6 +183,19 @@ def summary_stage(plan: Plan) -> SceneStage:
         gravity=gravity,
         layers=layers,
     )
+
+
+def plan_sentence(plan: Plan) -> str:
+    """The answer of a plan: whether the model can be assembled, and with which help."""
+    counts = plan.counts
+    if counts["impossible"]:
+        return f"No way in was found for {counted(counts['impossible'], 'block')}"
+    if plan.verdict is not Verdict.STABLE:
+        return "Not every stage is known to stand"
+    said = [
+        f"{counted(counts[kind], 'block')} {kind}" for kind in ("propped", "held") if counts[kind]
+    ]
+    return f"Can be assembled {'with ' + ' and '.join(said) if said else 'without help'}"
 
 
 def counts_text(plan: Plan) -> str:
@@ -187,4 +206,4 @@ def counts_text(plan: Plan) -> str:
     return f"{len(plan.steps)} steps: {said}"
 
 
-__all__ = ["block_numbers", "counts_text", "plan_scene", "summary_stage"]
+__all__ = ["block_numbers", "counts_text", "plan_scene", "plan_sentence", "summary_stage"]

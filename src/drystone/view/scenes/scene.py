@@ -234,6 +234,8 @@ class Scene(OneLine):
         Date, and version of drystone.
     still
         The stage that a figure shows.
+    opens
+        The stage that a page shows first.
     preset
         The preset that is shown first: a key of
         ``drystone.view.style.presets.PRESETS``; left empty, one that suits the first stage.
@@ -251,6 +253,7 @@ class Scene(OneLine):
     panels: tuple[str, ...] = ()
     made: str = field(default_factory=now)
     still: int = 0
+    opens: int = 0
     preset: str = ""
     section: tuple[int, float] | None = None
 

@@ -11,6 +11,7 @@ from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import counted
 from drystone.checks import block_speed, moving_joints
 from drystone.contacts import Contacts
+from drystone.design.causes.regions import first_motion_of
 from drystone.joints import HINGED, corner_pressure, force_network, hinged
 from drystone.model import Model
 from drystone.results import Result
@@ -69,9 +70,10 @@ def stage_of(result: Result, label: str = "result") -> SceneStage:
         result.verdict, prop=needed, up=up, gravity=gravity,
     )  # fmt: skip
     if result.falls:
-        if result.mechanism is not None:
-            layers += fall_layers(result.model, result.mechanism)
-        return replace(stage, motion=result.mechanism, plays=True, layers=tuple(layers))
+        motion = falling_motion(result)
+        if motion is not None:
+            layers += fall_layers(result.model, motion)
+        return replace(stage, motion=motion, plays=True, layers=tuple(layers))
     motion = result.mechanism
     if motion is None and result.displacement is not None:
         motion = seen(assembly, result.displacement)
@@ -88,6 +90,19 @@ def stage_of(result: Result, label: str = "result") -> SceneStage:
         pressure_centre=resultants.position,
         layers=(*layers, *force_layers(result)),
     )
+
+
+def falling_motion(result: Result) -> Floats | None:
+    """The first motion (n, 6) of what falls, as the diagnosis tells it.
+
+    The mechanism of a result proves that it falls. It is one of many, and seldom the one that
+    begins. Where the props that the blocks need are known, the first motion follows from these.
+    """
+    if result.prop is None or not result.falling:
+        return result.mechanism
+    prop = np.zeros((len(result.model), 6))
+    prop[list(result.falling)] = result.prop[list(result.falling)]
+    return first_motion_of(result.model, prop)
 
 
 def seen(assembly: Assembly, motion: Floats) -> Floats:

@@ -25,6 +25,8 @@ The format (``format`` "drystone-page", ``version`` 2):
     like, light and dark.
 ``presets``, ``preset``
     Pictures by key, each with label, layers, opacity, numbers and ghost; the one shown at first.
+``opens``
+    Number of the stage that is shown first.
 ``section``
     Axis and place of the section that is shown first, from -1 to 1 across the model; or null.
 ``stages``
@@ -67,6 +69,10 @@ VERSION = 2
 
 MANY_INTERFACES = 20_000
 """With more interfaces the kerns are left out: they take seconds."""
+
+
+ROUNDING = 1e-8
+"""Forces of joints below this share of the largest one are zero: the accuracy of a verdict."""
 
 
 class Blobs:
@@ -160,6 +166,7 @@ def encode(scene: Scene) -> dict[str, Any]:
             for key, one in PRESETS.items()
         },
         "preset": first_preset(scene),
+        "opens": scene.opens % len(scene.stages),
         "section": _section(scene),
         "known": sorted(KNOWN),
         "blocks": _blocks(scene, origin, blobs),
@@ -268,8 +275,11 @@ def _stage(stage: SceneStage, scene: Scene, blobs: Blobs) -> dict[str, Any]:
         "state": blobs.counts(stage.state),
         "layers": [_layer(layer, scene, blobs) for layer in stage.layers],
     }
+    largest = 0.0 if stage.normal is None else float(np.abs(stage.normal).max(initial=0.0))
     for name in ("motion", "path", "prop", "force", "normal", "tangential", "utilisation"):
         value = getattr(stage, name)
+        if value is not None and name in ("normal", "tangential"):
+            value = np.where(np.abs(value) > ROUNDING * largest, value, 0.0)
         data[name] = blobs.floats(value) if value is not None else None
     centre = stage.pressure_centre
     data["pressureCentre"] = None if centre is None else blobs.floats(centre - origin)

@@ -183,10 +183,11 @@ function polygonIndex(layer) {
   return index;
 }
 
-// How far a block, or a joint between two, is moved where the model is taken apart.
+// How far a block is moved where the model is taken apart; a joint stays on that which goes less far.
 function awayOf(data, view, a, b = a) {
-  const { away } = data.blocks;
-  return [0, 1, 2].map((k) => 0.5 * view.spread * (away[3 * a + k] + away[3 * b + k]));
+  const of = (block) => data.blocks.away.subarray(3 * block, 3 * block + 3);
+  const less = vec.dot(of(a), of(a)) <= vec.dot(of(b), of(b)) ? a : b;
+  return vec.scale(of(less), view.spread);
 }
 
 function colourOf(hex) {

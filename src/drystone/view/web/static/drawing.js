@@ -63,6 +63,7 @@ function isDrawn(layer, time) {
   if (stage().moved) {
     if (page.time < 1) return false;
   } else if (time > 0) return layer.kind === "markers";
+  if (camera.spread && layer.kind === "lines" && layer.value) return false; // they would end in the air
   if (!hurried) return true;
   return layer.kind === "polygons" ? !bare : !coarse() || data.count < MANY;
 }

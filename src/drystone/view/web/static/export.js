@@ -8,22 +8,25 @@ function download(name, content, kind) {
   setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
 
-// The name of a file made from this page: its own title in plain letters.
+// The name of a file made from this page: that of its model and its own title in plain letters.
 function fileName(data, ending) {
-  const stem = data.title.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "").slice(0, 60);
+  const file = new Map(data.facts).get("File") ?? "";
+  const words = `${file.replace(/\.[^.]*$/, "")} ${file ? data.title.replace("drystone", "") : data.title}`;
+  const stem = words.replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-+|-+$/g, "").slice(0, 60);
   return `${stem || "drystone"}.${ending}`;
 }
 
-// One row a joint: numbers as they are, in SI units.
+// One row a joint, in SI units, with the digits that the page has.
 function jointsCsv(data, stage) {
   const { a, b, area, friction } = data.contacts;
   const quoted = (text) => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  const number = (x) => (Number.isFinite(x) ? Number(x.toPrecision(7)) : x);
   const head = ["joint", "block_a", "block_b", "area_m2", "friction"];
   if (stage.normal) head.push("normal_N", "tangential_N", "friction_use");
   const rows = [head.join(",")];
   for (let i = 0; i < a.length; i++) {
-    const row = [i, quoted(data.blocks.names[a[i]]), quoted(data.blocks.names[b[i]]), area[i], friction[i]];
-    if (stage.normal) row.push(stage.normal[i], stage.tangential[i], stage.utilisation[i]);
+    const row = [i, quoted(data.blocks.names[a[i]]), quoted(data.blocks.names[b[i]]), number(area[i]), number(friction[i])];
+    if (stage.normal) row.push(...[stage.normal[i], stage.tangential[i], stage.utilisation[i]].map(number));
     rows.push(row.join(","));
   }
   return `${rows.join("\r\n")}\r\n`;

@@ -15,10 +15,11 @@ function button(text, action, attributes = {}) {
 
 function swatch(colour, shape) {
   const made = element("span", undefined, { class: `swatch ${shape}`, "aria-hidden": "true" });
-  made.style.background = colour;
+  made.style.background = made.style.color = colour;
   return made;
 }
 
+const FALLING = 3; // the state of a block that falls
 const SHAPE_OF = { polygons: "", arrows: "thin", lines: "thick", markers: "disc" };
 
 function layerSwatch(layer, colours) {
@@ -52,6 +53,12 @@ function legendRows(data, stage, theme, shown) {
       const shape = layer.kind === "markers" ? layer.shape : SHAPE_OF[layer.kind];
       rows.push({ colour, text: layerText(layer), shape });
     }
+  }
+  if (stage.motion?.some((way) => way !== 0) && shown({ key: "ghost" })) {
+    const name = stage.motionName.toLowerCase();
+    const text = stage.arrives ? "where the block comes from" : `${name}, at its end`;
+    const [light, dark] = stage.state.includes(FALLING) ? ["#852161", "#f2add9"] : ["#404040", "#cccccc"];
+    rows.push({ colour: theme === "dark" ? dark : light, text, shape: "dashed" });
   }
   return rows;
 }

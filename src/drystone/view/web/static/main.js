@@ -110,7 +110,7 @@ if (narrow.matches) byId("fold").setAttribute("aria-expanded", "false");
 presetButtons();
 connect();
 choosePreset(data.preset);
-setStage(0);
+setStage(data.opens);
 fit(undefined, undefined, 0);
 if (data.section) setSection(...data.section);
 readView(location.hash.slice(1));

@@ -86,6 +86,12 @@ function drawGizmo(pen, view, gravity, size, colours) {
     ["x", [1, 0, 0], colours.x], ["y", [0, 1, 0], colours.y], ["z", [0, 0, 1], colours.z],
     ["gravity", vec.scale(gravity, 1.1), colours.ink],
   ].map(([name, v, colour]) => ({ name, colour, at: flat(v) }));
+  pen.fillStyle = colours.paper; // blocks behind it fade
+  pen.globalAlpha = 0.75;
+  pen.beginPath();
+  pen.arc(x, y, GIZMO + 16, 0, 7);
+  pen.fill();
+  pen.globalAlpha = 1;
   pen.textAlign = "center";
   pen.textBaseline = "middle";
   for (const { name, colour, at } of arrows.sort((a, b) => a.at[2] - b.at[2])) {

@@ -36,7 +36,7 @@ function showBlock(data, stage, block, actions) {
   card.append(element("h2", `Block ${names[block]}`));
   const { list, entry } = entryList();
   if (number[block] > 0) entry("number in the order", String(number[block]));
-  entry("position", String(block));
+  entry("index, from 0", String(block));
   entry("state", data.states[stage.state[block]]?.label ?? "not placed");
   entry("mass", plain(mass[block], "kg"));
   entry("volume", plain(volume[block], "m\u00b3"));
@@ -171,7 +171,7 @@ function jointPlan(data, stage, joint) {
   const wide = plain(2 * reach, "m");
   const words = stage.force
     ? "Dashed: kern. Discs: corner forces by area. Dot: centre of pressure." : "Dashed: kern.";
-  figure.append(picture, element("figcaption", `${words} The picture is ${wide} wide at most.`));
+  figure.append(picture, element("figcaption", `${words} The outline fits into a square of ${wide}.`));
   return figure;
 }
 

@@ -70,7 +70,9 @@ function setStage(number) {
   renderer?.setStage(stage(), page.hidden);
   camera.upward = stage().up;
   byId("stage").value = page.stage;
-  byId("stage-label").textContent = `${page.stage + 1} of ${data.stages.length}: ${stage().label}`;
+  const numbered = data.stages.some((one) => one.arrives); // by the number of the block
+  byId("stage-label").textContent = numbered
+    ? stage().label : `${page.stage + 1} of ${data.stages.length}: ${stage().label}`;
   byId("motion-box").hidden = !stage().motion;
   byId("motion-name").textContent = stage().motionName;
   byId("scale-box").hidden = !stage().layers.some((layer) => layer.kind === "arrows");

@@ -39,10 +39,12 @@ vec3 turnedWith(vec3 v, uint block) {
   return uTime == 0.0 ? v : turned(v, uTime * motionOf(block, 2));
 }
 bool moves(uint block) { return length(motionOf(block, 1)) + length(motionOf(block, 2)) > 0.0; }
-// A point of an interface stays between its blocks a and b, which may be none (-1).
+// A point of an interface of blocks a and b, which may be none (-1), stays on the one that goes less far.
 vec3 carried(vec3 p, vec2 owner) {
   if (owner.x < 0.0 || uSpread == 0.0) return p;
-  return p + 0.5 * uSpread * (motionOf(uint(owner.x), 3) + motionOf(uint(owner.y), 3));
+  vec3 a = motionOf(uint(owner.x), 3);
+  vec3 b = motionOf(uint(owner.y), 3);
+  return p + uSpread * (dot(a, a) <= dot(b, b) ? a : b);
 }
 #endif
 bool hidden(vec2 owner) {

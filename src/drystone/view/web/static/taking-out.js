@@ -34,7 +34,8 @@ function exportPng() {
 // The picture as SVG, with head, legend and scale.
 function linesOf() {
   const [view, size, colours] = [currentView(), sizeOf(), markColours()];
-  const marks = captions(data, stage(), theme(), shown, size);
+  const lines = (layer) => layer.key !== "ghost" && shown(layer); // no ghost is drawn there
+  const marks = captions(data, stage(), theme(), lines, size);
   const texts = captionsSvg(marks, colours.ink, data.ramp[theme()]) + labelsSvg(view, size, colours);
   return pictureSvg(data, stage(), view, size, theme(), { hidden: page.hidden, captions: texts });
 }
