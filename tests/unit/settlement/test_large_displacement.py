@@ -263,6 +263,8 @@ def test_the_command_pushes_and_writes_the_curve(file: str, tmp_path: Path, caps
     assert "sliding" in capsys.readouterr().out
     assert main(["push", file, "--lose-friction"]) == 1
     assert "at rest without any friction" in " ".join(capsys.readouterr().out.split())
+    assert main(["push", file, "--gravity", "9,0,-9"]) == 1
+    assert "does not stand before the load grows" in capsys.readouterr().out
     assert main(["push", file, "--lose-friction", "--to", "1"]) == 2
     assert "contradict" in capsys.readouterr().err
 

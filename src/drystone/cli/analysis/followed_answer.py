@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 SHOWN = 12
 """Blocks that are shown; chosen."""
+NO_TURN = 1e-12
+"""[rad], below which a rotation is rounding."""
 STYLE = {"comes to rest": "bold green", "falls": "bold red", "comes to rest far away": "bold red"}
 
 
@@ -81,7 +84,7 @@ def _show(data: Mapping[str, Any], screen: Screen) -> None:
 def _degrees(vector: list[float]) -> str:
     """The angle of a rotation vector [rad]."""
     size = sum(one * one for one in vector) ** 0.5
-    return f"{57.29577951308232 * size:.2g} deg"
+    return f"{math.degrees(size):.2g} deg" if size > NO_TURN else "0 deg"
 
 
 __all__ = ["answer"]

@@ -52,7 +52,8 @@ def push(
 ) -> Answer:
     """Load against displacement, until the load is zero again: the displacement capacity.
 
-    Exit code 0: that displacement, or the fall, was found. 1: it was not reached.
+    Exit code 0: that displacement, or the fall, was found. 1: it was not reached, or the model does
+    not stand at the beginning.
     """
     if lose_friction and (live != SIDEWAYS or to is not None):
         raise InputError(
@@ -74,5 +75,6 @@ def push(
             case = loading.chosen_case(live, model.assembly, model.cases, subject.gravity)
             notes += case.notes
             found = pushed(model, case, to=to, options=options, **common)
-    code = 0 if found.capacity is not None else 1
+    stood = len(found.displacement) > 1
+    code = 0 if stood and found.capacity is not None else 1
     return large_answer.answer(found, subject.model, notes, wanted, code)
