@@ -33,8 +33,9 @@ HERE = Path(__file__).parent
 STAYS = r"^(live (?!--client)|mcp )"
 """Commands that serve until they are ended."""
 SLOW = (
-    r"reproduce|--buildable|--vary|--auto|--aim volume|^tune|^shape|^sharpen|--polar|--draws|^limit imperf"
-    r"|^push|^scaffold|--sweep|^plan vault|^mend|limit thickness|--lose|--to \d|limit tilt model"
+    r"reproduce|--buildable|--vary|--auto|--aim volume|^tune|^shape|^sharpen|--polar|--draws"
+    r"|^limit imperf|^push|^scaffold|--sweep|^plan vault|^mend|limit thickness|--lose|--to \d"
+    r"|limit tilt model"
 )
 """Beginnings and options of commands that take more than a second or two."""
 ABSENT = ("armadillo.obj", "wall.3dm", "my.3dm", "soup.stl")
