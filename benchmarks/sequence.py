@@ -255,7 +255,7 @@ def help_by_friction(name: str) -> str:
     )
     cells = []
     for one, why in zip(swept.plans, swept.why_more, strict=True):
-        props, together = one.help
+        props, _, together = one.help
         cells.append(f"{props}, {together}{' *' if why else ''}" if one.steps else "")
     reasons = [
         f"{name} at friction {friction:g}: {why}."

@@ -18,13 +18,14 @@ from drystone.results import Verdict
 from drystone.sequence.checked_steps import CHECKED, checked_step, falling_words, without_help
 from drystone.sequence.insertion import RemovalTest
 from drystone.sequence.plans import Plan, Step
-from drystone.sequence.rules import BoundRules, Rules, bind
+from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.search.best_first import OrderSearch
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
-from drystone.sequence.search.states import Node, SearchOptions
+from drystone.sequence.search.imposed_order import departure
+from drystone.sequence.search.states import NO_HELP, Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stage_checks import Check, check_both, check_thoroughly
 from drystone.sequence.stage.stages import Stage, StageAnswer, members
@@ -50,7 +51,7 @@ class PlanOptions(Options):
     patience
         Stages without progress before blocks are held or propped. When left out: 1600 divided by
         the number of free blocks in the largest connected part, fewer above 50 blocks. Infinite:
-        the plan is proved to need the fewest props.
+        the plan is proved to need the least help (`Plan.proved`).
     width
         Number of blocks tried for removal at each stage. The default covers the ends of a course
         and a few more.
@@ -198,14 +199,21 @@ class _Planner:
             2**30 if whole else self.options.width,
             int(min(4.0, max(1.0, patience // 4))),
         )
-        best = None
         if self.options.scaffold is not None:
             kind, bearing = self.options.scaffold, self.options.scaffold_options
             self.scaffold = ScaffoldedStages(self.model.model, kind, bearing)
+        order = self.search(complete, options, self.bound, whole=whole)
+        return self.describe(complete, order, self.imposed_order(complete, options, order))
+
+    def search(
+        self, complete: StageAnswer, options: SearchOptions, bound: BoundRules, *, whole: bool
+    ) -> Trimmed:
+        """The order with the least help that is found; searched again while help is spared."""
+        best = None
         while True:
             search = OrderSearch(
                 self.evaluator,
-                self.bound,
+                bound,
                 self.removal,
                 options,
                 bounded=whole and not self.options.exact,
@@ -214,17 +222,36 @@ class _Planner:
             )
             root = Node(self.model.everything, 0)
             if not complete.stands:
-                root = replace(search.prop(root, complete), cost=(0, 0))
+                root = replace(search.prop(root, complete), cost=NO_HELP)
             found = search_exactly(search, root) if self.options.exact else search.run(root)
             order = trimmed(found, search)
             if best is not None and order.cost >= best.cost:
-                break
+                return best
             best = order
             if not order.spared:
-                break
-        return self.describe(complete, best)
+                return best
 
-    def describe(self, complete: StageAnswer, order: Trimmed) -> Plan:
+    def imposed_order(
+        self, complete: StageAnswer, options: SearchOptions, order: Trimmed
+    ) -> tuple[str, ...]:
+        """Where an order given by names is not kept, and whether another one needs no help."""
+        given = self.bound.rules.order
+        if isinstance(given, Order):
+            return ()
+        names = self.model.assembly.names
+        found = [names[b] for node in order.path for b in node.group[::-1]]
+        words = [departure(list(given), found)]
+        small = self.model.largest[0] <= SPARED
+        if order.cost != NO_HELP and not order.proved and complete.stands and small:
+            other = replace(self.bound, rank=removal_rank(Order.TOP, self.model))
+            if self.search(complete, options, other, whole=False).cost == NO_HELP:
+                words.append(
+                    "a plan without help exists in another order, which is found without a given "
+                    "order (without --order)"
+                )
+        return tuple(one for one in words if one)
+
+    def describe(self, complete: StageAnswer, order: Trimmed, own: Sequence[str]) -> Plan:
         path, active = order.path, order.props
         steps: list[Step] = []
         told = self.model.largest[0] <= SPARED
@@ -255,7 +282,7 @@ class _Planner:
             complete,
             tuple(steps),
             impossible,
-            self.message(complete, steps, impossible, screened=bool(screened)),
+            "; ".join([self.message(complete, steps, impossible, screened=bool(screened)), *own]),
             self.proves(complete, order.proved, steps),
             self.evaluator.solved,
             self.evaluator.solve_s,
@@ -274,6 +301,7 @@ class _Planner:
         if not steps:
             return "no block can be removed" if impossible else "there is no block to place"
         unsure = [step for step in steps if not step.answer.stands]
+        stands = f"every stage stands{' with uniform contact stiffness' if screened else ''}"
         settled = sum(step.answer.stands and bool(step.answer.settled) for step in steps)
         words = []
         if not complete.stands:
@@ -289,11 +317,14 @@ class _Planner:
             refused = "" if self.scaffold is None else self.scaffold.refusal
             words += [refused] if refused else []
         if settled:
-            words = words or ["every stage stands"]
+            words = words or [stands]
             words.append(f"{settled} of {len(steps)} after settling: there the joints decide")
-        words = words or ["every stage stands"]
+        words = words or [stands]
         if screened:
-            words.append(f"only uniform contact stiffness was tried (more than {CHECKED} corners)")
+            words.append(
+                f"above {CHECKED} corners other stiffnesses were not tried (--thorough, or "
+                "check=check_both in Python, tries them)"
+            )
         return "; ".join(words)
 
     def proves(self, complete: StageAnswer, proved: bool, steps: list[Step]) -> bool:

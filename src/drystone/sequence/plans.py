@@ -118,7 +118,9 @@ class Plan(Card):
     message
         Text for the user.
     proved
-        Whether no other order needs fewer props, or equally many and fewer simultaneous placements.
+        Whether no other order needs less help: fewer propped blocks; with equally many fewer held
+        blocks; with equally many of both more steps. Orders that leave a block without contact
+        although another removal is possible are not counted.
     solved
         Number of checks of connected parts; ``solve_s`` is their total time.
     stopped
@@ -143,7 +145,7 @@ class Plan(Card):
             "steps": len(self.steps),
             **{kind: number or "" for kind, number in self.counts.items()},
             "order": ", ".join(self.order),
-            "proved": "no order needs fewer props" if self.proved else "",
+            "proved": "no order needs less help" if self.proved else "",
         }
 
     def _summary(self) -> str:
@@ -222,9 +224,13 @@ class Plan(Card):
         return tuple(of(block) for block in range(len(fixed)))
 
     @property
-    def help(self) -> tuple[int, int]:
-        """Number of propped blocks, and of blocks that are placed together with another one."""
-        return len(self.props), sum(len(step.blocks) - 1 for step in self.steps)
+    def help(self) -> tuple[int, int, int]:
+        """Number of propped blocks, of held blocks, and of simultaneous placements.
+
+        Simultaneous placements are the blocks of each step, without the last.
+        """
+        held = sum(one is Status.HELD for one in self.status)
+        return len(self.props), held, sum(len(step.blocks) - 1 for step in self.steps)
 
     def partners(self, block: int) -> tuple[int, ...]:
         """Blocks that are placed together with this one."""

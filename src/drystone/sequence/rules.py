@@ -56,7 +56,7 @@ class Rules(Options):
         blocks can be placed at any time.
     order
         Or its name, or a list of names in the order of assembly, which is followed where possible.
-        Other blocks are placed first.
+        Blocks that it does not name are placed after them, in the default order.
     placed
         Names of blocks that are in place before the plan begins, though they are not fixed.
     """
@@ -71,6 +71,10 @@ class Rules(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.hands < 1:
+            raise InputError(
+                f"{self.hands} hands place no block", where="hands", remedy="give 1 or more"
+            )
         if isinstance(self.order, str):
             known = [one.value for one in Order]
             if self.order not in known:
@@ -121,10 +125,8 @@ def bind(rules: Rules, model: Structure, removal: RemovalTest) -> BoundRules:
     Raises
     ------
     InputError
-        No hand, a payload that is not positive, unknown names, contradictory precedence.
+        A payload that is not positive, unknown names, contradictory precedence.
     """
-    if rules.hands < 1 or int(rules.hands) != rules.hands:
-        raise InputError(f"{rules.hands} hands", where="hands", remedy="one places a block")
     if not rules.payload > 0.0:
         raise InputError(f"is {rules.payload} kg", where="payload", remedy="give more than zero")
     hands, lifters, limit = strength(rules, model)
@@ -155,8 +157,8 @@ def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
     """Rank (n,) of each block in the order of removal; ties in reverse numbering."""
     n = len(model.assembly)
     index = np.arange(n)
+    height = np.round(model.height / float(model.assembly.size.mean()), 6)
     if isinstance(order, Order):
-        height = np.round(model.height / float(model.assembly.size.mean()), 6)
         keys = {
             Order.TOP: (-index, -height),
             Order.COURSE: (-index, -courses(model)),
@@ -166,9 +168,9 @@ def removal_rank(order: Order | Sequence[str], model: Structure) -> Ints:
         named = model.assembly.indices(order)
         if len(np.unique(named)) != len(named):
             raise InputError("the order names a block twice", remedy="name each block once")
-        place = np.full(n, -1)
+        place = np.full(n, len(named))
         place[named] = np.arange(len(named))
-        keys = (-index, -place)
+        keys = (-index, -height, -place)
     rank = np.empty(n, dtype=np.intp)
     rank[np.lexsort(keys)] = index
     return rank

@@ -109,7 +109,9 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--robots", "0"], "0 hands"),
+        (["--robots", "0"], "give 1 or more"),
+        (["--scaffold-limit", "5"], "add --scaffold"),
+        (["--scaffold-foot", "block-1"], "add --scaffold"),
         (["--payload", "-1"], "payload"),
         (["--before", "block-1"], "FIRST:THEN"),
         (["--before", "block-1:block-7"], "no block is called 'block-7'"),

@@ -24,6 +24,7 @@ from drystone.sequence import (
     PlanOptions,
     Rules,
     Status,
+    check_both,
     margins,
     plan,
     sweep_friction,
@@ -130,7 +131,6 @@ def test_every_order_ends_with_every_block_placed(order):
 @pytest.mark.parametrize(
     ("rules", "words"),
     [
-        (Rules(hands=0), "0 hands"),
         (Rules(payload=0.0), "payload"),
         (Rules(before=[("block-1", "block-9")]), "no block is called 'block-9'"),
         (Rules(before=[("block-1", "block-2"), ("block-2", "block-1")]), "contradicts itself"),
@@ -250,6 +250,46 @@ def test_an_order_of_the_user_in_which_every_stage_stands_needs_no_help():
     found = planned(bridge(), 0.66, rules=Rules(order=order))
     assert found.order == tuple(order)
     assert needs(found) == (0, 0)
+    assert found.message == "every stage stands"
+
+
+def test_blocks_that_an_imposed_order_does_not_name_follow_in_the_default_order():
+    given = ["block-3", "block-2", "block-5"]
+    found = planned(bridge(), 0.6, rules=Rules(order=given))
+    assert list(found.order[:3]) == given
+    assert needs(found) == (0, 0)
+    assert found.message == "every stage stands"
+
+
+def test_an_imposed_order_that_cannot_be_kept_is_told():
+    found = planned(tower(3), rules=Rules(order=["block-2", "block-1"]))
+    assert found.order == ("block-1", "block-2")
+    assert found.message == (
+        "every stage stands; the given order is not kept: 'block-1' is placed before 'block-2'"
+    )
+
+
+def test_an_imposed_order_that_needs_help_without_need_is_told():
+    order = [f"block-{i}" for i in (10, 9, 8, 6, 4, 7, 5, 2, 3)]
+    model = Model.of(bridge(), friction=0.6)
+    found = plan(model, options=PlanOptions(patience=1.0, rules=Rules(order=order)))
+    assert any(found.help)
+    assert "a plan without help exists in another order" in found.message
+
+
+@pytest.mark.parametrize("make", [lambda: (arch(0.3, 9), 0.6), lambda: (arch(0.3, 7), 0.4)])
+def test_no_order_needs_fewer_held_blocks_than_a_proved_plan(make):
+    assembly, friction = make()
+    found = planned(assembly, friction)
+    others = [planned(assembly, friction, rules=Rules(order="course"))]
+    others.append(planned(assembly, friction, patience=float("inf")))
+    assert all(found.help <= one.help for one in others)
+    assert found.proved
+
+
+def test_no_hands_are_refused_at_once():
+    with pytest.raises(InputError, match="give 1 or more"):
+        Rules(hands=0)
 
 
 @pytest.mark.parametrize(
@@ -321,5 +361,8 @@ def test_a_plan_whose_stages_were_only_screened_says_so(monkeypatch):
         monkeypatch.setattr(f"drystone.sequence.{module}.CHECKED", 7)
     assert planned(tower(2)).message == "every stage stands"  # 4 corners
     assert planned(tower(3)).message == (
-        "every stage stands; only uniform contact stiffness was tried (more than 7 corners)"
+        "every stage stands with uniform contact stiffness; above 7 corners other stiffnesses were "
+        "not tried (--thorough, or check=check_both in Python, tries them)"
     )
+    contacts = find_contacts(tower(3), friction=0.6).contacts
+    assert plan(Model(tower(3), contacts), check=check_both).message == "every stage stands"

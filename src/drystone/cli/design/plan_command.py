@@ -103,7 +103,8 @@ def plan(
         str,
         Option(
             "Order of removal: top (highest first), course (course by course), boundary (farthest "
-            "from it first); or names in the order of assembly, separated by commas (top).",
+            "from it first); or names in the order of assembly, separated by commas: other blocks "
+            "follow in the default order (top).",
             metavar="top|course|boundary|NAMES",
         ),
     ] = "top",
@@ -138,7 +139,7 @@ def plan(
         bool, Option("Search all orders (up to 14 free blocks).", expert=True)
     ] = False,
     best: Annotated[
-        bool, Option("Search until no order with fewer props is left.", expert=True)
+        bool, Option("Search until no order with less help is left.", expert=True)
     ] = False,
     thorough: Annotated[
         bool, Option("Accept stages that are sensitive to joint stiffness.", expert=True)
@@ -192,6 +193,7 @@ def plan(
     """
     apart([html, png, cad, instructions, csv, work])
     refuse_missing(cad)
+    _refuse_unused(scaffold, scaffold_limit, scaffold_foot, scaffold_length)
     rules = _rules(order, hands, payload, before, reach, robot)
     executor = _executor(workers, dask)
     waiting.checkpoint = None if checkpoint is None else Path(checkpoint)
@@ -273,6 +275,16 @@ def _files(
     return jobs, []
 
 
+def _refuse_unused(scaffold: str | None, *limits: float | str | None) -> None:
+    """Refuse limits of scaffolding without scaffolding."""
+    for name, value in zip(("limit", "foot", "length"), limits, strict=True):
+        if scaffold is None and value is not None:
+            raise InputError(
+                f"--scaffold-{name} is given without --scaffold",
+                remedy=f"add --scaffold, with one of {', '.join(SCAFFOLDS)}",
+            )
+
+
 def _rules(
     order: str,
     hands: int,
@@ -317,8 +329,9 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
     screen.line(f"{data['model']}  {told}", counted(len(data["steps"]), "step"))
     screen.line(data["message"])
     rows = list(found.table())
+    force = "prop force" if data["scaffolding"] is None else "prop force if ideal"
     screen.table(
-        ("step", "block", "status", "with", "prop force", "for stages"),
+        ("step", "block", "status", "with", force, "for stages"),
         [
             (
                 str(row["stage"]), row["block"], row["status"], row["with"],

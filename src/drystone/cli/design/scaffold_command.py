@@ -22,9 +22,9 @@ from drystone.cli.design.plan_command import (
 from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Finding, Subject
 
-ORDERS = ("top", "course", "boundary", "best")
+ORDERS = ("top", "course", "boundary", "fewest-props")
 FEW = 14
-"""Free blocks up to which the best order is searched without being asked for."""
+"""Free blocks up to which the order with the fewest props is searched without being asked for."""
 
 
 @command(
@@ -46,7 +46,7 @@ def scaffold(
     order: Annotated[
         tuple[str, ...],
         Option(
-            "Order of removal; several times (top, course; best for few blocks).",
+            "Order of removal; several times (top, course; with few blocks also fewest-props).",
             kind=kinds.one_of(ORDERS),
         ),
     ] = (),
@@ -71,7 +71,7 @@ def scaffold(
     from drystone import sequence
 
     few = len(model.assembly.free) <= FEW
-    orders = order or (("top", "course", "best") if few else ("top", "course"))
+    orders = order or (("top", "course", "fewest-props") if few else ("top", "course"))
     waiting.stage("plan", "planning")
     with waiting.keywords(time_limit) as common:
         table = sequence.compare_scaffolding(

@@ -77,5 +77,6 @@ def _show(found: Sequence[Case], screen: Screen) -> None:
         for line in case.lines:
             mark = {True: "agrees", False: "DIFFERS", None: "-"}[line.agrees]
             note = f" ({line.note})" if line.note else ""
-            told = f"published {line.published or 'nothing'}; found {line.found}"
+            published = f"published {line.published}" if line.published else "no published figure"
+            told = f"{published}; found {line.found}"
             screen.line(f"  {line.what}: {told}  {mark}{note}")

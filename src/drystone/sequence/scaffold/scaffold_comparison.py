@@ -19,8 +19,8 @@ from drystone.sequence.rules import Order
 from drystone.sequence.scaffold.scaffold_places import Support
 from drystone.sequence.scaffold.scaffold_plans import Scaffolding, scaffolding
 
-BEST = "best"
-"""The order with the fewest props, by a search without limit."""
+FEWEST = "fewest-props"
+"""The order with the fewest props, by a search without limit. It may cost more than another one."""
 
 Compared: TypeAlias = tuple[str, Support, Plan, Scaffolding | None]
 
@@ -48,7 +48,8 @@ def compare_scaffolding(
         A model; or an assembly or a file that ``how`` turns into one.
     kinds
     orders
-        An order, its name, or ``"best"``: the search goes on until no order has fewer props.
+        An order, its name, or ``"fewest-props"``: the search goes on until no order has fewer
+        props. Fewer props can stay for more stages, so its cost may be higher.
     options
         Of each plan; ``rules.order``, ``scaffold`` and ``patience`` are set here.
 
@@ -77,8 +78,8 @@ def compare_scaffolding(
     clock = Clock(time_limit_s, stop)
     found: list[Compared] = []
     for name in [_order(one) for one in orders]:
-        best = name == BEST
-        rules = replace(chosen.rules, order=Order.TOP if best else Order(name))
+        fewest = name == FEWEST
+        rules = replace(chosen.rules, order=Order.TOP if fewest else Order(name))
         for kind in named:
             if progress is not None:
                 progress("scaffolding", len(found), len(named) * len(orders))
@@ -86,7 +87,7 @@ def compare_scaffolding(
                 chosen,
                 rules=rules,
                 scaffold=kind,
-                patience=float("inf") if best else chosen.patience,
+                patience=float("inf") if fewest else chosen.patience,
             )
             planned = plan(
                 model,
@@ -112,7 +113,7 @@ def compare_scaffolding(
 
 
 def _order(order: Order | str) -> str:
-    known = (*(one.value for one in Order), BEST)
+    known = (*(one.value for one in Order), FEWEST)
     name = order.value if isinstance(order, Order) else order
     if name not in known:
         raise InputError(f"order '{name}' is not known", remedy=f"use {', '.join(known)}")
@@ -151,4 +152,4 @@ def _table(found: Sequence[Compared]) -> Table:
     )
 
 
-__all__ = ["BEST", "compare_scaffolding"]
+__all__ = ["FEWEST", "compare_scaffolding"]

@@ -85,6 +85,9 @@ class ScaffoldedModel(OneLine):
 def with_scaffold(model: Model, items: Sequence[ScaffoldItem]) -> ScaffoldedModel:
     """A model whose blocks are held by items.
 
+    A check of the model does not use the limits of struts, ropes and centring:
+    :meth:`ScaffoldedModel.overloaded` tells which items exceed their limits in its result.
+
     Parameters
     ----------
     model

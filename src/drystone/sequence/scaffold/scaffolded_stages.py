@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -135,10 +136,18 @@ class ScaffoldedStages:
             )
         over = whole.overloaded(result)
         if over:
-            force = float(whole.force(result)[list(over)].max())
-            words = f"a {self.support.value} carries {force:.3g} N, more than its limit"
-            return StageAnswer(Verdict.UNSTABLE, words)
+            return StageAnswer(Verdict.UNSTABLE, self._overload(whole, result, over))
         return StageAnswer(Verdict.STABLE)
+
+    def _overload(self, whole: ScaffoldedModel, result: Result, over: Sequence[int]) -> str:
+        """What the most loaded of some items carries, and its limit."""
+        force, moment = whole.force(result), whole.moment(result)
+        kind = "centring" if self.support is Support.CENTRING else f"a {self.support.value}"
+        most = max(over, key=lambda i: float(force[i]))
+        if force[most] > whole.items[most].limit:
+            return f"{kind} carries {force[most]:.3g} N, its limit is {whole.items[most].limit:g} N"
+        most = max(over, key=lambda i: float(moment[i]))
+        return f"{kind} carries {moment[most]:.3g} N m, its limit is {self.options.moment:g} N m"
 
     def _can_take(self, block: int) -> bool:
         try:

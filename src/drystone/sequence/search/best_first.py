@@ -1,9 +1,9 @@
 """Best-first search over stages, backwards from the complete structure.
 
-A state is a stage and the props used so far. Its cost is lexicographic: props, then simultaneous
-placements. States wait in a queue unchecked. The state with the lowest cost is checked next; among
-equals the one with the fewest blocks. So where every stage stands, the search removes one block
-after the other.
+A state is a stage and the props used so far. Its cost is lexicographic: propped blocks, then held
+blocks, then simultaneous placements. States wait in a queue unchecked. The state with the lowest
+cost is checked next; among equals the one with the fewest blocks. So where every stage stands, the
+search removes one block after the other.
 
 A stage is screened first. If the screening finds no rest state, the stage waits; before any stage
 with more help it is checked. In larger models the neighbourhood of the removed blocks is screened
@@ -29,7 +29,7 @@ from drystone.sequence.rules import BoundRules, Order
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.search.hands import can_hold
 from drystone.sequence.search.needs import LocalBalance
-from drystone.sequence.search.states import Cost, FoundOrder, Node, SearchOptions
+from drystone.sequence.search.states import NO_HELP, Cost, FoundOrder, Node, SearchOptions
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening
@@ -104,7 +104,7 @@ class OrderSearch:
 
     def run(self, root: Node) -> FoundOrder:
         """Search from a stage that stands to the core."""
-        closed: dict[tuple[int, int, frozenset[int]], Cost] = {}
+        closed: dict[tuple[int, int, frozenset[int], bool], Cost] = {}
         every = self.later_levels == len(self.levels)
         proved = every and self.options.width >= len(self.model.assembly)
         best = root
@@ -115,13 +115,14 @@ class OrderSearch:
             before = self.evaluator.asked
             answer = self.answer(node, len(self.levels) if screened else self.first_levels)
             if not screened:
-                one = UNHELPED if self.few and node.cost == (0, 0) else 1.0
+                one = UNHELPED if self.few and node.cost == NO_HELP else 1.0
                 waited += LOOK if self.evaluator.asked == before else one
                 if answer.verdict is Verdict.UNDECIDED and self.to_check(node):
                     self.push([node], screened=True)
                     continue
             stands = answer.stands and self.can_hold(node)
-            key = (node.placed, node.props, frozenset(() if stands else node.group))
+            group = frozenset(() if stands else node.group)
+            key = (node.placed, node.props, group, bool(group) and node.propped_first)
             known = key in closed and closed[key] <= node.cost
             if not known:
                 closed[key] = node.cost
@@ -247,10 +248,10 @@ class OrderSearch:
     def estimate(self, node: Node) -> Cost:
         """A lower bound of the cost of any order through a node."""
         left = sum(1 for pair in self.pairs if pair & node.placed == pair and not pair & node.props)
-        props, together = node.cost
+        props, held, together = node.cost
         if self.bound.hands == 1:
-            return props + left, together
-        return props, together + left
+            return props + left, held, together
+        return props, held + 2 * left, together + left
 
     def candidates(self, placed: int) -> Iterator[int]:
         """Blocks that may and can be removed, in this order; of the highest course only."""
@@ -279,19 +280,10 @@ class OrderSearch:
     def cures(self, node: Node, answer: StageAnswer) -> list[Node]:
         """Stages in which one falling block is removed too, or propped."""
         falling = self.falling(node, answer)
-        props, together = node.cost
-        out = [
-            replace(
-                node,
-                placed=node.placed & ~(1 << q),
-                group=(*node.group, q),
-                cost=(props, together + 1),
-            )
-            for q in falling
-            if self.can_join(node, q)
-        ]
+        props, held, together = node.cost
+        out = [node.joined(q) for q in falling if self.can_join(node, q)]
         out += [
-            replace(node, props=node.props | 1 << p, cost=(props + 1, together))
+            replace(node, props=node.props | 1 << p, cost=(props + 1, held, together))
             for p in falling
             if self.proppable >> p & 1
         ]
@@ -354,13 +346,7 @@ class OrderSearch:
             joining = [q for q in self.falling(node, answer) if self.can_join(node, q)]
             if not joining:
                 return None
-            props, together = node.cost
-            node = replace(
-                node,
-                placed=node.placed & ~(1 << joining[0]),
-                group=(*node.group, joining[0]),
-                cost=(props, together + 1),
-            )
+            node = node.joined(joining[0])
             answer = self.answer(node, self.later_levels)
         return node if self.can_hold(node) else None
 
@@ -384,8 +370,8 @@ class OrderSearch:
                 fewer = replace(node, props=node.props & ~(1 << block))
                 if self.answer(fewer, self.later_levels).stands:
                     node = fewer
-        props, together = node.cost
-        return replace(node, cost=(props + (node.props & ~given).bit_count(), together))
+        props, held, together = node.cost
+        return replace(node, cost=(props + (node.props & ~given).bit_count(), held, together))
 
 
 __all__ = ["OrderSearch"]

@@ -15,8 +15,9 @@ LARGEST = 14
 """Largest number of free blocks. The number of stages doubles with every block; more blocks take
 hours."""
 
-Key: TypeAlias = tuple[int, int, int]
-"""Placed blocks, props, last removed block (-1 at first)."""
+Key: TypeAlias = tuple[int, int, int, bool]
+"""Placed blocks, props, last removed block (-1 at first), and whether the first block of an open
+group is propped."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +27,7 @@ class _State:
 
 
 def search_exactly(search: OrderSearch, root: Node) -> FoundOrder:
-    """The order with the fewest props, then simultaneous placements, then descent.
+    """The order with the least help (:data:`Cost`), and of these the one with the least descent.
 
     Parameters
     ----------
@@ -47,16 +48,18 @@ def search_exactly(search: OrderSearch, root: Node) -> FoundOrder:
             f"an exact search over {count} blocks",
             remedy=f"it is for {LARGEST} or fewer; leave it out",
         )
-    queue: list[tuple[tuple[int, int, float], int, _State]] = [((0, 0, 0.0), 0, _State(root, -1))]
+    queue: list[tuple[tuple[int, int, int, float], int, _State]] = []
+    heapq.heappush(queue, ((*root.cost, 0.0), 0, _State(root, -1)))
     done: set[tuple[Key, frozenset[int]]] = set()
     pushed = 0
     while queue:
-        (_, _, drop), _, state = heapq.heappop(queue)
+        (*_, drop), _, state = heapq.heappop(queue)
         node = state.node
         answer = search.answer(node)
         stands = answer.stands and search.can_hold(node)
         group = frozenset(() if stands else node.group)
-        key = ((node.placed, node.props, state.last), group)
+        propped = bool(group) and node.propped_first
+        key = ((node.placed, node.props, state.last, propped), group)
         if key in done:
             continue
         done.add(key)

@@ -63,11 +63,13 @@ def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
 
 
 def _cost(path: Sequence[Node], props: Sequence[int]) -> Cost:
-    """Number of blocks with a prop at some stage, and of blocks placed with another one."""
+    """Propped blocks, held blocks and simultaneous placements of an order."""
     ever = 0
     for mask in props:
         ever |= mask
-    return ever.bit_count(), sum(max(0, len(node.group) - 1) for node in path)
+    several = [node.group for node in path if len(node.group) > 1]
+    held = mask_of(block for group in several for block in group) & ~ever
+    return ever.bit_count(), held.bit_count(), sum(len(group) - 1 for group in several)
 
 
 def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-Cost: TypeAlias = tuple[int, int]
-"""Number of props, and of blocks placed together with another one."""
+Cost: TypeAlias = tuple[int, int, int]
+"""Number of propped blocks, of held blocks, and of simultaneous placements (of the blocks of a
+step, all except the last). Fewer of the first count more than fewer of the next."""
+
+NO_HELP: Cost = (0, 0, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +30,22 @@ class Node:
     placed: int
     props: int
     group: tuple[int, ...] = ()
-    cost: Cost = (0, 0)
+    cost: Cost = NO_HELP
     parent: Node | None = None
+
+    @property
+    def propped_first(self) -> bool:
+        """Whether the first removed block was propped; it does not count as held then."""
+        return self.parent is not None and any(self.parent.props >> b & 1 for b in self.group[:1])
+
+    def joined(self, block: int) -> Node:
+        """The node with one more block removed together with the others."""
+        props, held, together = self.cost
+        first = len(self.group) == 1 and not self.propped_first
+        cost = props, held + 1 + first, together + 1
+        return replace(
+            self, placed=self.placed & ~(1 << block), group=(*self.group, block), cost=cost
+        )
 
     def path(self) -> list[Node]:
         """The stages from the complete structure to this one."""
@@ -75,4 +92,4 @@ class FoundOrder:
     proved: bool
 
 
-__all__ = ["Cost", "FoundOrder", "Node", "SearchOptions"]
+__all__ = ["NO_HELP", "Cost", "FoundOrder", "Node", "SearchOptions"]
