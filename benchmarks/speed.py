@@ -253,7 +253,8 @@ def page(rows: Sequence[Row], machine: str, took_s: float) -> str:
         "distinguishes robust from sensitive, and follows the blocks by steps where the stiffness "
         "decides; this takes longest. Both must give the known verdict. The ratio is the time of "
         "`cra_solve` of the peer, divided by ours, pair by pair in one run; `>` if it was stopped. "
-        "A wrong answer has no time.",
+        "A wrong answer has no time. [How the speed changed](speed-changes.md) has the changes of "
+        "single rows.",
         "",
         *aims(rows),
         "",
