@@ -47,7 +47,7 @@ class MendOptions(Options):
         ballast, glue and merge; all when left out.
     keep
         Positions of blocks that may not be changed, and texts that name them, read like supports:
-        names and patterns, separated by commas; see :func:`drystone.supports.select`. Their joints
+        names and patterns, separated by commas; see ``drystone.supports.select``. Their joints
         are not changed either; what is added may touch them.
     """
 
