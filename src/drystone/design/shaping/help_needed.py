@@ -44,9 +44,10 @@ from drystone.model import Model
 from drystone.stability.problem import Problem
 from drystone.statics import Statics
 
-GLUE = 0.01
+GLUE = 0.02
 """Stiffness of the glue, by that of the joint, divided by the stiffness of the ground. Chosen: an
-arch of 100 voussoirs that falls is not found to stand with 1, and is with 0.01."""
+arch of 100 voussoirs that falls is not found to stand with 1, and is with 0.02; an
+overhang of four bricks ends 0.6 % short of its limit with 0.01."""
 
 GROUND = 1e-6
 """Stiffness of the ground, chosen: of arches of 12 blocks that stand it carries 1.5e-5 of the load
