@@ -14,8 +14,7 @@ from drystone.detection.search.candidates import granted_to
 from drystone.detection.search.interfaces import Interfaces, angles, from_pieces
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes, widths
-from drystone.geometry.plane import clip
+from drystone.detection.search.planes import Pieces, Planes
 
 EXPLAINED = 0.9
 """A face with more than this share of its area in contact has no near misses. Chosen."""
@@ -91,6 +90,8 @@ def dropped(
     patches: Patches, planes: Planes, pieces: Pieces, found: Pieces, reason: Reason
 ) -> list[Missed]:
     """Overlaps within all tolerances that were left out for another reason."""
+    if pieces.count == 0:
+        return []
     interfaces = from_pieces(patches, planes, pieces, np.zeros(len(planes.f), dtype=bool))
     joined = np.isin(_pair_keys(patches, planes, pieces), _pair_keys(patches, planes, found))
     return [
@@ -108,13 +109,12 @@ def misses(
     options: DetectionOptions,
 ) -> list[Missed]:
     """Near misses: overlaps just beyond a tolerance, of faces without other contact."""
-    refused = ~checked.accepted & (widths(shared) > NOTABLE * planes.size[shared.row])
+    refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[shared.row])
     if not refused.any():
         return []
     covered = np.zeros(patches.count)
-    area = clip.areas(found.corner, found.start)
-    np.add.at(covered, planes.f[found.row], area)
-    np.add.at(covered, planes.g[found.row], area)
+    np.add.at(covered, planes.f[found.row], found.area)
+    np.add.at(covered, planes.g[found.row], found.area)
     explained = covered >= EXPLAINED * patches.area
     row = shared.row
     refused &= ~(explained[planes.f] | explained[planes.g])[row]

@@ -96,6 +96,11 @@ class Patches:
         """Which patches belong to which block."""
         return Ragged(self.first_patch)
 
+    @cached_property
+    def boxes(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner (n, 3) of each block [m], relative to ``origin``."""
+        return self.of_block.min(self.low), self.of_block.max(self.high)
+
 
 def patches_of(assembly: Assembly) -> Patches:
     """Patches of an assembly.
