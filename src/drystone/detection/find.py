@@ -16,8 +16,7 @@ from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.freeform.shortfall import Shortfall, shortfalls
 from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.contact_report import ContactReport
-from drystone.detection.report.edgemisses import edge_misses
-from drystone.detection.report.misses import compare_with_tolerances, dropped, misses
+from drystone.detection.report.misses import compare_with_tolerances, dropped, edge_misses, misses
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import (
     Pairs,

@@ -11,7 +11,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.detection.report.phrases import SHOWN, millimetres
+from drystone.detection.report.reasons import SHOWN, millimetres
 from drystone.detection.search.candidates import Pairs
 from drystone.detection.search.patches import Patches
 from drystone.geometry.body.shared_volume import shared_volumes

@@ -90,7 +90,7 @@ class Pieces:
 
     @cached_property
     def width(self) -> Floats:
-        """(s,) [m], mean width: twice the area over the perimeter, the width of a long rectangle."""
+        """(s,) [m], twice the area over the perimeter: the width of a long rectangle."""
         around = clip.perimeters(self.corner, self.start)
         width: Floats = 2.0 * self.area / np.where(around > 0, around, 1)
         return width

@@ -17,7 +17,7 @@ from drystone.models import arch, shelf
 from drystone.results import Result
 from drystone.view import MarkerShape
 from drystone.view.cad import drawn_solids
-from drystone.view.cad.keyframes import matrix_of, quaternions
+from drystone.view.cad.drawn_parts import matrix_of, quaternions
 from drystone.view.cad.save_cad import save_cad
 from drystone.view.style.palette import ramp_colours
 
