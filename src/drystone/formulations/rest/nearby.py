@@ -60,21 +60,21 @@ def find_rest_nearby(
         Converged; None if the method does not converge, which proves nothing.
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _descend(system, compliance, options, start, stop)
+        return descend(system, compliance, options, start.motion, stop)[0]
 
 
-def _descend(
+def descend(
     system: TangentSystem,
     compliance: Compliance,
     options: RestOptions,
-    start: Start,
-    stop: Callable[[], bool] | None,
-) -> RestState | None:
+    motion: Floats,
+    stop: Callable[[], bool] | None = None,
+) -> tuple[RestState | None, int]:
+    """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps."""
     statics, kn = system.statics, compliance.normal
     glue = compliance.glue * kn
     weight = options.ground * mass_matrix(statics)
     tangent = np.zeros((statics.corner_count, 3, 3))
-    motion = start.motion
     best, since, steps = np.inf, 0, 0
     while since < STALL and not (stop is not None and stop()):
         moved = statics.displacement(motion)
@@ -89,11 +89,12 @@ def _descend(
         rest = statics.wrench(force) + statics.load - ground
         share = float((wrench_size(rest) / block_scale(statics, force)).max(initial=0.0))
         if share <= options.tolerance:
-            return RestState(motion, normal, force, pull, ground, share, True, steps)
+            return RestState(motion, normal, force, pull, ground, share, True, steps), steps
         if steps >= 2 and share > HOPELESS:
-            return None
-        since = 0 if share < 0.5 * best else since + 1
-        best = min(best, share)
+            return None, steps
+        # the first step often makes it worse: progress counts from there
+        since = 0 if steps < 2 or share < 0.5 * best else since + 1
+        best = share if steps < 2 else min(best, share)
         pressed = gap < 0.0
         tangent[:, 0, 0] = np.where(pressed, kn, glue + slope)
         tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[:, None]
@@ -101,6 +102,6 @@ def _descend(
         try:
             motion = motion + system.factorise(tangent, weight)(rest)
         except SolverError:
-            return None
+            return None, steps
         steps += 1
-    return None
+    return None, steps
