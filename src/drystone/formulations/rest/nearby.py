@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
 from drystone.formulations.rest.compliance import Compliance, wrench_size
 from drystone.formulations.rest.rest_state import (
