@@ -43,8 +43,8 @@ STRAIGHT = replace(AT_REST, stall=8)
 needed. Given up early, since it may as well begin there."""
 
 FROM_OTHER = replace(STRAIGHT, warm_relaxation=1e-4, give_up=0.02)
-"""From the rest state of other stiffnesses. Measured: from nothing takes as many steps, and
-converges more often."""
+"""From the rest state of other stiffnesses: given up early. Measured: where it converges, on walls
+and domes, it takes 6 to 16 steps, from nothing 12 to 18; elsewhere it ends after 3 or 4."""
 
 SHARES = (0.0, 0.5, 1.0)
 """Steps of the stiffness, by the logarithm, from the uniform one to another. Measured on the
@@ -269,8 +269,10 @@ class Attempts(Record):
                 return found
         if rests:
             last = self.start(springs, rests[-1].displacement)
-            ways: tuple[tuple[RestOptions, Start | None], ...] = ((FROM_OTHER, last),)
-            for options, begin in ways if briefly else ((STRAIGHT, None), *ways):
+            ways: list[tuple[RestOptions, Start | None]] = [(FROM_OTHER, last)]
+            if not briefly:  # what Newton's method did not reach from the same stiffnesses is far
+                ways.insert(0 if rests[-1].same else 1, (STRAIGHT, None))
+            for options, begin in ways:
                 state = self._rest(springs, options, begin)
                 found = self._stood(state) if state.converged else None
                 if found is not None:

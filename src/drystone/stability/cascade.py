@@ -50,7 +50,7 @@ from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 NONE_FOUND = np.zeros((0, 6))
-"""In place of a rest state that was looked for in vain."""
+"""In place of a rest state that was not found."""
 
 
 class Cascade:

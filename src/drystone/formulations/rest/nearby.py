@@ -33,6 +33,9 @@ HOPELESS = 0.25
 """Largest unbalanced share after two steps with which the method continues. Measured: of 332
 converging runs one is lost; the others stop after 2.7 steps instead of 4.1."""
 
+LOST = 0.999
+"""The same after one step. At 1 no force acts on some block; no run is known that came back."""
+
 
 def find_rest_nearby(
     system: TangentSystem,
@@ -91,7 +94,7 @@ def descend(
         share = float((wrench_size(rest) / block_scale(statics, force)).max(initial=0.0))
         if share <= options.tolerance:
             return RestState(motion, normal, force, pull, ground, share, True, steps), steps
-        if steps >= 2 and share > HOPELESS:
+        if steps and share > (HOPELESS if steps > 1 else LOST):
             return None, steps
         # the first step often makes it worse: progress counts from there
         since = 0 if steps < 2 or share < 0.5 * best else since + 1
