@@ -14,7 +14,7 @@ from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
-from drystone.formulations.nearest_mechanism import nearest_mechanism
+from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanism
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
@@ -60,6 +60,8 @@ class Cascade:
     witness
         Whether other stiffnesses are tried for a first motion where blocks were followed to a fall.
         Their motion is told where there is none.
+    nearest
+        The mechanism nearest to free fall, where it is known already.
 
     Attributes
     ----------
@@ -78,6 +80,7 @@ class Cascade:
         within: tuple[Ints, int] | None = None,
         robust: bool = False,
         witness: bool = True,
+        nearest: NearestMechanism | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
@@ -87,6 +90,7 @@ class Cascade:
         self.within = within
         self.robust = robust
         self.witness = witness
+        self.nearest = nearest
         self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)
@@ -101,7 +105,15 @@ class Cascade:
         if self.options.uniform:
             strict = replace(self.options, samples=0, settle=False, uniform=False)
             progress = self.answers.progress
-            once = Cascade(problem, strict, progress, self.clock, self.executor, self.known)
+            once = Cascade(
+                problem,
+                strict,
+                progress,
+                self.clock,
+                self.executor,
+                self.known,
+                nearest=self.nearest,
+            )
             found = once.run()
             self.attempts, self.rests = once.attempts, once.rests
             self.answers.attempts = self.attempts
@@ -115,6 +127,9 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem = self.problem
+        first = problem.equilibrium_first and 0 not in self.known
+        if first and not (self.attempts.standing or self.clock.late()) and self.collapse is not None:
+            return self.answers.unstable("no contact forces can balance the loads", self.collapse)
         attempts, uniform = self.attempts, self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
@@ -294,7 +309,9 @@ class Cascade:
         """The collapse mechanism (n, 6); None if forces balance the loads, or if none was found."""
         self.answers.report("equilibrium", 1)
         if self.problem.statics.dry:
-            nearest = nearest_mechanism(self.problem.system, stop=self.clock.late)
+            nearest = self.nearest
+            if nearest is None:
+                nearest = nearest_mechanism(self.problem.system, stop=self.clock.late)
             self.answers.iterations += nearest.iterations
             if nearest.motion is not None:
                 motion = sound_mechanism(self.problem, nearest.motion)

@@ -72,6 +72,12 @@ class TangentSystem:
         )
         self.ordering = BlockOrdering(position, self.row, self.column, 6)
 
+    @property
+    def small(self) -> bool:
+        """Whether the tangent is taken as a full matrix."""
+        few = 6 * self.statics.free_count <= FULL
+        return few and self.statics.full_transposed is not None
+
     def blocks(self, tangent: Floats, weight: Floats) -> Floats:
         """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
         out = np.zeros((len(self.row), 6, 6))
@@ -100,7 +106,7 @@ class TangentSystem:
             The matrix is singular.
         """
         few, size = self.statics.full_transposed, 6 * self.statics.free_count
-        if few is None or size > FULL:
+        if few is None or not self.small:
             return self.ordering.factorise(self.blocks(tangent, weight)).solve
         matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
