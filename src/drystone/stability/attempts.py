@@ -245,12 +245,17 @@ class Attempts(Record):
         return self._stood(state)
 
     def attempt_from(
-        self, springs: Compliance, rests: Sequence[Rest], *, lead: bool = False
+        self,
+        springs: Compliance,
+        rests: Sequence[Rest],
+        *,
+        lead: bool = False,
+        briefly: bool = False,
     ) -> Candidate:
         """As :meth:`attempt`, first from similar rest states.
 
         With ``lead``, where nothing is found from nothing either, the last of them, of uniform
-        stiffness, is led to these springs.
+        stiffness, is led to these springs. ``briefly``: from those states only.
         """
         start = None
         for one in rests:
@@ -263,9 +268,12 @@ class Attempts(Record):
             found = self._stood(state) if state.converged else None
             if found is not None:
                 return found
+            if briefly:
+                self.tried += 1
+                return self.examine(state.motion, state.force)
         afresh = Attempts(self.problem, self.clock)
         found = afresh.attempt(springs)
-        if lead and rests and not found.stands:
+        if lead and rests and not (found.stands or rests[-1].same):
             led = self._led(springs, rests[-1].displacement)
             if led is not None:
                 self.iterations += afresh.iterations
@@ -350,9 +358,10 @@ class Attempts(Record):
 
 @one_blas_thread()
 def attempt_sample(
-    problem: Problem, clock: Clock, lead: bool, sample: tuple[Compliance, Sequence[Rest]]
+    problem: Problem, clock: Clock, lead: bool, sample: tuple[Compliance, Sequence[Rest], bool]
 ) -> Record:
-    """One try of other stiffnesses, first from similar rest states."""
+    """One try of other stiffnesses, first from similar rest states; the last says: only briefly."""
     tries = Attempts(problem, clock)
-    tries.attempt_from(*sample, lead=lead)
+    springs, rests, briefly = sample
+    tries.attempt_from(springs, rests, lead=lead, briefly=briefly)
     return Record(*(getattr(tries, each.name) for each in fields(Record)))

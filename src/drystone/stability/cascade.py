@@ -22,24 +22,35 @@ from drystone.results import Result, Verdict
 from drystone.settlement import Outcome, Settlement, settle
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
-from drystone.stability.attempts import CLEARLY, MUCH, Candidate, Rest, attempt_sample
+from drystone.stability.attempts import (
+    CLEARLY,
+    MUCH,
+    Attempts,
+    Candidate,
+    Rest,
+    attempt_sample,
+)
 from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
+from drystone.stability.free_fall import (
+    NO_APPROACH,
+    beside_supports,
+    closing_blocks,
+    unpressed,
+)
 from drystone.stability.problem import Problem
 from drystone.stability.programs.rbe import ANY_FORCES
 from drystone.stability.proofs import (
-    NO_APPROACH,
     balanced,
-    beside_supports,
-    closing_blocks,
     first_motion,
     found_mechanism,
-    free_acceleration,
     sound_mechanism,
-    unpressed,
 )
-from drystone.stability.screening import SLIP_LENGTH
+from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
+
+NONE_FOUND = np.zeros((0, 6))
+"""In place of a rest state that was looked for in vain."""
 
 
 class Cascade:
@@ -50,7 +61,8 @@ class Cascade:
     problem, options, progress, clock, executor
     known : (n, 6) [m, rad] each
         Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
-        one. The same stiffness is tried from there first.
+        one. The same stiffness is tried from there first. Empty: none was found. Then it is looked
+        for briefly, and again where following the blocks does not show that they rest.
     within
         Numbers (m,) of the interfaces in a larger model, and how many interfaces that has: the
         stiffness of each interface is then drawn as it is there.
@@ -167,11 +179,33 @@ class Cascade:
         found = None
         if 0 in self.known and self.problem.statics.dry:
             found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
+            found = found or self._smooth_nearby(springs)
         # without friction equilibrium decides
         much = MUCH if self.problem.statics.friction.any() else CLEARLY
         return found or attempts.attempt(
             springs, falls=lambda: self.collapse is not None, much=much
         )
+
+    def _smooth_nearby(self, springs: Compliance) -> Candidate | None:
+        """The rest state of a smooth law near the known one; none where stick-slip shows a fall.
+
+        A check from nothing accepts it as well. It follows stick-slip for longer before.
+        """
+        problem, attempts = self.problem, self.attempts
+        smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
+        tries = Attempts(problem, self.clock)
+        found = tries.nearby(smooth, tries.start(smooth, self.known[0]))
+        if found is None:
+            return None
+        quickly = tries.attempt(springs, QUICK, again=True)
+        attempts.iterations += tries.iterations
+        if tries.falling:
+            return None
+        if quickly.stands:
+            found = quickly
+        attempts.tried += 1
+        attempts.standing.append(found)
+        return found
 
     def _other_stiffnesses(self, uniform: Candidate) -> None:
         """Rest states for the samples of the stiffness, once.
@@ -184,13 +218,15 @@ class Cascade:
             return
         count, seed = self.options.samples, self.options.seed
         springs = compliance.samples(statics, count, seed, self.within)
-        samples: list[tuple[Compliance, Sequence[Rest]]] = []
+        samples: list[tuple[Compliance, Sequence[Rest], bool]] = []
         for number, sample in enumerate(springs, start=1):
-            rests = [Rest(self.known[number], True)] if number in self.known else []
+            near = self.known.get(number)
+            briefly = near is not None and not len(near)
+            rests = [] if near is None or briefly else [Rest(near, True)]
             if uniform.stands:
                 rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
             # a start is scaled as if forces were in proportion to the motion
-            samples.append((sample, rests if statics.dry else ()))
+            samples.append((sample, rests if statics.dry else (), briefly))
         self.answers.report("stiffness samples", 2)
         task = partial(attempt_sample, self.problem, self.clock, self.options.uniform)
         tried = self.pool.answers(task, samples, self.clock.late)
@@ -200,6 +236,7 @@ class Cascade:
             if record.standing:
                 self.rests[number] = record.standing[0].displacement
             elif self.options.uniform or self.robust:  # settlement decides, or nothing is left
+                self.rests[number] = NONE_FOUND
                 break
 
     def _free_fall(self) -> Result | None:
@@ -214,9 +251,8 @@ class Cascade:
         several in a row, although forces that nothing provides could hold them.
         """
         problem = self.problem
-        acceleration = free_acceleration(problem)
+        falling, acceleration = problem.unpressed, problem.acceleration
         assembly, contacts = problem.model.assembly, problem.model.contacts
-        falling = unpressed(assembly, contacts, acceleration)
         if not falling.any():
             return None
         apart = beside_supports(assembly, contacts, falling)
@@ -277,6 +313,14 @@ class Cascade:
     def _followed(self, uniform: Candidate) -> Result:
         """The verdict of finite steps, where the contact stiffness decides."""
         found = self._follow()
+        doubted = [number for number, near in self.known.items() if not len(near)]
+        if doubted and found.outcome is not Outcome.RESTS and uniform.stands:
+            self.known = {n: near for n, near in self.known.items() if n not in doubted}
+            del self.attempts.standing[1:]
+            self.attempts.tried = 1
+            self._other_stiffnesses(uniform)
+            if len(self.attempts.standing) == self.attempts.tried:
+                return self.answers.stable(uniform)
         moves = found.outcome in (Outcome.FALLS, Outcome.DISPLACED)
         told = not moves or not self.witness or self._first_motion() is not None
         if found.outcome is Outcome.UNKNOWN or not told:

@@ -68,7 +68,7 @@ def check(
 
 @checked_call
 def check_near(
-    model: Model,
+    given: Model | Problem,
     known: Mapping[int, Floats],
     *,
     options: CheckOptions,
@@ -82,7 +82,8 @@ def check_near(
 
     Parameters
     ----------
-    model
+    given
+        A model, or the problem that was built of it.
     known : (n, 6) [m, rad] each
         Displacements of the rest states of a similar model with the same blocks, by the number of
         the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
@@ -99,9 +100,10 @@ def check_near(
         The verdict, and the displacements of the rest states that were found.
     """
     clock = Clock(time_limit_s, stop)
+    problem = Problem.of(given)
     if within is not None:
-        within = within[0][model.active], within[1]
-    cascade = Cascade(Problem.build(model), options, progress, clock, executor, known, within)
+        within = within[0][problem.model.active], within[1]
+    cascade = Cascade(problem, options, progress, clock, executor, known, within)
     return cascade.run(), cascade.rests
 
 

@@ -12,6 +12,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.checks import block_speed
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
+from drystone.stability.free_fall import free_acceleration, unpressed
 from drystone.statics import Statics, build_statics
 
 
@@ -43,6 +44,11 @@ class Problem:
         part = model if active.all() else model.with_contacts(model.contacts.select(active))
         return cls(model, active[model.contacts.interface], build_statics(part))
 
+    @classmethod
+    def of(cls, given: Model | Problem) -> Problem:
+        """A problem as it is, or that of a model."""
+        return given if isinstance(given, Problem) else cls.build(given)
+
     def without(self, falling: Bools) -> Problem | None:
         """The model without some blocks (n,); None if no free block is left."""
         if self.model.assembly.fixed[~falling].all():
@@ -65,6 +71,16 @@ class Problem:
         to a rest state; where there is no rest state, that path takes twice as long.
         """
         return self.statics.dry and self.system.small
+
+    @cached_property
+    def acceleration(self) -> Floats:
+        """Acceleration (n, 6) of each free block under its load alone."""
+        return free_acceleration(self.model, self.statics)
+
+    @cached_property
+    def unpressed(self) -> Bools:
+        """The free blocks (n,) on which nothing presses."""
+        return unpressed(self.model.assembly, self.model.contacts, self.acceleration)
 
     def force(self, scaled: Floats) -> Floats:
         """Physical values (k, c) [N] of all corners from scaled ones of those that take part."""

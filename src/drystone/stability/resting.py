@@ -16,20 +16,16 @@ from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate, Rest
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
+from drystone.stability.free_fall import beside_supports
 from drystone.stability.problem import Problem
-from drystone.stability.proofs import (
-    FALLING_SHARE,
-    beside_supports,
-    free_acceleration,
-    unpressed,
-)
+from drystone.stability.proofs import FALLING_SHARE
 from drystone.stability.screening import PATIENT, SLIP_LENGTH, Screening
 
 
 @checked_call
 @one_blas_thread()
 def try_rest(
-    model: Model,
+    given: Model | Problem,
     *,
     screening: Screening = PATIENT,
     start: Floats | None = None,
@@ -46,7 +42,8 @@ def try_rest(
 
     Parameters
     ----------
-    model
+    given
+        A model, or the problem that was built of it.
     screening
         How thoroughly to look. The first friction law that leads to rest is the answer.
     start : (n, 6) [m, rad]
@@ -69,7 +66,8 @@ def try_rest(
     clock = Clock(time_limit_s, stop)
     if progress is not None:
         progress("rest state", 0, 1)
-    problem = Problem.build(model)
+    problem = Problem.of(given)
+    model = problem.model
     verdict, message = Verdict.UNDECIDED, "no rest state was found; nothing shows that it falls"
     force = displacement = residuals = None
     attempts = Attempts(problem, clock)
@@ -180,7 +178,7 @@ def _first_standing(
 def _falls_freely(problem: Problem, screening: Screening, clock: Clock) -> bool:
     """Whether nothing presses on some blocks beside supports and the others stand without them."""
     assembly, contacts = problem.model.assembly, problem.model.contacts
-    falling = unpressed(assembly, contacts, free_acceleration(problem))
+    falling = problem.unpressed
     if not falling.any() or not beside_supports(assembly, contacts, falling):
         return False
     others = problem.without(falling)

@@ -21,7 +21,7 @@ def problem_of(assembly, friction, load=None):
 @pytest.mark.parametrize("model", [arch(0.15, voussoirs=7), shelf(), tower(4)])
 def test_assembled_tangent_is_the_product_of_its_factors(model):
     problem = problem_of(model, 0.7)
-    statics, system = problem.statics, problem.system
+    statics, system = problem.statics, problem.system.sparse
     rng = np.random.default_rng(0)
     tangent = rng.normal(size=(statics.corner_count, 3, 3))
     weight = rng.uniform(size=(statics.free_count, 6))

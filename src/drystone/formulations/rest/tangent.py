@@ -8,6 +8,7 @@ once per model.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -30,6 +31,46 @@ class TangentSystem:
     ----------
     statics
     position : (n, 3) [m] of the free blocks, for the elimination order
+    """
+
+    def __init__(self, statics: Statics, position: Floats) -> None:
+        self.statics = statics
+        self.position = position
+
+    @cached_property
+    def sparse(self) -> SparseTangent:
+        """The tangent by its blocks, for models that are not small."""
+        return SparseTangent(self.statics, self.position)
+
+    @property
+    def small(self) -> bool:
+        """Whether the tangent is taken as a full matrix."""
+        few = 6 * self.statics.free_count <= FULL
+        return few and self.statics.full_transposed is not None
+
+    def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
+        """From wrenches to motions (n, 6): the inverse of ``A D A' + diag(weight)``.
+
+        Raises
+        ------
+        SolverError
+            The matrix is singular.
+        """
+        few, size = self.statics.full_transposed, 6 * self.statics.free_count
+        if few is None or not self.small:
+            return self.sparse.ordering.factorise(self.sparse.blocks(tangent, weight)).solve
+        matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
+        matrix.reshape(-1)[:: size + 1] += weight.ravel()
+        return inverse(matrix)
+
+
+class SparseTangent:
+    """The blocks of the tangent that are not zero, and their elimination order.
+
+    Parameters
+    ----------
+    statics
+    position : (n, 3) [m] of the free blocks
     """
 
     def __init__(self, statics: Statics, position: Floats) -> None:
@@ -72,12 +113,6 @@ class TangentSystem:
         )
         self.ordering = BlockOrdering(position, self.row, self.column, 6)
 
-    @property
-    def small(self) -> bool:
-        """Whether the tangent is taken as a full matrix."""
-        few = 6 * self.statics.free_count <= FULL
-        return few and self.statics.full_transposed is not None
-
     def blocks(self, tangent: Floats, weight: Floats) -> Floats:
         """Matrix blocks (e, 6, 6) for D (k, 3, 3) and a diagonal (n, 6)."""
         out = np.zeros((len(self.row), 6, 6))
@@ -96,21 +131,6 @@ class TangentSystem:
         index = np.arange(6)
         out[self.diagonal[:, None], index, index] += weight
         return out
-
-    def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
-        """From wrenches to motions (n, 6): the inverse of ``A D A' + diag(weight)``.
-
-        Raises
-        ------
-        SolverError
-            The matrix is singular.
-        """
-        few, size = self.statics.full_transposed, 6 * self.statics.free_count
-        if few is None or not self.small:
-            return self.ordering.factorise(self.blocks(tangent, weight)).solve
-        matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
-        matrix.reshape(-1)[:: size + 1] += weight.ravel()
-        return inverse(matrix)
 
 
 def _side_by_side(maps: Floats, count: int) -> Floats:

@@ -49,7 +49,7 @@ RINGS = 2
 and domes: with one ring 6 of 43 that stand find no rest state, with two none; of 37 that fall, 31
 are found with two rings, in a third to a half of the time of a check."""
 
-NEAR = PATIENT.with_slip_lengths(None, SLIP_LENGTH)
+NEAR = replace(PATIENT, patient=False).with_slip_lengths(None, SLIP_LENGTH)
 """Screening of a neighbourhood: both friction laws of a check."""
 
 

@@ -23,6 +23,7 @@ from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Stage, StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import PATIENT
+from drystone.stability.cascade import NONE_FOUND
 
 SAVE_EVERY_S = 10.0
 """Time between two writes of the checkpoint: an interruption loses at most this."""
@@ -212,7 +213,7 @@ class Evaluator(OneLine):
     def _rests_near(self, part: Stage) -> dict[int, Floats]:
         """Known rest states of a part and of its similar stage.
 
-        Displacements (n, 6) by the number of the contact stiffness.
+        Displacements (n, 6) by the number of the contact stiffness; empty where none was found.
         """
         out: dict[int, Floats] = {}
         for stage in (part.near, (part.placed, part.held)):
@@ -226,7 +227,10 @@ class Evaluator(OneLine):
                     found = self._known[other] = replace(found, rests=rests)
                 for number, motion in found.rests.items():
                     whole = out.setdefault(number, np.zeros((len(self.model.assembly), 6)))
-                    whole[list(members(moving))] = motion
+                    if len(motion) and len(whole):
+                        whole[list(members(moving))] = motion
+                    else:
+                        out[number] = NONE_FOUND
         return out
 
     def _has(self, part: Stage, forces: bool, checked: bool) -> bool:

@@ -17,6 +17,7 @@ from drystone.stability import (
     check_near,
     solve_rbe,
 )
+from drystone.stability.problem import Problem
 
 Check: TypeAlias = Callable[[Model], Result]
 """Gives the verdict on a model. Other processes must be able to import it."""
@@ -44,7 +45,7 @@ def check_both(model: Model) -> Result:
 
 
 def check_both_near(
-    model: Model, known: Mapping[int, Floats], within: tuple[Ints, int] | None = None
+    given: Model | Problem, known: Mapping[int, Floats], within: tuple[Ints, int] | None = None
 ) -> tuple[Result, Mapping[int, Floats]]:
     """As :func:`check_both`, begun at known rest states; see :func:`drystone.stability.check_near`.
 
@@ -52,7 +53,7 @@ def check_both_near(
     stiffness: ``within`` has the number (m,) of each interface in the complete structure, and how
     many that has.
     """
-    return check_near(model, known, options=BOTH, within=within)
+    return check_near(given, known, options=BOTH, within=within)
 
 
 def check_thoroughly(model: Model) -> Result:

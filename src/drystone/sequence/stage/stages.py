@@ -86,7 +86,8 @@ class StageAnswer(OneLine):
         Result of following the blocks, where contact stiffness decides; else empty.
     rests : (b, 6) [m, rad] each
         Rest states of a part, as starts for similar stages: displacements of its moving blocks,
-        ascending, by the number of the contact stiffness, 0 for the uniform one. May be empty.
+        ascending, by the number of the contact stiffness, 0 for the uniform one. May be empty. An
+        empty one: none was found.
     """
 
     verdict: Verdict

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -25,10 +26,27 @@ from drystone.results import Verdict
 from drystone.sequence.stage.stage_checks import Check, check_both, check_both_near
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening, try_rest
+from drystone.stability.problem import Problem
 
 LOADED = 1e-6
 """Corners with less than this share of the largest force of their part are ignored in the required
 friction."""
+
+KEPT = 20_000
+"""Corners of all parts that are kept with their matrices: about 50 MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Blocks of a connected part and its supports, the interfaces (m,) among them, its problem."""
+
+    blocks: Ints
+    chosen: Bools
+    problem: Problem
+
+    @property
+    def corners(self) -> int:
+        return self.problem.model.contacts.corner_count
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,26 +179,21 @@ class Structure(OfModel, OneLine):
         part
         known : (n, 6) [m, rad] each
             Displacements of all blocks in rest states to start from, by the number of the contact
-            stiffness.
+            stiffness; empty where none was found.
         """
-        moving = list(members(part.placed & ~part.held))
-        held = list(members(part.held))
-        ground = sorted({g for block in moving for g in self.grounds[block]})
-        if not held and not ground:
-            return StageAnswer(Verdict.UNSTABLE, "touches no support", tuple(moving))
-        blocks = np.array(sorted([*moving, *held, *ground]), dtype=np.intp)
-        resting = self.assembly.fixed[blocks] | np.isin(blocks, held)
-        some = Assembly(tuple(self.assembly.blocks[b] for b in blocks.tolist()), resting)
-        contacts, chosen = self._contacts_of(blocks, resting)
-        load = LoadCase(self.load.wrench[blocks], self.load.name)
-        stage = Model(some, contacts, load)
-        near = {number: motion[blocks] for number, motion in (known or {}).items()}
+        found = self._part(part.placed, part.held)
+        if found is None:
+            moving = tuple(members(part.placed & ~part.held))
+            return StageAnswer(Verdict.UNSTABLE, "touches no support", moving)
+        blocks, chosen, stage = found.blocks, found.chosen, found.problem.model
+        some, contacts, held = stage.assembly, stage.contacts, list(members(part.held))
+        near = {n: motion[blocks] if len(motion) else motion for n, motion in (known or {}).items()}
         rests: Mapping[int, Floats] = {}
         if part.screening is not None:
-            result = try_rest(stage, screening=part.screening, start=near.get(0))
+            result = try_rest(found.problem, screening=part.screening, start=near.get(0))
         elif self.check is check_both:
             within = self.joints[chosen], int(self.joints[-1]) + 1
-            result, rests = check_both_near(stage, near, within)
+            result, rests = check_both_near(found.problem, near, within)
         else:
             result = self.check(stage)
         if not rests and result.displacement is not None:
@@ -191,7 +204,7 @@ class Structure(OfModel, OneLine):
             return StageAnswer(result.verdict, result.message, falling, settled=settled)
         reaction = {}
         if held:
-            unloaded = stage.with_load(LoadCase(np.zeros_like(load.wrench)))
+            unloaded = stage.with_load(LoadCase(np.zeros_like(stage.load.wrench)))
             pressing, _ = unbalanced_wrench(unloaded, result.force)
             pressing[:, 3:] *= some.size[:, None]
             place = np.searchsorted(blocks, held)
@@ -199,7 +212,7 @@ class Structure(OfModel, OneLine):
         used = _friction_used(contacts, result.force)
         corner = np.flatnonzero(chosen[self.contacts.interface])
         force = np.array(result.force)
-        moved = {number: motion[~some.fixed] for number, motion in rests.items()}
+        moved = {n: motion[~some.fixed] if len(motion) else motion for n, motion in rests.items()}
         return StageAnswer(
             result.verdict, result.message, (), reaction, used, corner, force, moved, settled
         )
@@ -208,6 +221,41 @@ class Structure(OfModel, OneLine):
     def joints(self) -> Ints:
         """Number (m,) of each interface among those that do not join two fixed blocks."""
         return np.cumsum(self.model.active) - 1
+
+    def _part(self, placed: int, held: int) -> _Part | None:
+        """A connected part as a problem; None if nothing supports it.
+
+        The last ones are kept: a part is screened, then checked.
+        """
+        key, kept = (placed, held), self._kept
+        found = kept.pop(key, None) or self._made(placed, held)
+        if found is not None:
+            kept[key] = found
+            while len(kept) > 1 and sum(one.corners for one in kept.values()) > KEPT:
+                del kept[next(iter(kept))]
+        return found
+
+    def _made(self, placed: int, held: int) -> _Part | None:
+        moving = list(members(placed & ~held))
+        ground = sorted({g for block in moving for g in self.grounds[block]})
+        if not held and not ground:
+            return None
+        fixed = [*members(held), *ground]
+        blocks = np.array(sorted([*moving, *fixed]), dtype=np.intp)
+        resting = self.assembly.fixed[blocks] | np.isin(blocks, fixed)
+        some = Assembly(tuple(self.assembly.blocks[b] for b in blocks.tolist()), resting)
+        contacts, chosen = self._contacts_of(blocks, resting)
+        load = LoadCase(self.load.wrench[blocks], self.load.name)
+        return _Part(blocks, chosen, Problem.build(Model(some, contacts, load)))
+
+    @cached_property
+    def _kept(self) -> dict[tuple[int, int], _Part]:
+        """The parts that were used last, the latest at the end."""
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels to another process: without the parts that are kept."""
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
 
     def _contacts_of(self, blocks: Ints, resting: Bools) -> tuple[Contacts, Bools]:
         """Contacts of some blocks, at least one movable, and which (m,) of the model they are."""
