@@ -235,7 +235,7 @@ class _Iteration:
         return found
 
     def opens(self, motion: Floats) -> Bools:
-        """(c,) whether a motion (n, 6) closes no corner so far that forces there could resist it."""
+        """(c,) whether a motion (n, 6) closes no corner so far that forces could resist it."""
         speed = np.abs(motion).max(axis=1)
         fastest = self.corners.spread(self.blocks.max(speed, empty=0.0))
         local = np.concatenate(
@@ -286,7 +286,7 @@ class _Iteration:
         aim[:, 0] += self.corners.spread(left**3 * gap / np.maximum(self.corners.counts, 1))
         motion, force, slack = direction(aim)
         lengths = NEAR_BOUNDARY * self.lengths(force, slack)
-        finite = self.blocks.all(np.isfinite(motion).all(axis=1))
+        finite = self.blocks.all(np.asarray(np.isfinite(motion).all(axis=1)))
         works = finite & (lengths > 0.0)
         lengths = np.where(works, lengths, 0.0)
         by_block = self.blocks.spread(lengths)[:, None]

@@ -50,7 +50,7 @@ from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 NONE_FOUND = np.zeros((0, 6))
-"""In place of a rest state that was looked for in vain."""
+"""In place of a rest state that was looked for and not found."""
 
 
 class Cascade:
@@ -139,8 +139,8 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem = self.problem
-        first = problem.equilibrium_first and 0 not in self.known
-        if first and not (self.attempts.standing or self.clock.late()) and self.collapse is not None:
+        first = problem.equilibrium_first and 0 not in self.known and not self.attempts.standing
+        if first and not self.clock.late() and self.collapse is not None:
             return self.answers.unstable("no contact forces can balance the loads", self.collapse)
         attempts, uniform = self.attempts, self.uniform
         if not uniform.stands and not self.clock.late():

@@ -157,7 +157,7 @@ def _groups(tasks: Iterable[Task], most: int) -> Iterator[tuple[Task, ...]]:
         _, name, payload = task
         heavy = len(payload)
         with suppress(OSError):
-            heavy += os.stat(name).st_size if name else 0
+            heavy += Path(name).stat().st_size if name else 0
         if group and (len(group) >= most or weight + heavy > LIGHT):
             yield tuple(group)
             group, weight = [], 0
