@@ -137,24 +137,43 @@ class Statics:
         return sparse.csr_matrix((values.ravel(), column.ravel(), start), shape=shape)
 
     def wrench(self, force: Floats) -> Floats:
-        """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
+        """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks.
+
+        Also of several states, (s, n, 6) from (s, k, 3).
+        """
+        flat = force.reshape(*force.shape[:-2], -1)
         if self.full_transposed is not None:
-            return (force.ravel() @ self.full_transposed).reshape(-1, 6)
-        result: Floats = (self.matrix @ force.ravel()).reshape(-1, 6)
-        return result
+            result: Floats = flat @ self.full_transposed
+        else:
+            result = (self.matrix @ flat.T).T
+        return result.reshape(*force.shape[:-2], -1, 6)
 
     def displacement(self, motion: Floats) -> Floats:
-        """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
+        """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v.
+
+        Also of several states, (s, k, 3) from (s, n, 6).
+        """
+        flat = motion.reshape(*motion.shape[:-2], -1)
         if self.full_transposed is not None:
-            return (self.full_transposed @ motion.ravel()).reshape(-1, 3)
-        result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
-        return result
+            result: Floats = flat @ self.full_transposed.T
+        else:
+            result = (self.matrix_transposed @ flat.T).T
+        return result.reshape(*motion.shape[:-2], -1, 3)
 
     @cached_property
     def full_transposed(self) -> Floats | None:
         """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
         rows, columns = 3 * self.corner_count, 6 * self.free_count
         return self.matrix_transposed.toarray() if rows * columns <= FULL else None
+
+    @cached_property
+    def touching(self) -> sparse.csr_matrix:
+        """(n, k): one where a corner belongs to a free block."""
+        k = self.corner_count
+        block = np.concatenate([self.block_a, self.block_b])
+        corner = np.tile(np.arange(k), 2)[block >= 0]
+        ones = np.ones(len(corner))
+        return sparse.csr_matrix((ones, (block[block >= 0], corner)), shape=(self.free_count, k))
 
     def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
         """Wrenches (6 n, c) of unit forces at some corners (c,).

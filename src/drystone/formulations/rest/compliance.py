@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.formulations.rest.friction import FrictionBound, FrictionLaw, SlipLength, StickSlip
 from drystone.statics import Statics
 
@@ -20,7 +20,7 @@ SPECK = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """Springs at the corners.
+    """Springs at the corners. Arrays may have a first axis more, for several states at once.
 
     Attributes
     ----------
@@ -50,6 +50,20 @@ class Compliance:
         size = np.sqrt(self.tension**2 + elastic**2)
         share = self.tension / np.where(size > 0.0, size, 1.0)
         return elastic * share, self.normal * share**3
+
+    @classmethod
+    def stacked(cls, several: Sequence[Compliance]) -> Compliance:
+        """Springs of one model with laws of one kind, side by side: arrays (s, k)."""
+        first, normal = several[0], np.stack([one.normal for one in several])
+        laws = [one.friction for one in several]
+        law: FrictionLaw = laws[0]
+        if isinstance(law, SlipLength):
+            slips = [one.slip for one in laws if isinstance(one, SlipLength)]
+            law = SlipLength(law.bound, np.stack(slips))
+        else:
+            tangential = [one.stiffness for one in laws if isinstance(one, StickSlip)]
+            law = StickSlip(law.bound, np.stack(tangential))
+        return replace(first, normal=normal, friction=law)
 
 
 _NOTHING = np.zeros(1)
@@ -150,5 +164,5 @@ def corner_load(statics: Statics) -> Floats:
 
 
 def wrench_size(wrench: Floats) -> Floats:
-    """(n,) length of the force plus length of the moment of scaled wrenches (n, 6)."""
-    return np.linalg.norm(wrench[:, :3], axis=1) + np.linalg.norm(wrench[:, 3:], axis=1)
+    """(..., n) length of the force plus length of the moment of scaled wrenches (..., n, 6)."""
+    return lengths(wrench[..., :3]) + lengths(wrench[..., 3:])
