@@ -167,13 +167,18 @@ class Statics:
         return self.matrix_transposed.toarray() if rows * columns <= FULL else None
 
     @cached_property
-    def touching(self) -> sparse.csr_matrix:
-        """(n, k): one where a corner belongs to a free block."""
-        k = self.corner_count
-        block = np.concatenate([self.block_a, self.block_b])
-        corner = np.tile(np.arange(k), 2)[block >= 0]
-        ones = np.ones(len(corner))
-        return sparse.csr_matrix((ones, (block[block >= 0], corner)), shape=(self.free_count, k))
+    def touching(self) -> Floats | sparse.csr_matrix:
+        """(n, k): one where a corner belongs to a free block; full where the model is small."""
+        of_corner = [(block, np.flatnonzero(block >= 0)) for block in (self.block_a, self.block_b)]
+        shape = self.free_count, self.corner_count
+        if self.full_transposed is not None:
+            full = np.zeros(shape)
+            for block, corner in of_corner:
+                full[block[corner], corner] = 1.0
+            return full
+        row = np.concatenate([block[corner] for block, corner in of_corner])
+        column = np.concatenate([corner for _, corner in of_corner])
+        return sparse.csr_matrix((np.ones(len(row)), (row, column)), shape=shape)
 
     def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
         """Wrenches (6 n, c) of unit forces at some corners (c,).
