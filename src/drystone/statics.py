@@ -29,6 +29,9 @@ sparse product takes longer than the product of a small matrix."""
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
+SPECK = 1e-4
+"""Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
+
 
 @dataclass(frozen=True, eq=False)
 class Statics:
@@ -165,6 +168,32 @@ class Statics:
         """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
         rows, columns = 3 * self.corner_count, 6 * self.free_count
         return self.matrix_transposed.toarray() if rows * columns <= FULL else None
+
+    @cached_property
+    def normal_stiffness(self) -> Floats:
+        """(k,) tributary area, at least 5 % of its interface's mean and a small share of the block.
+
+        Slivers would make the system ill-conditioned; lines and points have no area.
+        """
+        area = self.tributary
+        if not len(area):
+            return area
+        count = np.bincount(self.interface)
+        mean = np.bincount(self.interface, area) / np.maximum(count, 1)
+        return np.maximum(np.maximum(area, 0.05 * mean[self.interface]), SPECK * self.block_area)
+
+    @cached_property
+    def corner_load(self) -> Floats:
+        """Typical force (k,) of a corner: the load of the lighter of its free blocks."""
+        load = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
+        load = np.append(np.where(load > 0.0, load, 1.0), np.inf)
+        return np.minimum(load[self.block_a], load[self.block_b])
+
+    @cached_property
+    def mass_matrix(self) -> Floats:
+        """Diagonal (n, 6): mass, and mass times radius of gyration squared."""
+        turning = self.mass * self.inertia
+        return np.stack([self.mass] * 3 + [turning] * 3, axis=1)
 
     @cached_property
     def touching(self) -> Floats | sparse.csr_matrix:

@@ -27,8 +27,6 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
-from drystone.formulations.rest.compliance import corner_load
-from drystone.formulations.rest.rest_state import mass_matrix
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.solvers.cone_scaling import Scaling, inner, longest_step, product, quotient
 
@@ -103,10 +101,10 @@ class _Iteration:
     def __init__(self, system: TangentSystem) -> None:
         self.system = system
         self.statics = statics = system.statics
-        self.mass = mass_matrix(statics)
+        self.mass = statics.mass_matrix
         self.scale = np.ones((statics.corner_count, 3))
         self.scale[:, 1:] = statics.friction[:, None]
-        size = corner_load(statics)
+        size = statics.corner_load
         self.softness = SOFTNESS / size
         axis = np.array([1.0, 0.0, 0.0])
         self.motion = np.zeros((statics.free_count, 6))

@@ -12,7 +12,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock
 from drystone.checks import check_forces, check_several
-from drystone.formulations.rest.compliance import Compliance, normal_stiffness
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby, find_rests_nearby
@@ -332,7 +332,7 @@ class Attempts(Record):
 
     def _led(self, springs: Compliance, displacement: Floats) -> Candidate | None:
         """The rest state to which one of uniform stiffness leads while the stiffness changes."""
-        base = normal_stiffness(self.problem.statics)
+        base = self.problem.statics.normal_stiffness
         for share in SHARES:
             between = replace(springs, normal=base ** (1.0 - share) * springs.normal**share)
             state = self._rest(between, AT_REST, self.start(between, displacement))

@@ -216,6 +216,8 @@ class Cascade:
         if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
         count, seed = self.options.samples, self.options.seed
+        if not count:
+            return
         springs = compliance.samples(statics, count, seed, self.within)
         samples = []
         for number, sample in enumerate(springs, start=1):

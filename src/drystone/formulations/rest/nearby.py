@@ -20,7 +20,6 @@ from drystone.formulations.rest.rest_state import (
     RestState,
     Start,
     block_scale,
-    mass_matrix,
 )
 from drystone.formulations.rest.tangent import TangentSystem
 
@@ -84,7 +83,7 @@ def _descend(
 ) -> list[RestState | None]:
     statics, kn = system.statics, compliance.normal
     glue = compliance.glue * kn
-    weight = options.ground * mass_matrix(statics)
+    weight = options.ground * statics.mass_matrix
     tangent = np.zeros((*kn.shape, 3, 3))
     motion = start.motion.copy()
     count = len(motion)

@@ -118,12 +118,6 @@ def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) ->
     return Start(fit[..., None, None] * motion, fit[..., None] * normal)
 
 
-def mass_matrix(statics: Statics) -> Floats:
-    """Diagonal (n, 6) of the ground spring: mass, and mass times radius of gyration squared."""
-    turning = statics.mass * statics.inertia
-    return np.stack([statics.mass] * 3 + [turning] * 3, axis=1)
-
-
 def block_scale(statics: Statics, force: Floats) -> Floats:
     """Size (..., n) of the forces on each block: its load and its corner forces (..., k, 3)."""
     at_corners = (statics.touching @ lengths(force).T).T
