@@ -40,10 +40,13 @@ def row(voussoirs: int, ratio: float, friction: float, models: Path | None = Non
     needed = 0
     joints, close = PlaneJoints.of(model), SharpenOptions().close
     for k in np.flatnonzero(found.sharpness):
-        less = np.array(found.sharpness)
-        less[k] = max(less[k] - close, 0.0)
-        result = check(joints.wedged(less), options=CheckOptions(settle=False))
-        needed += not DesignMargin().meets(result)
+        falls = True
+        for value in (max(found.sharpness[k] - close, 0.0), 0.0):
+            less = np.array(found.sharpness)
+            less[k] = value
+            result = check(joints.wedged(less), options=CheckOptions(settle=False))
+            falls &= not DesignMargin().meets(result)
+        needed += falls
     angle = found.sharpness
     state = f"{len(found.joints)} of {len(angle)}" if found.stands else "falls"
     return (

@@ -26,6 +26,10 @@ and states of eq. 5.6 that were examined it is 8e-6 or more."""
 NEGLIGIBLE = 1e-9
 """The direction of friction is checked above this share of the forces on a block."""
 
+LARGEST = 1e130
+"""[N, N m, m, rad] Beyond it squares and products of forces and motions do not fit a float. Loads
+are 1e100 at most."""
+
 MOVING = 0.05
 """Motions of a corner below this share of the largest of its joint count as zero, to distinguish
 hinges from sliding joints in pictures. Chosen."""
@@ -88,6 +92,9 @@ def check_forces(
 ) -> Residuals:
     """Residuals of a claim of equilibrium, with a compatible motion when one is given.
 
+    Numbers that are not finite, or whose products are not, prove nothing: their residual is
+    infinite.
+
     Parameters
     ----------
     force : (k, 3) [N], local n, u, v, on block b
@@ -113,6 +120,9 @@ def _residuals(
 ) -> list[Residuals]:
     """As :func:`check_forces`, for s claims: forces (k, s, 3), motions and props (n, s, 6)."""
     assembly, contacts = model.assembly, model.contacts
+    claimed = [one for one in (force, displacement, prop) if one is not None and one.size]
+    if not all(np.abs(one).max() <= LARGEST for one in claimed):
+        return Residuals(equilibrium=np.inf)
     free = ~assembly.fixed
     total, scale = _wrenches(model, force)
     if prop is not None:

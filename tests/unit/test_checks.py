@@ -1,8 +1,9 @@
-"""What a first motion does at the joints."""
+"""What a first motion does at the joints, and claims that prove nothing."""
 
 import numpy as np
+import pytest
 
-from drystone.checks import moving_joints
+from drystone.checks import check_forces, moving_joints
 from drystone.model import Model
 from drystone.models import tower
 
@@ -35,3 +36,11 @@ def test_a_block_that_lifts_off_and_one_at_rest_are_neither() -> None:
         hinge, slide, _ = moving_joints(model, moved)
         assert not hinge.any()
         assert not slide.any()
+
+
+@pytest.mark.parametrize("odd", [1e200, np.inf, np.nan])
+def test_forces_or_motions_too_large_to_be_squared_prove_nothing(odd: float) -> None:
+    model = Model.of(tower(2))
+    force = np.zeros((model.contacts.corner_count, 3))
+    assert check_forces(model, force + odd).largest == np.inf
+    assert check_forces(model, force, np.full((2, 6), odd)).largest == np.inf

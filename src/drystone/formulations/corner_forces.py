@@ -210,7 +210,9 @@ def _bounded(
 
     Exact or as a pyramid.
     """
-    scaled = sparse.diags(coefficient) @ sums
+    # the rows of a cone are divided by its coefficient where that is large
+    row = 1.0 / np.maximum(coefficient, 1.0)
+    scaled, sums = sparse.diags(row * coefficient) @ sums, sparse.diags(row) @ sums
     if cone.sides:
         normals, reach = cone.directions()
         sides = np.hstack([np.zeros((cone.sides, 1)), normals])
@@ -221,7 +223,7 @@ def _bounded(
         each = np.array([[-1.0], [0.0], [0.0]])
     terms += [(variable, sparse.kron(scaled, each * share)) for variable, share in bound]
     # the constant enters as the bound does: with its factor of every row
-    right = np.kron(np.broadcast_to(constant, len(coefficient)), -each[:, 0])
+    right = np.kron(row * constant, -each[:, 0])
     if cone.sides:
         program.at_most(name, right, *terms)
     else:

@@ -226,7 +226,7 @@ def _plan(given: Given, folder: Folder, end: float) -> dict[str, Any]:
             for row in told["props"][:MOST]
         ],
         "impossible": dict(list(impossible.items())[:MOST]),
-        "fewest_props_proved": found.proved,
+        "proved": found.proved,
         "stopped": found.stopped,
         "notes": list(model.notes)[:MOST],
     }

@@ -22,6 +22,7 @@ from drystone.sequence.rules import BoundRules, Order, Rules, bind, removal_rank
 from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.search.best_first import OrderSearch
+from drystone.sequence.search.deepening import search_below
 from drystone.sequence.search.exact import search_exactly
 from drystone.sequence.search.helping import SPARED, Trimmed, trimmed
 from drystone.sequence.search.imposed_order import departure
@@ -208,7 +209,10 @@ class _Planner:
     def search(
         self, complete: StageAnswer, options: SearchOptions, bound: BoundRules, *, whole: bool
     ) -> Trimmed:
-        """The order with the least help that is found; searched again while help is spared."""
+        """The order with the least help that is found; searched again while help is spared.
+
+        In models of few blocks less help is searched below it, except where the order is given.
+        """
         best = None
         while True:
             search = OrderSearch(
@@ -226,10 +230,19 @@ class _Planner:
             found = search_exactly(search, root) if self.options.exact else search.run(root)
             order = trimmed(found, search)
             if best is not None and order.cost >= best.cost:
-                return best
+                break
             best = order
             if not order.spared:
-                return best
+                break
+        known = best.cost == NO_HELP or best.proved or not search.few
+        if known or whole or not isinstance(self.bound.rules.order, Order):
+            return best
+        less = search_below(search, root, best.cost)
+        if less is None:
+            return best
+        if not less.path:
+            return replace(best, proved=True)
+        return min(best, trimmed(less, search), key=lambda one: one.cost)
 
     def imposed_order(
         self, complete: StageAnswer, options: SearchOptions, order: Trimmed

@@ -72,6 +72,9 @@ MOST_DRAG = 1e12
 LEFT_STEPS = 250
 """Increments after which what clearly moves on is followed no farther: it does not stand, and a
 fall without obstacles takes 135."""
+SLOW_STEPS = 1000
+"""Increments after which what clearly moves, but too slowly to fall within the limit of steps, is
+followed no farther: stones of 1/700 of the next one's size allow only tiny increments."""
 FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
 SQUEEZED, GROWN = 20.0, 1.5
@@ -434,9 +437,15 @@ class Follower:
         return bool(((gap < -SQUEEZED * self.bodies.overlap) & (gap <= before)).any())
 
     def _late(self) -> bool:
-        if self.steps >= self.step_limit or self.beyond >= self.left_steps:
+        if self.steps >= self.step_limit or self.beyond >= self.left_steps or self._creeps():
             return True
         return self.stop is not None and self.stop()
+
+    def _creeps(self) -> bool:
+        """Whether blocks on supports at rest move on, but too slowly to be followed to a fall."""
+        if self.steps < SLOW_STEPS or self.share < CLEAR or self.left_steps == self.step_limit:
+            return False
+        return self.farthest * self.step_limit < self.fall * self.steps
 
     def _track(self, ended: str) -> Track:
         frames = self.frames if self.frames[-1] is self.pose else [*self.frames, self.pose]

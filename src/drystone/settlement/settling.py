@@ -104,8 +104,13 @@ def settle(
     carriers = _carriers(model, chosen)
     apart = faces_apart(model, chosen.fall)
     task = partial(_path, model, apart, motion=moving, chosen=chosen, clock=clock)
+    paths: tuple[SettlementPath, ...]
     if executor is None or len(carriers) == 1:
-        paths = tuple(task(one, progress=progress) for one in carriers)
+        paths = ()
+        for one in carriers:
+            paths += (task(one, progress=progress),)
+            if paths[-1].outcome is Outcome.UNKNOWN:
+                break  # then the outcome is unknown, whatever the other one does
     else:
         with WorkerPool(executor) as pool:
             paths = tuple(pool.answers(task, carriers, clock.late))

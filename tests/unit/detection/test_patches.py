@@ -7,6 +7,7 @@ import pytest
 
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats
+from drystone.base.errors import InputError
 from drystone.detection.search.patches import patches_of
 from drystone.models import box, concave, curve_three_blocks, dome, prism, tower, welded
 
@@ -102,3 +103,11 @@ def test_face_numbers_are_those_of_the_block() -> None:
     patches = patches_of(tower(2))
     assert patches.face.tolist() == [*range(6), *range(6)]
     assert patches.owner.tolist() == [0] * 6 + [1] * 6
+
+
+def test_a_block_that_rounding_has_flattened_is_refused() -> None:
+    low = [(0, 0, 0), (0, 0, 0), (1, 0, 0), (1, 0, 0), (0, 1, 0), (0, 1, 0), (1, 1, 0)]
+    vertices = np.array([*low, (1, 1, 1e-7)], dtype=float)
+    thin = Block(vertices, box((1.0, 1.0, 1.0)).faces, name="plate")
+    with pytest.raises(InputError, match="block 'plate': its faces lie in one plane"):
+        patches_of(Assembly((thin,)))

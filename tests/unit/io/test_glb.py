@@ -87,6 +87,11 @@ def test_nodes_are_placed(tmp_path: Path, node: dict[str, Any], bounds: list[Any
     assert not block.repairs
 
 
+def test_a_node_that_places_its_vertices_beyond_every_number_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FormatError, match="vertex 1 is far too large"):
+        load(tmp_path, glb(*scene(scale=[1e308, 1e308, 1e308])))
+
+
 @pytest.mark.parametrize("assembly", [tower(3), arch(), dome(), concave("short"), vault()])
 def test_writing_and_reading_keeps_names_supports_material_and_polygons(
     tmp_path: Path, assembly: Assembly

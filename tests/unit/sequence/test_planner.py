@@ -29,6 +29,13 @@ from drystone.sequence import (
     plan,
     sweep_friction,
 )
+from drystone.sequence.insertion import RemovalTest
+from drystone.sequence.rules import bind
+from drystone.sequence.search.best_first import OrderSearch
+from drystone.sequence.search.deepening import search_below
+from drystone.sequence.search.states import Node, SearchOptions
+from drystone.sequence.stage.evaluation import Evaluator
+from drystone.sequence.stage.structure import Structure
 
 
 def planned(assembly: Assembly, friction: float = 0.6, **options: object) -> Plan:
@@ -285,6 +292,33 @@ def test_no_order_needs_fewer_held_blocks_than_a_proved_plan(make):
     others.append(planned(assembly, friction, patience=float("inf")))
     assert all(found.help <= one.help for one in others)
     assert found.proved
+
+
+@pytest.mark.parametrize(("blocks", "patience"), [(9, 2.0), (13, 10.0)])
+def test_less_help_is_searched_below_a_first_order(blocks, patience):
+    # the first order props a block more: after its patience it gives help without looking back
+    rules = Rules(hands=3)
+    found = planned(arch(0.3, blocks), 0.5, rules=rules, patience=patience)
+    assert not found.proved
+    assert found.help == planned(arch(0.3, blocks), 0.5, rules=rules).help
+    assert found.verdict is Verdict.STABLE
+
+
+def test_a_search_below_a_limit_that_leaves_no_state_proves_it():
+    model = Structure(Model.of(arch(0.3, 7), friction=0.4), check_both)
+    with Evaluator(model) as evaluator:
+        removal = RemovalTest(model)
+        bound = bind(Rules(hands=1), model, removal)
+        search = OrderSearch(evaluator, bound, removal, SearchOptions(patience=500.0))
+        root = Node(model.everything, 0)
+        below = search_below(search, root, (4, 0, 0))
+        assert below is not None
+        assert (below.proved, below.path) == (True, [])
+        found = search_below(search, root, (5, 0, 0))
+        assert found is not None
+        assert (found.proved, found.path[-1].cost) == (True, (4, 0, 0))
+        short = OrderSearch(evaluator, bound, removal, SearchOptions(patience=1.0))
+        assert search_below(short, root, (4, 0, 0)) is None
 
 
 def test_no_hands_are_refused_at_once():

@@ -230,3 +230,14 @@ def test_a_block_slides_over_the_edge_of_a_table_and_tips_where_its_weight_leave
         assert turned[gone < edge - 0.01].max() < 1e-4
         assert turned[-1] > 0.01
         assert gone[turned > 1e-3].min() == pytest.approx(edge, abs=0.02)
+
+
+def test_what_is_too_slow_to_be_followed_to_a_fall_is_given_up_early() -> None:
+    ground = box((4.0, 4.0, 0.5), (-2.0, -2.0, -0.5), name="ground")
+    cube = box((1.0, 1.0, 1.0), name="cube")
+    pebble = box((1e-5, 1e-5, 1e-5), (1.5, 1.5, 0.0), name="pebble")
+    assembly = Assembly((ground, cube, pebble), np.array([True, False, False]))
+    model = Model.of(assembly, load=LoadCase.tilt(assembly, Y, 30.0))
+    found = settle(model.with_friction([0.2, 0.9]), options=MOVING)  # the cube slides alone
+    assert found.outcome is Outcome.UNKNOWN
+    assert found.paths[0].steps == 1000

@@ -7,7 +7,7 @@ from drystone import Assembly, CheckOptions, LoadCase, Verdict, check, find_cont
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.models import box
-from drystone.stability import could_hold, solve_cra, solve_cra_penalty
+from drystone.stability import could_hold, solve_cra, solve_cra_penalty, solve_rbe
 
 X = (1.0, 0.0, 0.0)
 
@@ -181,3 +181,12 @@ def test_a_tower_of_four_hundred_cubes_stands_until_it_topples(angle, verdict):
     tower = models.tower(400)
     model = Model.of(tower, friction=0.6, load=LoadCase.tilt(tower, X, angle))
     assert check(model, options=CheckOptions(samples=0, settle=False)).verdict == verdict
+
+
+@pytest.mark.parametrize("friction", [1e4, 1e6])
+def test_equilibrium_is_decided_with_friction_of_any_size(friction):
+    tower, arch = (Model.of(one, friction=friction) for one in (models.tower(3), models.arch()))
+    assert solve_rbe(tower).verdict is Verdict.EQUILIBRIUM_EXISTS
+    assert solve_rbe(arch).verdict is Verdict.EQUILIBRIUM_EXISTS
+    tilted = arch.with_load(LoadCase.tilt(arch.assembly, X, 30.0))
+    assert solve_rbe(tilted).verdict is Verdict.UNSTABLE

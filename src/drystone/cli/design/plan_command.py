@@ -328,6 +328,8 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
     told = ", ".join(f"{counts[k]} {k}" for k in ("free", "held", "propped", "impossible"))
     screen.line(f"{data['model']}  {told}", counted(len(data["steps"]), "step"))
     screen.line(data["message"])
+    if any(found.help) and not found.proved:
+        screen.dim("another order may need less help; --best searches until none is left")
     rows = list(found.table())
     force = "prop force" if data["scaffolding"] is None else "prop force if ideal"
     screen.table(

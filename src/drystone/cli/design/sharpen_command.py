@@ -51,8 +51,8 @@ def sharpen(
 ) -> Answer:
     """Make wedges of two planes from plane joints with tension, until the model stands.
 
-    Each joint is then taken back to the least sharpness with which the model stands. --html and
-    --png show it with the edges of the model before.
+    Wedges that are not needed are then made plane again, and each other one as flat as possible.
+    --html and --png show it with the edges of the model before.
 
     Exit code 0: it stands, already or sharpened. 1: it does not. 2: bad input.
     130: stopped by Ctrl-C, with what stood so far.

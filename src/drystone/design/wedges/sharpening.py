@@ -5,8 +5,8 @@ Source: Kao 2023, section 6.3.3: joints are made wedges where the penalty form s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -19,6 +19,7 @@ from drystone.design.mends.margin import DesignMargin
 from drystone.design.mends.mends import stands_already
 from drystone.design.surgery.changed_model import ChangedStructure
 from drystone.design.surgery.joint_surgery import STEEPEST
+from drystone.design.wedges.least_wedges import least_value, least_wedges
 from drystone.design.wedges.plane_joints import PlaneJoints
 from drystone.io.opening import Given, How, as_model
 from drystone.model import Model
@@ -27,9 +28,6 @@ from drystone.stability import CheckOptions, check
 TENSE = 0.01
 """A joint shows tension from this share of the largest tension of a joint on, chosen: glue that
 stretches puts a trace of tension into every hinge."""
-
-PASSES = 6
-"""Times that all joints are gone through, chosen: two were enough in every case that was tried."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,7 @@ class SharpenOptions(Options):
     most : [degrees]
         Largest sharpness of a wedge.
     close : [degrees]
-        With each sharpened joint less sharp by so much, it no longer stands.
+        With any sharpened joint less sharp by so much, it no longer stands.
     keep
         Names or positions of blocks whose joints stay plane.
     """
@@ -84,7 +82,8 @@ class Sharpened(ChangedStructure):
     sharpness : (j,) [degrees]
         Of each interface of ``before``; zero where it stays plane.
     least
-        Whether every sharpened joint is known to be needed. Not so where it was stopped.
+        Whether every sharpened joint is known to be needed: with any one of them plane, or less
+        sharp by ``close``, it falls. Not so where it was stopped.
     """
 
     sharpness: Floats
@@ -119,8 +118,10 @@ def sharpen(
     """Make plane joints wedges of two planes where tension appears, until the structure stands.
 
     In each round the joints that would pull if they were glued are made sharper by a step. Once it
-    stands, all wedges together and then each one alone are taken back to the least sharpness with
-    which it still stands. Each check needs the one before, so an ``executor`` has nothing to share.
+    stands, all wedges together are taken back to the least sharpness with which it still stands.
+    Then wedges that are not needed are made plane, and each one that is left is made as flat as
+    the structure stands with. Each check needs the one before, so an ``executor`` has nothing to
+    share.
 
     Parameters
     ----------
@@ -186,18 +187,18 @@ class _Sharpening:
         if not stands:
             return self.answer(sharpness, rounds, False, self.why(sharpness))
         sharpness = self.lowered(sharpness)
-        least = False
-        for _ in range(PASSES):
-            if least or self.late():
-                break
-            before = sharpness
-            sharpness = self.each_lowered(sharpness)
-            least = np.array_equal(before, sharpness)
+        sharpness, known = least_wedges(
+            sharpness,
+            self.holds,
+            close=self.options.close,
+            late=self.late,
+            tell=partial(self.tell, "taking each wedge back"),
+        )
         some = counted(int((sharpness > 0.0).sum()), "joint")
         words = f"stands with {some} sharpened, by up to {sharpness.max():.2f} degrees"
-        if not least:
+        if not known:
             words += "; it was stopped before each of them was known to be needed"
-        return self.answer(sharpness, rounds, least and not self.late(), words)
+        return self.answer(sharpness, rounds, known, words)
 
     def answer(self, sharpness: Floats, rounds: int, least: bool, words: str) -> Sharpened:
         model = self.joints.wedged(sharpness)
@@ -278,57 +279,14 @@ class _Sharpening:
 
         def stands(most: float) -> bool:
             self.tell("taking all wedges back", 0, 1)
-            return self.options.margin.stands(self.joints.wedged(np.minimum(sharpness, most)))
+            return self.holds(np.minimum(sharpness, most))
 
-        high = _least(stands, 0.0, float(sharpness.max()), 0.5 * self.options.close, self.late)
+        high = least_value(stands, 0.0, float(sharpness.max()), 0.5 * self.options.close, self.late)
         return np.minimum(sharpness, high)
 
-    def each_lowered(self, sharpness: Floats) -> Floats:
-        """Each wedge taken back alone as far as the structure stands, the least sharp first."""
-        close = self.options.close
-        for k in self.in_turn(sharpness):
-
-            def stands(value: float, others: Floats = sharpness, k: int = k) -> bool:
-                return self.options.margin.stands(self.joints.wedged(_with(others, k, value)))
-
-            less = max(float(sharpness[k]) - close, 0.0)
-            if not stands(less):
-                continue
-            high = 0.0
-            if less > 0.0 and not stands(0.0):
-                high = _least(stands, 0.0, less, 0.5 * close, self.late)
-            sharpness = _with(sharpness, k, high)
-        return sharpness
-
-    def in_turn(self, sharpness: Floats) -> Iterator[int]:
-        """The joints with wedges, the least sharp first, until it is time to stop."""
-        order = np.flatnonzero(sharpness > 0.0)
-        order = order[np.argsort(sharpness[order], kind="stable")]
-        for done, k in enumerate(order.tolist()):
-            if self.late():
-                return
-            self.tell("taking each wedge back", done, len(order))
-            yield k
-
-
-def _with(sharpness: Floats, joint: int, value: float) -> Floats:
-    """The sharpness (j,) with another value for one joint."""
-    out = sharpness.copy()
-    out[joint] = value
-    return out
-
-
-def _least(
-    stands: Callable[[float], bool], low: float, high: float, width: float, late: Callable[[], bool]
-) -> float:
-    """The least value above ``low`` with which it stands, to a width; it stands with ``high``."""
-    while high - low > width and not late():
-        middle = 0.5 * (low + high)
-        if stands(middle):
-            high = middle
-        else:
-            low = middle
-    return high
+    def holds(self, sharpness: Floats) -> bool:
+        """Whether the structure stands with a sharpness (j,)."""
+        return self.options.margin.stands(self.joints.wedged(sharpness))
 
 
 __all__ = ["SharpenOptions", "Sharpened", "sharpen"]

@@ -116,6 +116,7 @@ def patches_of(assembly: Assembly) -> Patches:
     block_convex, one_surface = _convex_blocks(faces, edges, turn, len(assembly))
     group = coplanar_groups(faces, edges, turn, size)
     loop, ring_start, ring_patch, face = rings_of(faces, edges, group)
+    _refuse_flattened(assembly, faces.owner[face], ring_patch)
     corner = faces.point[loop]
     if len(face) < faces.count:
         corner, ring_start = without_straight(
@@ -198,6 +199,18 @@ def _refuse_folded(assembly: Assembly, faces: Faces, area: Floats, surface: Floa
                 where=f"block '{assembly.names[block]}'",
                 remedy="its corners are out of order, or the face is twisted: split or rebuild it",
             )
+
+
+def _refuse_flattened(assembly: Assembly, owner: Ints, ring_patch: Ints) -> None:
+    """Raise for a block whose faces all lie in one plane, so that they have no outline."""
+    flat = np.flatnonzero(np.bincount(ring_patch, minlength=len(owner)) == 0)
+    if len(flat):
+        raise InputError(
+            "its faces lie in one plane, as far as its coordinates tell",
+            where=f"block '{assembly.names[int(owner[flat[0]])]}'",
+            remedy="it is too thin for where it lies: move the assembly to the origin, or repair "
+            "or remove the block",
+        )
 
 
 def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> tuple[Bools, Bools]:

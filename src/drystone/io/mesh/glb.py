@@ -70,7 +70,9 @@ def read(data: bytes, path: Path) -> Draft:
             faces = faces[:, ::-1]
         where = f"node {number}"
         told[where] = ours
-        soups.append(FaceSoup(vertices @ Z_UP.T, faces.tolist(), name, where, split=ours is None))
+        with np.errstate(all="ignore"):  # overflow is found with the vertices
+            upright = vertices @ Z_UP.T
+        soups.append(FaceSoup(upright, faces.tolist(), name, where, split=ours is None))
     shapes, notes = shapes_of(soups, SINGLE, path)
     shapes = [_with_material(shape, told[shape.where]) for shape in shapes]
     if None not in told.values():

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Unpack
 
+import numpy as np
+
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.checks import check_forces
@@ -33,6 +35,10 @@ from drystone.statics import Statics
 
 BALANCE_TOLERANCE = 1e-6
 """Residual of forces that an interior point calls balanced: what it reaches on 10,000 blocks."""
+
+STEEP = 1e3
+"""Friction coefficient above which forces are also sought in the cone of this one: far above that
+of any stone, and solved without loss of digits."""
 
 ANY_FORCES = 1e-3
 """Gap to the least forces at which to stop where any forces will do."""
@@ -231,8 +237,17 @@ def solve_rbe(
             verdict, message = Verdict.EQUILIBRIUM_EXISTS, "some contact forces balance the loads"
     else:
         mechanism = found_mechanism(problem, solution, clock.late)
+        exact = chosen.cone == FrictionCone.exact() and problem.statics.dry
+        if mechanism is None and exact and not clock.late():
+            # a cone that is almost flat, at a friction coefficient of 10,000 and more
+            other = _nearest(problem, chosen, clock)
+            if other is not None and other.mechanism is None:
+                return replace(other, iterations=other.iterations + solution.raw.iterations)
+            mechanism = None if other is None else other.mechanism
         if mechanism is not None:
             verdict, message = Verdict.UNSTABLE, "no contact forces can balance the loads"
+        elif (problem.statics.friction > STEEP).any():
+            message += f"; friction of {problem.statics.friction.max():.3g} strains the numbers"
         elif clock.late():
             steps = solution.raw.iterations
             message = f"{clock.reason} in the interior point (steps: {steps})"
@@ -270,9 +285,15 @@ def _nearest(problem: Problem, options: RBEOptions, clock: Clock) -> Result | No
     mechanism = force = residuals = None
     if found.motion is not None:
         mechanism = sound_mechanism(problem, found.motion)
-    elif balanced(problem, found.force):
-        force = problem.force(found.force)
-        residuals = check_forces(problem.model, force)
+    else:
+        friction = problem.model.contacts.friction
+        if not balanced(problem, found.force) and (friction > STEEP).any():
+            # forces within a narrower cone are within this one
+            narrower = Problem.build(problem.model.with_friction(np.minimum(friction, STEEP)))
+            found = nearest_mechanism(narrower.system, stop=clock.late)
+        if balanced(problem, found.force):
+            force = problem.force(found.force)
+            residuals = check_forces(problem.model, force)
     if mechanism is None and force is None:
         return None
     falls = mechanism is not None
