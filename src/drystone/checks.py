@@ -111,7 +111,10 @@ def check_forces(
 def check_several(
     model: Model, force: Sequence[Floats], displacement: Sequence[Floats]
 ) -> list[Residuals]:
-    """:func:`check_forces` of several claims about one model, as one calculation."""
+    """:func:`check_forces` of several claims about one model, as one calculation.
+
+    Where the numbers of one are too large, none is proved.
+    """
     return _residuals(model, np.stack(force, axis=1), np.stack(displacement, axis=1), None)
 
 
@@ -122,7 +125,7 @@ def _residuals(
     assembly, contacts = model.assembly, model.contacts
     claimed = [one for one in (force, displacement, prop) if one is not None and one.size]
     if not all(np.abs(one).max() <= LARGEST for one in claimed):
-        return Residuals(equilibrium=np.inf)
+        return [Residuals(equilibrium=np.inf)] * force.shape[1]
     free = ~assembly.fixed
     total, scale = _wrenches(model, force)
     if prop is not None:

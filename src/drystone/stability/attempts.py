@@ -11,14 +11,13 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock
-from drystone.checks import check_forces, check_several
+from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.nearby import find_rest_nearby, find_rests_nearby
+from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
-from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
 from drystone.stability.screening import PATIENT, Screening
@@ -244,31 +243,6 @@ class Attempts(Record):
         self.iterations += state.iterations
         return self._stood(state)
 
-    def several_nearby(
-        self, springs: Sequence[Compliance], displacements: Sequence[Floats]
-    ) -> list[Candidate | None]:
-        """As :meth:`nearby`, for springs with one kind of friction law, as one calculation.
-
-        What is found is not counted.
-        """
-        system, statics = self.problem.system, self.problem.statics
-        each = [statics.scaled_motion(one, statics.mean_length) for one in displacements]
-        together = Compliance.stacked(springs)
-        start = start_from(system, together, np.stack(each))
-        states = find_rests_nearby(system, together, AT_REST, start, self.clock.late)
-        began = self.clock.elapsed_s
-        found = {i: state for i, state in enumerate(states) if state is not None}
-        forces = [self.problem.force(state.force) for state in found.values()]
-        moved = [self.problem.displacement(state.motion) for state in found.values()]
-        out: list[Candidate | None] = [None] * len(states)
-        residuals = check_several(self.problem.model, forces, moved) if found else []
-        for i, *one in zip(found, forces, moved, residuals, strict=True):
-            candidate = Candidate(*one)
-            out[i] = candidate if candidate.stands else None
-            self.iterations += found[i].iterations
-        self.checking_s += self.clock.elapsed_s - began
-        return out
-
     def attempt_from(
         self,
         springs: Compliance,
@@ -380,36 +354,3 @@ class Attempts(Record):
         state = find_rest(system, springs, options, start=start, stop=late, falls=falls)
         self.iterations += state.iterations
         return state
-
-
-class Sample(NamedTuple):
-    """Other stiffnesses to try.
-
-    Attributes
-    ----------
-    springs
-    rests
-        Similar rest states.
-    briefly
-        Whether to try from those only.
-    found
-        The rest state, where it is known.
-    """
-
-    springs: Compliance
-    rests: Sequence[Rest]
-    briefly: bool = False
-    found: Candidate | None = None
-
-
-@one_blas_thread()
-def attempt_sample(
-    problem: Problem, clock: Clock, lead: bool, screening: Screening, sample: Sample
-) -> Record:
-    """One try of other stiffnesses, first from similar rest states."""
-    if sample.found is not None:
-        return Record([sample.found], tried=1)
-    tries = Attempts(problem, clock)
-    springs, rests, briefly, _ = sample
-    tries.attempt_from(springs, rests, lead=lead, screening=screening, briefly=briefly)
-    return Record(*(getattr(tries, each.name) for each in fields(Record)))

@@ -27,9 +27,6 @@ from drystone.stability.attempts import (
     MUCH,
     Attempts,
     Candidate,
-    Rest,
-    Sample,
-    attempt_sample,
 )
 from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
@@ -47,12 +44,11 @@ from drystone.stability.proofs import (
     found_mechanism,
     sound_mechanism,
 )
+from drystone.stability.samples import NONE_FOUND, attempt_sample, samples_to_try
 from drystone.stability.screening import PATIENT, QUICK, SLIP_LENGTH, Screening
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 UNBALANCED = "no contact forces can balance the loads"
-NONE_FOUND = np.zeros((0, 6))
-"""In place of a rest state that was looked for in vain."""
 
 
 class Cascade:
@@ -215,20 +211,12 @@ class Cascade:
         attempts, statics = self.attempts, self.problem.statics
         if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
-        count, seed = self.options.samples, self.options.seed
-        if not count:
+        if not self.options.samples:
             return
-        springs = compliance.samples(statics, count, seed, self.within)
-        samples = []
-        for number, sample in enumerate(springs, start=1):
-            near = self.known.get(number)
-            briefly = near is not None and not len(near) and not screening.patient
-            rests = [] if near is None or not len(near) else [Rest(near, True)]
-            if uniform.stands:
-                rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
-            # a start is scaled as if forces were in proportion to the motion
-            samples.append(Sample(sample, rests if statics.dry else [], briefly))
-        self._find_nearby(samples)
+        patient = screening.patient
+        samples = samples_to_try(
+            attempts, self.options, uniform, self.known, self.within, patient=patient
+        )
         self.answers.report("stiffness samples", 2)
         lead = self.options.uniform
         task = partial(attempt_sample, self.problem, self.clock, lead, screening)
@@ -241,18 +229,6 @@ class Cascade:
             elif self.options.uniform or self.robust:  # settlement decides, or nothing is left
                 self.rests[number] = NONE_FOUND
                 break
-
-    def _find_nearby(self, samples: list[Sample]) -> None:
-        """Try the samples that a similar model has a rest state for, all at once."""
-        near = [i for i, one in enumerate(samples) if len(one.rests) > 1 and one.rests[0].same]
-        if len(near) < 2:
-            return
-        springs = [samples[i].springs for i in near]
-        found = self.attempts.several_nearby(
-            springs, [samples[i].rests[0].displacement for i in near]
-        )
-        for i, one in zip(near, found, strict=True):
-            samples[i] = samples[i]._replace(rests=samples[i].rests[1:], found=one)
 
     def _free_fall(self) -> Result | None:
         """UNSTABLE when the loads press some blocks against nothing and the others stand.
