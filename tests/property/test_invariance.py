@@ -122,7 +122,7 @@ def test_every_analysis_says_the_same_of_the_same_model(
         assert found.falling
         first = found.falling[0]
         held = np.linalg.norm(found.prop[first, :3]) / np.linalg.norm(load.wrench[first, :3])
-        assert 1e-3 < held < 1.5
+        assert 5e-4 < held < 1.5  # a block that slides needs sin(slope - angle of friction)
 
 
 CHANGES = st.builds(

@@ -108,6 +108,7 @@ class WorkerPool:
         *,
         ahead: int | None = None,
         failed: Callable[[Item], Found] | None = None,
+        parts: Callable[[Item], Iterable[Item]] | None = None,
     ) -> Iterator[Found]:
         """The answers of a task in the order of its items.
 
@@ -123,6 +124,9 @@ class WorkerPool:
             all when left out.
         failed
             The answer of an item that ended its worker twice; an error when left out.
+        parts
+            The items that an item consists of. After the death of a worker they are asked for one
+            by one.
 
         Raises
         ------
@@ -160,6 +164,8 @@ class WorkerPool:
                 except LOST_WORKER as error:
                     self._revive(error)
                     again = list(taken)
+                    if parts is not None and not alone:
+                        again = [part for item in again for part in parts(item)]
                     taken.clear()
                     futures.clear()
                     if not alone:  # they are asked one by one: which one was it?

@@ -15,22 +15,25 @@ The primal-dual interior-point method with the scaling of Nesterov and Todd elim
 each corner. What is left is the tangent of blocks on springs, ``M + A D A'``, with the elimination
 order of :class:`drystone.formulations.rest.tangent.TangentSystem`.
 
+Several models are taken side by side, as rows of the same arrays: for a small model each operation
+on arrays takes longer to start than to do. Only what is solved is solved model by model, and no
+number of one model depends on another.
+
 Sources: Moreau 1962 (decomposition by polar cones); Vandenberghe 2010 (the iteration).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import SolverError
-from drystone.formulations.rest.compliance import corner_load
-from drystone.formulations.rest.rest_state import mass_matrix
+from drystone.base.ragged import Ragged
 from drystone.formulations.rest.tangent import TangentSystem
-from drystone.solvers.cone_scaling import Scaling, inner, longest_step, product, quotient
+from drystone.solvers.cone_scaling import Scaling, inner, product, quotient, step_lengths
 
 SOFTNESS = 1e-11
 """C by the size of the loads: corners close by this share of the acceleration of free fall."""
@@ -94,114 +97,219 @@ def nearest_mechanism(
     stop
         Called before every step; True ends the iteration with what it has found.
     """
-    return _Iteration(system).run(stop)
+    return nearest_mechanisms([system], stop=stop)[0]
+
+
+def nearest_mechanisms(
+    systems: Sequence[TangentSystem], *, stop: Callable[[], bool] | None = None
+) -> list[NearestMechanism]:
+    """:func:`nearest_mechanism` of each of several models, side by side."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return _Iteration(systems).run(stop)
 
 
 class _Iteration:
-    """The data that do not change, and the present point."""
+    """The present points of the models that are not ended yet: rows of blocks and of corners."""
 
-    def __init__(self, system: TangentSystem) -> None:
-        self.system = system
-        self.statics = statics = system.statics
-        self.mass = mass_matrix(statics)
-        self.scale = np.ones((statics.corner_count, 3))
-        self.scale[:, 1:] = statics.friction[:, None]
-        size = corner_load(statics)
+    def __init__(self, systems: Sequence[TangentSystem]) -> None:
+        self.systems = list(systems)
+        self.number = np.arange(len(systems))
+        self.ended: dict[int, NearestMechanism] = {}
+        self.found: dict[int, Floats] = {}
+        every = [system.statics for system in systems]
+        self.blocks = Ragged.from_counts([one.free_count for one in every])
+        self.corners = Ragged.from_counts([one.corner_count for one in every])
+        self.mass = np.concatenate([one.mass_matrix for one in every])
+        self.load = np.concatenate([one.load for one in every])
+        self.scale = np.ones((self.corners.rows, 3))
+        self.scale[:, 1:] = np.concatenate([one.friction for one in every])[:, None]
+        size = np.concatenate([one.corner_load for one in every])
         self.softness = SOFTNESS / size
         axis = np.array([1.0, 0.0, 0.0])
-        self.motion = np.zeros((statics.free_count, 6))
+        self.motion = np.zeros_like(self.load)
         self.force = size[:, None] * axis
-        self.slack = np.full((statics.corner_count, 1), FIRST_SLACK) * axis
+        self.slack = np.full((len(size), 1), FIRST_SLACK) * axis
         self.steps = 0
+        self.rows_known()
+        self.unbalanced, self.apart = self.defects()
 
-    def run(self, stop: Callable[[], bool] | None) -> NearestMechanism:
-        """The mechanism where there is one; it is kept while the iteration improves it."""
-        found: Floats | None = None
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            while self.steps < STEP_LIMIT and not (stop is not None and stop()):
-                unbalanced, apart = self.defects()
-                if self.steps:
-                    power = float((self.statics.load * self.motion).sum())
-                    motion = self.mechanism() if power > 0.0 else None
-                    gap = float((self.force * self.slack).sum())
-                    left_it = found is not None and motion is None
-                    found = found if motion is None else motion
-                    done = EXACT if found is None else NEAR
-                    if gap <= done * power or left_it:
-                        break
-                    left = np.abs(unbalanced - self.mass * self.motion) / self.mass
-                    if found is None and float(left.max(initial=0.0)) <= BALANCED:
-                        break
-                try:
-                    if not self.step(unbalanced, apart):
-                        break
-                except SolverError:
-                    break
-        return NearestMechanism(found, self.scale * self.force, self.steps)
+    def rows_known(self) -> None:
+        """The rows of each model, as slices."""
+        self.of_block, self.of_corner = list(self.blocks), list(self.corners)
+
+    def run(self, stop: Callable[[], bool] | None) -> list[NearestMechanism]:
+        """The mechanism of each where there is one; it is kept while the iteration improves it."""
+        while len(self.number):
+            late = self.steps >= STEP_LIMIT or (stop is not None and stop())
+            self.end(np.full(len(self.number), late))
+            if len(self.number):
+                self.end(self.done())
+            if len(self.number):
+                self.end(self.step())
+        return [self.ended[number] for number in range(len(self.ended))]
+
+    def end(self, which: Bools) -> None:
+        """Keep the answers of some models (c,), and go on without them."""
+        if not which.any():
+            return
+        for i in np.flatnonzero(which).tolist():
+            rows = self.of_corner[i]
+            force = self.scale[rows] * self.force[rows]
+            motion = self.found.get(int(self.number[i]))
+            self.ended[int(self.number[i])] = NearestMechanism(motion, force, self.steps)
+        self.systems = [one for one, gone in zip(self.systems, which, strict=True) if not gone]
+        self.number = self.number[~which]
+        if not len(self.number):
+            return
+        self.blocks, blocks = self.blocks.take(~which)
+        self.corners, corners = self.corners.take(~which)
+        self.rows_known()
+        for name in ("mass", "load", "motion", "unbalanced"):
+            setattr(self, name, getattr(self, name)[blocks])
+        for name in ("scale", "softness", "force", "slack", "apart"):
+            setattr(self, name, getattr(self, name)[corners])
+
+    def done(self) -> Bools:
+        """(c,) the models whose iteration has come to its end; their mechanisms are kept."""
+        if not self.steps:
+            return np.zeros(len(self.number), dtype=bool)
+        power = self.power(self.motion)
+        better = self.mechanisms(power > 0.0)
+        before = np.array([number in self.found for number in self.number.tolist()])
+        after = np.array([number in better for number in self.number.tolist()])
+        self.found |= better
+        known = before | after
+        gap = self.corners.sum((self.force * self.slack).sum(axis=1))
+        near = gap <= np.where(known, NEAR, EXACT) * power
+        left = np.abs(self.unbalanced - self.mass * self.motion) / self.mass
+        balanced = self.blocks.max(left.max(axis=1), empty=0.0) <= BALANCED
+        done: Bools = near | (before & ~after) | (balanced & ~known)
+        return done
+
+    def power(self, motion: Floats) -> Floats:
+        """(c,) power of the loads of each model in a motion (n, 6)."""
+        power: Floats = self.blocks.sum((self.load * motion).sum(axis=1))
+        return power
+
+    def displacement(self, motion: Floats) -> Floats:
+        """``S A' v``: (k, 3) of all models."""
+        rows = zip(self.systems, self.of_block, strict=True)
+        return self.scale * np.concatenate(
+            [system.statics.displacement(motion[block]) for system, block in rows]
+        )
+
+    def wrench(self, force: Floats) -> Floats:
+        """``A S f``: (n, 6) of all models."""
+        scaled = self.scale * force
+        rows = zip(self.systems, self.of_corner, strict=True)
+        return np.concatenate([system.statics.wrench(scaled[corner]) for system, corner in rows])
 
     def defects(self) -> tuple[Floats, Floats]:
         """``M v - p - A S f`` and ``s - S A' v - C f``."""
-        statics = self.statics
-        borne = statics.load + statics.wrench(self.scale * self.force)
-        moved = self.scale * statics.displacement(self.motion)
         return (
-            self.mass * self.motion - borne,
-            self.slack - moved - self.softness[:, None] * self.force,
+            self.mass * self.motion - self.load - self.wrench(self.force),
+            self.slack - self.displacement(self.motion) - self.softness[:, None] * self.force,
         )
 
-    def mechanism(self) -> Floats | None:
-        """The motion if it closes no corner, or else without that of blocks that hardly move."""
+    def mechanisms(self, asked: Bools) -> dict[int, Floats]:
+        """The motion of each model (c,) that is asked for, if it closes no corner.
+
+        Or else without that of blocks that hardly move.
+        """
         speed = np.abs(self.motion).max(axis=1)
+        fastest = self.blocks.spread(self.blocks.max(speed, empty=0.0))
+        found: dict[int, Floats] = {}
         for least in (0.0, STILL):
-            moving = speed > least * speed.max()
+            if not asked.any():
+                break
+            moving = speed > least * fastest
+            if least > 0.0:  # others would be the same motion again
+                asked = asked & self.blocks.any(~moving & (speed > 0.0))
             motion = np.where(moving[:, None], self.motion, 0.0)
-            if self.opens(motion):
-                return motion
-        return None
+            opens = asked & self.opens(motion)
+            for i in np.flatnonzero(opens).tolist():
+                found[int(self.number[i])] = motion[self.of_block[i]]
+            asked = asked & ~opens
+        return found
 
-    def opens(self, motion: Floats) -> bool:
-        """Whether a motion (n, 6) closes no corner so far that forces there could resist it."""
-        statics, speed = self.statics, np.append(np.abs(motion).max(axis=1), 0.0)
-        local = np.maximum(speed[statics.block_a], speed[statics.block_b])
-        closing = np.maximum(0.0, -inner(self.scale * statics.displacement(motion)))
-        if (closing > CLOSING * np.maximum(local, 1e-9 * speed.max())).any():
-            return False
-        resisted = float((closing * np.linalg.norm(self.force, axis=1)).sum())
-        return resisted < RESISTED * float((statics.load * motion).sum())
+    def opens(self, motion: Floats) -> Bools:
+        """(c,) whether a motion (n, 6) closes no corner so far that forces could resist it."""
+        speed = np.abs(motion).max(axis=1)
+        fastest = self.corners.spread(self.blocks.max(speed, empty=0.0))
+        local = np.concatenate(
+            [
+                _of_corners(system, speed[block])
+                for system, block in zip(self.systems, self.of_block, strict=True)
+            ]
+        )
+        closing = np.maximum(0.0, -inner(self.displacement(motion)))
+        closed = self.corners.any(closing > CLOSING * np.maximum(local, 1e-9 * fastest))
+        resisted = self.corners.sum(closing * np.linalg.norm(self.force, axis=1))
+        opens: Bools = ~closed & (resisted < RESISTED * self.power(motion))
+        return opens
 
-    def step(self, unbalanced: Floats, apart: Floats) -> bool:
-        """One step by predictor and corrector; False where it comes to nothing."""
+    def step(self) -> Bools:
+        """One step by predictor and corrector; (c,) the models where it comes to nothing."""
         self.steps += 1
+        unbalanced, apart = self.unbalanced, self.apart
         scaling = Scaling.of(self.force, self.slack)
         both = scaling.apply(self.force)
         tangent = scaling.tangent(self.softness)
         scaled = self.scale[:, :, None] * tangent * self.scale[:, None, :]
-        solve = self.system.factorise(scaled, self.mass)
-        statics, gap = self.statics, float((self.force * self.slack).sum())
+        solves: list[Callable[[Floats], Floats]] = []
+        for system, block, corner in zip(self.systems, self.of_block, self.of_corner, strict=True):
+            try:
+                solves.append(system.factorise(scaled[corner], self.mass[block]))
+            except SolverError:
+                solves.append(_no_solution)
+        gap = self.corners.sum((self.force * self.slack).sum(axis=1))
 
         def direction(aim: Floats) -> tuple[Floats, Floats, Floats]:
             wanted = scaling.apply(quotient(both, aim))
             pushed = wanted + apart
             local = (tangent @ pushed[:, :, None])[:, :, 0]
-            motion = solve(statics.wrench(self.scale * local) - unbalanced)
-            moved = self.scale * statics.displacement(motion)
+            right = self.wrench(local) - unbalanced
+            rows = zip(solves, self.of_block, strict=True)
+            motion = np.concatenate([solve(right[block]) for solve, block in rows])
+            moved = self.displacement(motion)
             force = (tangent @ (pushed - moved)[:, :, None])[:, :, 0]
             return motion, force, moved + self.softness[:, None] * force - apart
 
         squared = product(both, both)
         _, force, slack = direction(-squared)
-        length = self.length(force, slack)
-        left = ((self.force + length * force) * (self.slack + length * slack)).sum() / gap
+        length = self.corners.spread(self.lengths(force, slack))[:, None]
+        ahead = (self.force + length * force) * (self.slack + length * slack)
+        left = np.clip(self.corners.sum(ahead.sum(axis=1)) / gap, 0.0, 1.0)
         aim = -squared - product(scaling.apply(force), scaling.undo(slack))
-        aim[:, 0] += float(np.clip(left, 0.0, 1.0)) ** 3 * gap / max(len(both), 1)
+        aim[:, 0] += self.corners.spread(left**3 * gap / np.maximum(self.corners.counts, 1))
         motion, force, slack = direction(aim)
-        length = NEAR_BOUNDARY * self.length(force, slack)
-        if not np.isfinite(motion).all() or not length > 0.0:
-            return False
-        self.motion = self.motion + length * motion
-        self.force = self.force + length * force
-        self.slack = self.slack + length * slack
-        return True
+        lengths = NEAR_BOUNDARY * self.lengths(force, slack)
+        finite = self.blocks.all(np.asarray(np.isfinite(motion).all(axis=1)))
+        works = finite & (lengths > 0.0)
+        lengths = np.where(works, lengths, 0.0)
+        by_block = self.blocks.spread(lengths)[:, None]
+        by_corner = self.corners.spread(lengths)[:, None]
+        # a model that ends keeps its point
+        self.motion = np.where(by_block > 0.0, self.motion + by_block * motion, self.motion)
+        self.force = np.where(by_corner > 0.0, self.force + by_corner * force, self.force)
+        self.slack = np.where(by_corner > 0.0, self.slack + by_corner * slack, self.slack)
+        self.unbalanced, self.apart = self.defects()
+        return ~works
 
-    def length(self, force: Floats, slack: Floats) -> float:
-        return min(longest_step(self.force, force), longest_step(self.slack, slack))
+    def lengths(self, force: Floats, slack: Floats) -> Floats:
+        """(c,) the longest step of each model that leaves no cone."""
+        points = np.concatenate([self.force, self.slack])
+        both = step_lengths(points, np.concatenate([force, slack])).reshape(2, -1)
+        least: Floats = self.corners.min(both.min(axis=0), empty=1.0)
+        return least
+
+
+def _of_corners(system: TangentSystem, speed: Floats) -> Floats:
+    """Larger value (k,) of the two blocks of each corner, of values (n,) of the free blocks."""
+    of_block = np.append(speed, 0.0)  # a fixed block has the number -1
+    statics = system.statics
+    return np.maximum(of_block[statics.block_a], of_block[statics.block_b])
+
+
+def _no_solution(right: Floats) -> Floats:
+    return np.full_like(right, np.nan)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from os import PathLike
 from typing import Any, Unpack
 
@@ -22,6 +23,7 @@ from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals
 from drystone.settlement.bodies import Bodies, build_bodies
+from drystone.settlement.faces.both_carriers import ends_alike
 from drystone.settlement.faces.corners import Carrier, flush_ends
 from drystone.settlement.faces.meeting import Apart, faces_apart, followed_model, model_with_met
 from drystone.settlement.follow import Follower, Track
@@ -103,19 +105,21 @@ def settle(
         return _nothing_free(model, chosen, clock.elapsed_s)
     carriers = _carriers(model, chosen)
     apart = faces_apart(model, chosen.fall)
-    task = partial(_path, model, apart, motion=moving, chosen=chosen, clock=clock)
-    paths: tuple[SettlementPath, ...]
+    answers: Iterator[tuple[SettlementPath, bool]]
+    tries = [(one, one is not carriers[-1]) for one in carriers]
+    task = partial(_tried, model, apart, moving, chosen, clock)
     if executor is None or len(carriers) == 1:
-        paths = ()
-        for one in carriers:
-            paths += (task(one, progress=progress),)
-            if paths[-1].outcome is Outcome.UNKNOWN:
-                break  # then the outcome is unknown, whatever the other one does
+        answers = map(partial(task, progress=progress), tries)
     else:
         with WorkerPool(executor) as pool:
-            paths = tuple(pool.answers(task, carriers, clock.late))
+            known = list(pool.answers(task, tries, clock.late))
         # where it was ended early: the beginning of the others
-        paths += tuple(task(one, progress=progress) for one in carriers[len(paths) :])
+        answers = chain(known, map(partial(task, progress=progress), tries[len(known) :]))
+    paths: tuple[SettlementPath, ...] = ()
+    for path, last in answers:
+        paths += (path,)
+        if last:
+            break
     return _told(paths, chosen, clock, clock.elapsed_s)
 
 
@@ -185,37 +189,57 @@ def _settled(
 ) -> list[Settlement]:
     """The settlements of some models; runs of one shape are computed together."""
     began = clock.elapsed_s
-    runs: list[tuple[int, Carrier, Apart, Follower]] = []
     paths: dict[tuple[int, Carrier], SettlementPath] = {}
-    for number, (model, motion) in enumerate(models):
-        if not len(model.assembly.free):
-            continue
+    carriers = [_carriers(model, chosen) if len(model.assembly.free) else () for model, _ in models]
+    asked = [number for number, some in enumerate(carriers) if some]
+    for turn in range(2):
+        asked = [number for number in asked if len(carriers[number]) > turn]
+        tries = [(*models[i], carriers[i][turn], turn + 1 < len(carriers[i])) for i in asked]
+        found = _side_by_side(chosen, clock, tries)
+        paths |= {(i, carriers[i][turn]): path for i, (path, _) in zip(asked, found, strict=True)}
+        asked = [i for i, (_, last) in zip(asked, found, strict=True) if not last]
+    each = (clock.elapsed_s - began) / max(len(models), 1)
+    told = []
+    for number, (model, _) in enumerate(models):
+        mine = tuple(paths[number, one] for one in Carrier if (number, one) in paths)
+        told.append(
+            _told(mine, chosen, clock, each) if mine else _nothing_free(model, chosen, each)
+        )
+    return told
+
+
+def _side_by_side(
+    chosen: SettlementOptions,
+    clock: Clock,
+    models: Sequence[tuple[Model, Floats | None, Carrier, bool]],
+) -> list[tuple[SettlementPath, bool]]:
+    """As :func:`_path` of each; runs of one shape are computed together."""
+    runs: list[tuple[int, Apart, Follower]] = []
+    paths: dict[int, tuple[SettlementPath, bool]] = {}
+    for number, (model, motion, carrier, first) in enumerate(models):
         apart = faces_apart(model, chosen.fall)
-        for carrier in _carriers(model, chosen):
-            if motion is None and len(model.assembly.free) <= SMALL:
-                follower = _follower(model, apart, carrier, chosen, clock, chosen.overlap)
-                runs.append((number, carrier, apart, follower))
-            else:
-                paths[number, carrier] = _path(model, apart, carrier, motion, chosen, clock)
+        if motion is None and len(model.assembly.free) <= SMALL:
+            runs.append(
+                (number, apart, _follower(model, apart, carrier, chosen, clock, chosen.overlap))
+            )
+        else:
+            paths[number] = _path(model, apart, carrier, first, motion, chosen, clock)
     tracks = tracks_of(
         [(one, one.whole_run(None, earlier_loads(one.bodies, chosen.loading))) for *_, one in runs]
     )
-    for (number, carrier, apart, one), track in zip(runs, tracks, strict=True):
-        model = models[number][0]
+    for (number, apart, one), track in zip(runs, tracks, strict=True):
+        model, _, carrier, first = models[number]
         if _too_soft(track, chosen.overlap):
             stiffer = STIFFER * chosen.overlap
-            path = _path(model, apart, carrier, None, chosen, clock, overlap=stiffer)
+            paths[number] = _path(
+                model, apart, carrier, first, None, chosen, clock, overlap=stiffer
+            )
         else:
-            path = _judged(model, apart, carrier, False, chosen, clock, one.bodies, track)
-        paths[number, carrier] = path
-    each = (clock.elapsed_s - began) / max(len(models), 1)
-    found = []
-    for number, (model, _) in enumerate(models):
-        mine = tuple(paths[number, one] for one in Carrier if (number, one) in paths)
-        found.append(
-            _told(mine, chosen, clock, each) if mine else _nothing_free(model, chosen, each)
-        )
-    return found
+            bodies = one.bodies
+            paths[number] = _judged(
+                model, apart, carrier, first, False, chosen, clock, bodies, track
+            )
+    return [paths[number] for number in range(len(models))]
 
 
 def _told(
@@ -275,17 +299,33 @@ def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floa
     return case.motion
 
 
+def _tried(
+    model: Model,
+    apart: Apart,
+    motion: Floats | None,
+    chosen: SettlementOptions,
+    clock: Clock,
+    carrier: tuple[Carrier, bool],
+    progress: Progress | None = None,
+) -> tuple[SettlementPath, bool]:
+    return _path(model, apart, *carrier, motion, chosen, clock, progress)
+
+
 def _path(
     model: Model,
     apart: Apart,
     carrier: Carrier,
+    first: bool,
     motion: Floats | None,
     chosen: SettlementOptions,
     clock: Clock,
     progress: Progress | None = None,
     overlap: float | None = None,
-) -> SettlementPath:
-    """One run, in physical numbers."""
+) -> tuple[SettlementPath, bool]:
+    """One run, in physical numbers, and whether the other carrier need not be tried.
+
+    ``first``: there is another one.
+    """
     stage = f"following the blocks, ends carried by the {carrier.value} block"
     most = 0
 
@@ -308,7 +348,7 @@ def _path(
         overlap *= STIFFER
     if progress is not None:
         progress(stage, 100, 100)
-    return _judged(model, apart, carrier, motion is not None, chosen, clock, bodies, track)
+    return _judged(model, apart, carrier, first, motion is not None, chosen, clock, bodies, track)
 
 
 def _follower(
@@ -342,14 +382,29 @@ def _judged(
     model: Model,
     apart: Apart,
     carrier: Carrier,
+    first: bool,
     moving: bool,
     chosen: SettlementOptions,
     clock: Clock,
     bodies: Bodies,
     track: Track,
-) -> SettlementPath:
-    """A track in physical numbers, with its outcome; ``moving``: supports have moved."""
+) -> tuple[SettlementPath, bool]:
+    """A track in physical numbers, with its outcome; ``moving``: supports have moved.
+
+    The other carrier need not be tried where the outcome is unknown, whatever it says, and where it
+    would say the same.
+    """
     path = _physical(model, apart, bodies, track, carrier)
+    path = _with_outcome(path, track, moving, chosen, clock)
+    if path.outcome is Outcome.UNKNOWN or not first:
+        return path, True
+    part, gap = followed_model(model, apart)
+    return path, ends_alike(part.assembly, part.contacts, gap, carrier, bodies, track.frames)
+
+
+def _with_outcome(
+    path: SettlementPath, track: Track, moving: bool, chosen: SettlementOptions, clock: Clock
+) -> SettlementPath:
     travel = float(track.travel.max(initial=0.0))
     if track.ended != "rests":
         # out of steps: where a block is beyond what stands and still moves, it does not stand

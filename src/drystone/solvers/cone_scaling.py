@@ -37,8 +37,8 @@ def quotient(x: Floats, y: Floats) -> Floats:
     return out
 
 
-def longest_step(x: Floats, step: Floats) -> float:
-    """The largest s <= 1 for which ``x + s step`` stays in all cones, for x inside them."""
+def step_lengths(x: Floats, step: Floats) -> Floats:
+    """The largest s <= 1 (k,) for which ``x + s step`` stays in each cone, for x inside them."""
     a = step[:, 0] ** 2 - step[:, 1] ** 2 - step[:, 2] ** 2
     b = x[:, 0] * step[:, 0] - x[:, 1] * step[:, 1] - x[:, 2] * step[:, 2]
     c = _determinant(x)
@@ -50,7 +50,7 @@ def longest_step(x: Floats, step: Floats) -> float:
     # a step through the apex, where rounding may hide the root
     falling = step[:, 0] < 0.0
     to_apex = np.where(falling, -x[:, 0] / np.where(falling, step[:, 0], 1.0), np.inf)
-    return min(1.0, float(lengths.min(initial=1.0)), float(to_apex.min(initial=1.0)))
+    return np.minimum(np.minimum(lengths, to_apex), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,4 +123,4 @@ def _determinant(x: Floats) -> Floats:
     return np.asarray((x[:, 0] - length) * (x[:, 0] + length))
 
 
-__all__ = ["Scaling", "inner", "longest_step", "product", "quotient"]
+__all__ = ["Scaling", "inner", "product", "quotient", "step_lengths"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 
@@ -14,7 +14,7 @@ from drystone.base.workers import WorkerPool
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
 from drystone.formulations.improvement import CompatibleState
-from drystone.formulations.nearest_mechanism import nearest_mechanism
+from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanism
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
@@ -27,8 +27,6 @@ from drystone.stability.attempts import (
     MUCH,
     Attempts,
     Candidate,
-    Rest,
-    attempt_sample,
 )
 from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
@@ -46,11 +44,11 @@ from drystone.stability.proofs import (
     found_mechanism,
     sound_mechanism,
 )
-from drystone.stability.screening import QUICK, SLIP_LENGTH
+from drystone.stability.samples import NONE_FOUND, attempt_sample, samples_to_try
+from drystone.stability.screening import PATIENT, QUICK, SLIP_LENGTH, Screening
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
-NONE_FOUND = np.zeros((0, 6))
-"""In place of a rest state that was not found."""
+UNBALANCED = "no contact forces can balance the loads"
 
 SLIDES_FAR = 20.0
 """Slide by overlap, in the rest state with the springs of settlement, from which on the blocks are
@@ -67,8 +65,8 @@ class Cascade:
     problem, options, progress, clock, executor
     known : (n, 6) [m, rad] each
         Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
-        one. The same stiffness is tried from there first. Empty: none was found. Then it is looked
-        for briefly, and again where following the blocks does not show that they rest.
+        one. The same stiffness is tried from there first. Empty: none was found; it is then looked
+        for briefly where settlement decides.
     within
         Numbers (m,) of the interfaces in a larger model, and how many interfaces that has: the
         stiffness of each interface is then drawn as it is there.
@@ -78,6 +76,8 @@ class Cascade:
     witness
         Whether other stiffnesses are tried for a first motion where blocks were followed to a fall.
         Their motion is told where there is none.
+    nearest
+        The mechanism nearest to free fall, where it is known already.
 
     Attributes
     ----------
@@ -96,6 +96,7 @@ class Cascade:
         within: tuple[Ints, int] | None = None,
         robust: bool = False,
         witness: bool = True,
+        nearest: NearestMechanism | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
@@ -105,6 +106,7 @@ class Cascade:
         self.within = within
         self.robust = robust
         self.witness = witness
+        self.nearest = nearest
         self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)
@@ -119,7 +121,15 @@ class Cascade:
         if self.options.uniform:
             strict = replace(self.options, samples=0, settle=False, uniform=False)
             progress = self.answers.progress
-            once = Cascade(problem, strict, progress, self.clock, self.executor, self.known)
+            once = Cascade(
+                problem,
+                strict,
+                progress,
+                self.clock,
+                self.executor,
+                self.known,
+                nearest=self.nearest,
+            )
             found = once.run()
             self.attempts, self.rests = once.attempts, once.rests
             self.answers.attempts = self.attempts
@@ -132,13 +142,17 @@ class Cascade:
     @one_blas_thread()
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
-        problem = self.problem
-        attempts, uniform = self.attempts, self.uniform
+        problem, attempts = self.problem, self.attempts
+        if 0 in self.known:
+            doubtful = problem.statics.dry and self._nearby is None
+        else:
+            doubtful = problem.equilibrium_first and not (attempts.standing or self.clock.late())
+        if doubtful and self.collapse is not None:
+            return self.answers.unstable(UNBALANCED, self.collapse)
+        uniform = self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
-                return self.answers.unstable(
-                    "no contact forces can balance the loads", self.collapse
-                )
+                return self.answers.unstable(UNBALANCED, self.collapse)
             if not attempts.falling:
                 # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
@@ -150,7 +164,8 @@ class Cascade:
         # settlement and the search know dry joints only
         settle = self.options.settle and problem.statics.dry
         if not settle or uniform.stands:  # otherwise the stiffness decides, whatever others do
-            self._other_stiffnesses(uniform)
+            # where settlement decides in the end, a rest state is not looked for at length before
+            self._other_stiffnesses(uniform, QUICK if self._quickly else PATIENT)
         decided = not settle or self.robustly
         if attempts.standing and (decided or self.clock.late()):
             return self.answers.stable(uniform)
@@ -160,22 +175,32 @@ class Cascade:
         found = self._search()
         return self.answers.first_motion() if found is None else found
 
+    @property
+    def _quickly(self) -> bool:
+        """Whether other stiffnesses are tried quickly, and again if the blocks do not rest."""
+        return self.options.uniform and self.options.settle and self.problem.statics.dry
+
     @cached_property
     def uniform(self) -> Candidate:
         """The answer of uniform contact stiffness."""
         self.answers.report("rest state", 0)
-        springs, attempts = compliance.uniform(self.problem.statics), self.attempts
-        if attempts.standing:
-            return attempts.standing[0]
-        found = None
-        if 0 in self.known and self.problem.statics.dry:
-            found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
-            found = found or self._smooth_nearby(springs)
+        if self._nearby is not None:
+            return self._nearby
         # without friction equilibrium decides
         much = MUCH if self.problem.statics.friction.any() else CLEARLY
-        return found or attempts.attempt(
-            springs, falls=lambda: self.collapse is not None, much=much
-        )
+        springs = compliance.uniform(self.problem.statics)
+        return self.attempts.attempt(springs, falls=lambda: self.collapse is not None, much=much)
+
+    @cached_property
+    def _nearby(self) -> Candidate | None:
+        """The rest state of uniform stiffness near a known one, or one that was found before."""
+        if self.attempts.standing:
+            return self.attempts.standing[0]
+        if 0 not in self.known or not self.problem.statics.dry:
+            return None
+        springs = compliance.uniform(self.problem.statics)
+        found = self.attempts.nearby(springs, self.attempts.start(springs, self.known[0]))
+        return found or self._smooth_nearby(springs)
 
     @property
     def robustly(self) -> bool:
@@ -209,7 +234,7 @@ class Cascade:
         attempts.standing.append(found)
         return found
 
-    def _other_stiffnesses(self, uniform: Candidate) -> None:
+    def _other_stiffnesses(self, uniform: Candidate, screening: Screening = PATIENT) -> None:
         """Rest states for the samples of the stiffness, once.
 
         Without friction the motion of a joint is normal to its limits. Then all stiffnesses give
@@ -218,20 +243,15 @@ class Cascade:
         attempts, statics = self.attempts, self.problem.statics
         if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
-        count, seed = self.options.samples, self.options.seed
-        tangential = self.options.settlement.tangential
-        springs = compliance.samples(statics, count, seed, self.within, tangential=tangential)
-        samples: list[tuple[Compliance, Sequence[Rest], bool]] = []
-        for number, sample in enumerate(springs, start=1):
-            near = self.known.get(number)
-            briefly = near is not None and not len(near)
-            rests = [] if near is None or briefly else [Rest(near, True)]
-            if uniform.stands:
-                rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
-            # a start is scaled as if forces were in proportion to the motion
-            samples.append((sample, rests if statics.dry else (), briefly))
+        if not self.options.samples:
+            return
+        patient = screening.patient
+        samples = samples_to_try(
+            attempts, self.options, uniform, self.known, self.within, patient=patient
+        )
         self.answers.report("stiffness samples", 2)
-        task = partial(attempt_sample, self.problem, self.clock, self.options.uniform)
+        lead = self.options.uniform
+        task = partial(attempt_sample, self.problem, self.clock, lead, screening)
         tried = self.pool.answers(task, samples, self.clock.late)
         for number, record in enumerate(tried, start=1):
             attempts.add(record)
@@ -316,9 +336,7 @@ class Cascade:
     def _followed(self, uniform: Candidate) -> Result:
         """The verdict of finite steps, where the contact stiffness decides."""
         found = self._follow()
-        doubted = [number for number, near in self.known.items() if not len(near)]
-        if doubted and found.outcome is not Outcome.RESTS and uniform.stands:
-            self.known = {n: near for n, near in self.known.items() if n not in doubted}
+        if self._quickly and uniform.stands and found.outcome is not Outcome.RESTS:
             del self.attempts.standing[1:]
             self.attempts.tried = 1
             self._other_stiffnesses(uniform)
@@ -358,7 +376,9 @@ class Cascade:
         """The collapse mechanism (n, 6); None if forces balance the loads, or if none was found."""
         self.answers.report("equilibrium", 1)
         if self.problem.statics.dry:
-            nearest = nearest_mechanism(self.problem.system, stop=self.clock.late)
+            nearest = self.nearest
+            if nearest is None:
+                nearest = nearest_mechanism(self.problem.system, stop=self.clock.late)
             self.answers.iterations += nearest.iterations
             if nearest.motion is not None:
                 motion = sound_mechanism(self.problem, nearest.motion)

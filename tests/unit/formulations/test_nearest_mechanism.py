@@ -8,9 +8,13 @@ from drystone import Assembly, LoadCase, Model, check, find_contacts
 from drystone.checks import check_forces, mechanism_defects
 from drystone.formulations.corner_forces import FrictionCone
 from drystone.formulations.equilibrium import solve_equilibrium
-from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanism
+from drystone.formulations.nearest_mechanism import (
+    NearestMechanism,
+    nearest_mechanism,
+    nearest_mechanisms,
+)
 from drystone.models import arch, barrel_vault, box, tower
-from drystone.solvers.cone_scaling import Scaling, inner, longest_step, product, quotient
+from drystone.solvers.cone_scaling import Scaling, inner, product, quotient, step_lengths
 from drystone.solvers.conic import ConicStatus
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import balanced, checked_mechanism, sound_mechanism
@@ -152,7 +156,7 @@ def test_the_longest_step_ends_at_the_boundary_of_a_cone() -> None:
     for _ in range(200):
         x = points(rng, 3)
         step = rng.normal(size=x.shape) * np.abs(x).max()
-        length = longest_step(x, step)
+        length = step_lengths(x, step).min()
         size = np.abs(x + length * step).max() + np.abs(x).max()
         assert inner(x + 0.999 * length * step).min() > -1e-12 * size
         if length < 1.0:
@@ -161,4 +165,19 @@ def test_the_longest_step_ends_at_the_boundary_of_a_cone() -> None:
 
 def test_a_step_through_the_apex_is_cut_there() -> None:
     x = np.array([[1.0, 0.6, 0.3]])
-    assert longest_step(x, -2.0 * x) == pytest.approx(0.5)
+    assert step_lengths(x, -2.0 * x)[0] == pytest.approx(0.5)
+
+
+def test_no_answer_depends_on_the_models_beside_it() -> None:
+    models = [random_pile(seed, blocks) for seed, blocks in ((0, 3), (1, 10), (2, 14), (3, 5))]
+    systems = [Problem.build(one).system for one in [*models, tilted(arch(), 0.6, 5.0)]]
+    alone = [nearest_mechanism(one) for one in systems]
+    for order in ([0, 1, 2, 3, 4], [4, 2, 0], [3, 3, 1]):
+        for number, found in zip(
+            order, nearest_mechanisms([systems[number] for number in order]), strict=True
+        ):
+            np.testing.assert_array_equal(found.force, alone[number].force)
+            assert (found.motion is None) == (alone[number].motion is None)
+            if found.motion is not None:
+                np.testing.assert_array_equal(found.motion, alone[number].motion)
+            assert found.iterations == alone[number].iterations

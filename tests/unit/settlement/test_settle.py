@@ -87,6 +87,16 @@ def test_the_ends_of_joints_decide_only_where_the_faces_end_flush() -> None:
     assert longer.outcome is Outcome.RESTS
 
 
+def test_where_faces_hardly_slide_the_other_carrier_would_say_the_same() -> None:
+    for tilt, outcome in ((10.0, Outcome.RESTS), (30.0, Outcome.FALLS)):
+        one = tilted(tower(3), Y, tilt, options=SettlementOptions(fall=0.1))
+        assert (one.outcome, len(one.paths)) == (outcome, 1)
+        resting = SettlementOptions(carrier="resting", fall=0.1)  # type: ignore[arg-type]
+        other = tilted(tower(3), Y, tilt, options=resting)
+        assert other.outcome is outcome
+        assert other.travel == pytest.approx(one.travel, rel=0.01)
+
+
 def test_forces_at_rest_are_proven_on_the_moved_blocks() -> None:
     settled = tilted(wedge("b"), X, 50.0)
     path = settled.path

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import drystone
+from benchmarks.workloads import random_pile
 from drystone import InputError
 from drystone.models import shelf, tower
 from drystone.sequence import LocalWorkers
@@ -31,6 +32,19 @@ def test_answers_do_not_depend_on_who_works() -> None:
         shared = drystone.check_many(iter(MODELS), friction=0.6, executor=threads)
     for name in ("number", "verdict", "falling", "message", "stiffnesses_standing"):
         assert shared[name].tolist() == alone[name].tolist()
+
+
+def test_a_model_has_the_answer_of_a_check_whatever_models_are_beside_it() -> None:
+    piles = [random_pile(seed) for seed in (0, 1, 2, 3, 4, 10, 23)]
+    alone = [drystone.check(one) for one in piles]
+    for order in ([0, 1, 2, 3, 4, 5, 6], [6, 3, 0, 5]):
+        told = drystone.check_many([piles[number] for number in order])
+        for row, number in enumerate(order):
+            one = alone[number]
+            assert told["verdict"][row] == one.verdict.value
+            assert told["message"][row] == one.message
+            assert told["falling"][row] == " ".join(one.falling_names)
+            assert told["stiffnesses_standing"][row] == one.samples.standing
 
 
 def test_work_that_was_ended_goes_on_where_its_file_ends(tmp_path: Path) -> None:
@@ -90,7 +104,7 @@ def test_a_model_that_ends_its_worker_is_told_and_the_others_are_answered() -> N
 
 def test_a_scheduler_that_dies_is_told_and_the_file_keeps_what_was_known(tmp_path: Path) -> None:
     class Gone(ThreadPoolExecutor):
-        left = 2
+        left = 1  # two models
 
         def submit(self, function, /, *arguments, **named):  # type: ignore[no-untyped-def]
             self.left -= 1

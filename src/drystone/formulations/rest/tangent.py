@@ -42,6 +42,12 @@ class TangentSystem:
         """The tangent by its blocks, for models that are not small."""
         return SparseTangent(self.statics, self.position)
 
+    @property
+    def small(self) -> bool:
+        """Whether the tangent is taken as a full matrix."""
+        few = 6 * self.statics.free_count <= FULL
+        return few and self.statics.full_transposed is not None
+
     def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
         """From wrenches to motions (n, 6): the inverse of ``A D A' + diag(weight)``.
 
@@ -51,7 +57,7 @@ class TangentSystem:
             The matrix is singular.
         """
         few, size = self.statics.full_transposed, 6 * self.statics.free_count
-        if few is None or size > FULL:
+        if few is None or not self.small:
             return self.sparse.ordering.factorise(self.sparse.blocks(tangent, weight)).solve
         matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
