@@ -265,7 +265,7 @@ def test_blocks_that_an_imposed_order_does_not_name_follow_in_the_default_order(
     found = planned(bridge(), 0.6, rules=Rules(order=given))
     assert list(found.order[:3]) == given
     assert needs(found) == (0, 0)
-    assert found.message == "every stage stands"
+    assert found.message.startswith("every stage stands")
 
 
 def test_an_imposed_order_that_cannot_be_kept_is_told():
