@@ -104,8 +104,8 @@ def test_an_interface_has_the_same_random_stiffness_in_a_part_and_in_the_whole()
     within = np.flatnonzero(chosen), whole.contacts.count
     corner = chosen[statics[0].interface]
     drawn = zip(
-        compliance.samples(statics[0], 4, 0),
-        compliance.samples(statics[1], 4, 0, within),
+        compliance.samples(statics[0], 4, 0, tangential=0.2),
+        compliance.samples(statics[1], 4, 0, within, tangential=0.2),
         strict=True,
     )
     for ours, theirs in drawn:
@@ -116,7 +116,7 @@ def test_an_interface_has_the_same_random_stiffness_in_a_part_and_in_the_whole()
 def test_newton_steps_on_the_unrelaxed_law_go_on_after_a_first_step_that_makes_it_worse():
     # and no fall is sought on a path that makes progress
     problem, asked = problem_of(wall(10, 10), 0.6), []
-    for springs in compliance.samples(problem.statics, 4, 0):
+    for springs in compliance.samples(problem.statics, 4, 0, tangential=0.2):
         state = find_rest(
             problem.system, springs, RestOptions(ground=1e-14), falls=lambda: asked.append(1)
         )
