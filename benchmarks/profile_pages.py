@@ -31,6 +31,7 @@ from drystone.stability.problem import Problem
 SHAPES = {
     4: (4, 1),
     100: (10, 10),
+    400: (20, 20),
     2_000: (45, 44),
     10_000: (100, 100),
     100_000: (316, 316),

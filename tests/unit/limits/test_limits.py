@@ -20,6 +20,7 @@ from drystone.limits import (
     Tilt,
     imperfect,
     imperfections,
+    inside,
     limit_friction,
     limit_load,
     limit_shrink,
@@ -150,6 +151,21 @@ def test_a_sweep_is_the_same_with_one_and_two_workers() -> None:
     np.testing.assert_array_equal(alone.equilibrium, together.equilibrium)
     assert alone.rest == pytest.approx([SLIDE] * 3, abs=0.01)
     assert json.loads(json.dumps(alone.to_dict()))["azimuth"] == [0.0, 120.0, 240.0]
+
+
+def test_a_sweep_asks_about_the_upright_model_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    check = inside.one_stiffness
+
+    def counted(model: Model, **means: Any) -> Result:
+        asked.append(model.load.name)
+        return check(model, **means)
+
+    monkeypatch.setattr(inside, "one_stiffness", counted)
+    sweep = tilt_sweep(Model(TOWER, JOINTS), 2, options=QUICK)
+    assert sum(name.endswith("tilt 0 deg") for name in asked) == 1
+    alone = limit_tilt(Model(TOWER, JOINTS), (0.0, 1.0, 0.0), options=QUICK)
+    assert str(sweep.limits[0].best) == str(alone.best)
 
 
 def test_an_azimuth_is_the_direction_of_the_lean() -> None:
