@@ -95,6 +95,7 @@ class Driver(Follower):
         stop: Callable[[], bool] | None = None,
     ) -> None:
         super().__init__(bodies, fall=fall, pace=pace, step_limit=step_limit, stop=stop)
+        self.rough, self.many = 0.0, 1.0
         self.base = self.pose
         self.grown: Floats | None = None
         self.reached = self.distance = self.factor = self.next_factor = 0.0
