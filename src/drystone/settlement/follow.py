@@ -15,42 +15,29 @@ same tilt with the load applied at once, in twenty parts, or rotated from uprigh
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
-from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.springs import (
     BlockPositions,
     Placed,
     Response,
-    SparseMaps,
-    imposed,
-    maps_of,
-    place_corners,
     respond,
-    tangents,
+)
+from drystone.settlement.steps.increments import (
+    EASY,
+    Increment,
+    Increments,
+    Place,
+    Steps,
 )
 
-NEWTON = 40
-"""Newton steps after which an increment counts as too long."""
-STUCK = 6
-"""Newton steps that have to halve the unbalanced share of the load, once there were EASY of them;
-otherwise they change between the same corners, and the increment counts as too long."""
-BALANCED = 1e-10
-"""Unbalanced share of the load at which an increment has converged."""
-ROUGH, ROUGHEST = 3e-3, 0.1
-"""Of many blocks: the same by the share that the drag carries, and the same where Newton's method
-changes between the same corners. Corner forces meet the contact law at any motion, and the next
-increment balances what was left."""
 MANY = 5.0
 """Of many blocks: how much longer increments are, until they clearly move."""
-EASY = 12
-"""Newton steps up to which the next increment may be longer."""
 SLOWER, FASTER = 2.5, 0.9
 """Factors on the drag after a refused increment, and after an easy one. Chosen: with 0.8, steps
 twice as long (0.64) moved the limit of one wedge by a degree; 0.4 moves those of two."""
@@ -131,54 +118,7 @@ class Track:
     iterations: int
 
 
-class _Increment(NamedTuple):
-    motion: Floats
-    response: Response
-    iterations: int
-
-
-class ResponseAsked(NamedTuple):
-    """Asks for the forces after a motion (f, 6), and for what is not balanced.
-
-    Attributes
-    ----------
-    motion
-    load : (f, 6)
-    drag
-    shift : (k, 3) local motion of the corners by moving supports, or None
-    """
-
-    motion: Floats
-    load: Floats
-    drag: float
-    shift: Floats | None
-
-
-class StepAsked(NamedTuple):
-    """Asks for the Newton step against what is ``left`` (f, 6).
-
-    With the tangents of ``response``; without one, with the last tangents again.
-    """
-
-    left: Floats
-    response: Response | None
-    drag: float
-
-
-class Place(NamedTuple):
-    """Asks for the pose after a motion (f, 6) of the free blocks, for its corners and travel."""
-
-    pose: BlockPositions
-    motion: Floats
-
-
-Asked: TypeAlias = ResponseAsked | StepAsked | Place
-Found = TypeVar("Found")
-Steps: TypeAlias = Generator[Asked, Any, Found]
-"""Work that asks for what takes time. So several runs can be computed side by side."""
-
-
-class Follower:
+class Follower(Increments):
     """One run of the steps.
 
     Parameters
@@ -207,33 +147,22 @@ class Follower:
         stop: Callable[[], bool] | None = None,
         tell: Callable[[float], None] | None = None,
     ) -> None:
-        self.bodies = bodies
-        self.maps = maps_of(bodies)
-        many = isinstance(self.maps, SparseMaps)
-        self.rough, self.many = (ROUGH, MANY) if many else (0.0, 1.0)
+        super().__init__(bodies)
+        self.many = MANY if self.rough else 1.0
         self.fall, self.pace, self.step_limit = fall, pace, step_limit
         self.left_at = left_at
         self.stop, self.tell = stop, tell
-        count = len(bodies.centroid)
-        self.pose = BlockPositions(bodies.centroid.copy(), np.tile(np.eye(3), (count, 1, 1)))
-        self.friction = np.zeros((len(bodies.block_a), 2))
         self.frames = [self.pose]
         self.stride, self.since = 1, 0
         self.stretch = 1.0
-        self.load_size = max(_length(bodies.load), np.finfo(float).tiny)
         self.smallest = float(bodies.size[bodies.free].min(initial=np.inf))
         self.travel = np.zeros(len(bodies.free))
         self.farthest = 0.0
         self.half_way: Floats | None = None
         self.half_share = 0.0
-        self.first = max(float(bodies.normal.sum()), 1.0) / max(len(bodies.free), 1)
-        self.drag = self.first
         self.guess: tuple[Floats, float] | None = None
-        self.steps = self.iterations = self.beyond = 0
+        self.steps = self.beyond = 0
         self.left_steps = step_limit
-        self.solve: Callable[[Floats], Floats] | None = None
-        self.placed = place_corners(bodies, self.pose)
-        self.maps.at(self.pose, self.placed)
         nothing = np.zeros((len(bodies.block_a), 3))
         self.response = respond(bodies, self.placed.gap, self.friction, nothing)
         self.met = self.response.pressed
@@ -245,47 +174,6 @@ class Follower:
         ``earlier`` are loads (f, 6) under which they rest, more or less, before.
         """
         return self.alone(self.whole_run(supports, earlier))
-
-    def alone(self, work: Steps[Found], given: Any = None) -> Found:
-        """Do work with what it asks for; ``given`` is what it asked for last."""
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            while True:
-                try:
-                    asked = work.send(given)
-                except StopIteration as end:
-                    found: Found = end.value
-                    return found
-                given = self.evaluate(asked)
-
-    def evaluate(self, asked: Asked) -> Any:
-        """What work asks for.
-
-        Forces, what is left and its share of the load; a step, None if the tangent is singular;
-        a pose, its corners and the travel (f,).
-        """
-        bodies, maps = self.bodies, self.maps
-        if isinstance(asked, ResponseAsked):
-            moved = maps.moved(asked.motion)
-            if asked.shift is not None:
-                moved = moved + asked.shift
-            response = respond(bodies, self.placed.gap, self.friction, moved)
-            drag = asked.drag * bodies.mass[:, None]
-            left = maps.wrench(response.force) + asked.load - drag * asked.motion
-            return response, left, _length(left) / self.load_size
-        if isinstance(asked, StepAsked):
-            try:
-                if asked.response is not None:
-                    weight = np.repeat(asked.drag * bodies.mass[:, None], 6, axis=1)
-                    self.solve = maps.factorise(tangents(bodies, asked.response), weight)
-            except SolverError:
-                return None
-            return None if self.solve is None else self.solve(asked.left)
-        step = asked.motion.copy()
-        step[:, 3:] /= bodies.radius[bodies.free, None]
-        pose = asked.pose.moved(bodies.free, step)
-        placed = place_corners(bodies, pose)
-        maps.at(pose, placed)
-        return pose, placed, self._travel(pose)
 
     def whole_run(
         self, supports: Floats | None = None, earlier: Sequence[Floats] = ()
@@ -381,50 +269,7 @@ class Follower:
                 return ended
         return "rests"
 
-    def _increment(
-        self, guess: Floats | None, moving: Floats | None = None
-    ) -> Steps[_Increment | None]:
-        """The motion (f, 6) of one increment, by Newton's method; None if it is too long."""
-        bodies, drag = self.bodies, self.drag
-        shift = None if moving is None else imposed(bodies, self.pose, self.placed, moving)
-        motion = np.zeros((len(bodies.free), 6)) if guess is None else guess
-        response, left, size = yield ResponseAsked(motion, bodies.load, drag, shift)
-        recent = [size]
-        begun = False
-        patient = STUCK if self.rough else EASY
-        best = np.inf, motion, response
-        for number in range(NEWTON):
-            if size < max(BALANCED, self.rough * self._carried(motion)):
-                return _Increment(motion, response, number)
-            if number and size < best[0]:
-                best = size, motion, response
-            if number > patient and min(recent[-STUCK:]) > 0.5 * min(recent[:-STUCK]):
-                if self.rough and best[0] < ROUGHEST * self._carried(best[1]):
-                    return _Increment(best[1], best[2], EASY)
-                return None
-            self.iterations += 1
-            # convergence is quadratic in the end: the last factors then do for one step more
-            renew = not begun or size**2 > BALANCED * recent[-2]
-            begun = True
-            step = yield StepAsked(left, response if renew else None, drag)
-            if step is None:
-                return None
-            length, allowed = 1.0, max(recent[-4:])
-            while True:
-                trial = motion + length * step
-                response, left, size = yield ResponseAsked(trial, bodies.load, drag, shift)
-                if size < (1.0 - 1e-3 * length) * allowed or length < 0.03:
-                    break
-                if self.rough and number < STUCK and size < 1.0:
-                    break
-                length *= 0.5
-            if not np.isfinite(size):
-                return None
-            motion = trial
-            recent.append(size)
-        return None
-
-    def _accept(self, found: _Increment, moving: Floats | None = None) -> Steps[None]:
+    def _accept(self, found: Increment, moving: Floats | None = None) -> Steps[None]:
         bodies = self.bodies
         if moving is not None:
             fixed = np.flatnonzero(bodies.slot < 0)
@@ -449,16 +294,6 @@ class Follower:
                 self.stride *= 2
         if self.tell is not None:
             self.tell(self.farthest)
-
-    def _travel(self, pose: BlockPositions) -> Floats:
-        """Displacement (f,) of each free block relative to its size."""
-        bodies, free = self.bodies, self.bodies.free
-        gone = pose.place[free] - bodies.centroid[free]
-        return travelled(gone, pose.turn[free], bodies.radius[free], bodies.size[free])
-
-    def _carried(self, motion: Floats) -> float:
-        """Share of the load that the drag carries while blocks move by (f, 6)."""
-        return self.drag * _length(self.bodies.mass[:, None] * motion) / self.load_size
 
     def _longest(self) -> float:
         """Of an increment, by the smallest block: short where it matters how blocks slide."""
@@ -510,28 +345,4 @@ class Follower:
         )
 
 
-def travelled(gone: Floats, turn: Floats, radius: Floats, size: Floats) -> Floats:
-    """Displacement (f,) by the size, from translations (f, 3) and rotations (f, 3, 3) by radius."""
-    way = np.sqrt((gone * gone).sum(axis=1))
-    trace = turn[:, 0, 0] + turn[:, 1, 1] + turn[:, 2, 2]
-    turned = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
-    travel: Floats = (way + turned * radius) / size
-    return travel
-
-
-def _length(values: Floats) -> float:
-    """Root of the sum of squares; a quarter of the time of the general norm."""
-    flat = values.ravel()
-    return float(np.sqrt(flat @ flat))
-
-
-__all__ = [
-    "Asked",
-    "Follower",
-    "Place",
-    "ResponseAsked",
-    "StepAsked",
-    "Steps",
-    "Track",
-    "travelled",
-]
+__all__ = ["Follower", "Track"]
