@@ -235,7 +235,9 @@ def _in_two_steps(
     except Stopped:
         so_far = full.so_far(start).bracket
         inside = uniform.bracket if so_far.stands is None else so_far
-        bracket = Bracket(inside.stands, outer.falls, inside.standing, outer.falling)
+        # a fall nearer than the limit of equilibrium counts, beyond what stands
+        outside = outer if so_far.stands is None or so_far.falls is None else so_far
+        bracket = Bracket(inside.stands, outside.falls, inside.standing, outside.falling)
         return uniform, FoundBracket(bracket, uniform.islands, full.evaluations()), None
 
 

@@ -23,8 +23,9 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
-from drystone.settlement.follow import BALANCED, EASY, Follower, Steps, _Increment, travelled
+from drystone.settlement.follow import Follower
 from drystone.settlement.springs import BlockPositions, Placed, Response, respond, tangents
+from drystone.settlement.steps.increments import BALANCED, EASY, Increment, Steps, travelled
 
 LONGEST = 1e-3
 """Motion of a block in one increment by its size. A block that rocks by 26 degrees in such steps
@@ -95,6 +96,7 @@ class Driver(Follower):
         stop: Callable[[], bool] | None = None,
     ) -> None:
         super().__init__(bodies, fall=fall, pace=pace, step_limit=step_limit, stop=stop)
+        self.rough, self.many = 0.0, 1.0
         self.base = self.pose
         self.grown: Floats | None = None
         self.reached = self.distance = self.factor = self.next_factor = 0.0
@@ -115,7 +117,7 @@ class Driver(Follower):
         """A load (f, 6) grows until its displacement is ``reach`` or no more load is needed."""
         self.grown = load
 
-        def advance(step: float) -> tuple[_Increment | None, None]:
+        def advance(step: float) -> tuple[Increment | None, None]:
             self.distance = step
             found = self._next(step, None)
             self.distance = 0.0
@@ -130,7 +132,7 @@ class Driver(Follower):
         far = np.abs(motion).max(initial=0.0)
         first = min(self._limit() / max(float(far), 1e-300), 1.0)
 
-        def advance(step: float) -> tuple[_Increment | None, Floats]:
+        def advance(step: float) -> tuple[Increment | None, Floats]:
             part = step * motion
             return self._next(step, part), part
 
@@ -141,14 +143,14 @@ class Driver(Follower):
         """All friction coefficients fall from the share 1 to the share 0."""
         self.measure = lambda: (self._gone(), 1.0 - self.reached)
 
-        def advance(step: float) -> tuple[_Increment | None, None]:
+        def advance(step: float) -> tuple[Increment | None, None]:
             left = max(1.0 - self.reached - step, 0.0)
             self.bodies = replace(self.bodies, friction=left * self.whole)
             return self.alone(self._increment(None)), None
 
         return self._drive(advance, 1e-2, 1.0, tell, lambda: False)
 
-    def _next(self, step: float, moving: Floats | None) -> _Increment | None:
+    def _next(self, step: float, moving: Floats | None) -> Increment | None:
         """An increment that begins where the last one would lead."""
         guess = None if self.guess is None else self.guess[0] * (step / self.guess[1])
         found = self.alone(self._increment(guess, moving))
@@ -158,7 +160,7 @@ class Driver(Follower):
 
     def _drive(
         self,
-        advance: Callable[[float], tuple[_Increment | None, Floats | None]],
+        advance: Callable[[float], tuple[Increment | None, Floats | None]],
         first: float,
         reach: float,
         tell: Callable[[float], None],
@@ -261,13 +263,13 @@ class Driver(Follower):
 
     def _increment(
         self, guess: Floats | None, moving: Floats | None = None
-    ) -> Steps[_Increment | None]:
+    ) -> Steps[Increment | None]:
         """As in the base; where a load grows, with its factor as an unknown."""
         if self.grown is None:
             return (yield from super()._increment(guess, moving))
         return self._balanced(guess, self.grown)
 
-    def _balanced(self, guess: Floats | None, grown: Floats) -> _Increment | None:
+    def _balanced(self, guess: Floats | None, grown: Floats) -> Increment | None:
         """An increment under a load (f, 6) that grows."""
         bodies, maps = self.bodies, self.maps
         placed = self.placed
@@ -282,7 +284,7 @@ class Driver(Follower):
             size = float(np.linalg.norm(left)) / self.load_size
             if number and size < BALANCED:
                 self.next_factor = factor
-                return _Increment(motion, response, number)
+                return Increment(motion, response, number)
             self.iterations += 1
             tangent = tangents(bodies, response)
             try:
@@ -312,7 +314,7 @@ class Driver(Follower):
             motion, factor = trial, factor + length * change
         return None
 
-    def _accept(self, found: _Increment, moving: Floats | None = None) -> Steps[None]:
+    def _accept(self, found: Increment, moving: Floats | None = None) -> Steps[None]:
         yield from super()._accept(found, moving)
         if self.grown is not None:
             self.factor = self.next_factor

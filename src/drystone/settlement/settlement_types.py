@@ -120,6 +120,8 @@ class SettlementPath(OneLine):
         Increments, and Newton steps.
     met
         Interfaces of faces that were apart at the beginning and have pressed since, the last ones.
+    overlap
+        That of the options, or smaller where springs were too soft.
     """
 
     carrier: Carrier
@@ -136,6 +138,7 @@ class SettlementPath(OneLine):
     steps: int
     iterations: int
     met: tuple[int, ...] = ()
+    overlap: float = 1e-6
 
     def _summary(self) -> str:
         return (

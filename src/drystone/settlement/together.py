@@ -18,16 +18,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import SolverError
 from drystone.settlement.bodies import Bodies
 from drystone.settlement.faces.corners import Ends
-from drystone.settlement.follow import (
-    Asked,
-    Follower,
-    Place,
-    ResponseAsked,
-    StepAsked,
-    Steps,
-    Track,
-    travelled,
-)
+from drystone.settlement.follow import Follower, Track
 from drystone.settlement.springs import (
     BlockPositions,
     DenseMaps,
@@ -37,6 +28,14 @@ from drystone.settlement.springs import (
     place_corners,
     respond,
     tangents,
+)
+from drystone.settlement.steps.increments import (
+    Asked,
+    Place,
+    ResponseAsked,
+    StepAsked,
+    Steps,
+    travelled,
 )
 from drystone.solvers.dense_factor import inverse
 

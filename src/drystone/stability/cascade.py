@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 
@@ -20,6 +20,7 @@ from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.stiffness_range import ROUNDING, stiffness_ratio
 from drystone.results import Result, Verdict
 from drystone.settlement import Outcome, Settlement, settle
+from drystone.settlement.settling import settle_for_verdict
 from drystone.solvers.conic import ConicOptions, ConicStatus
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import (
@@ -162,14 +163,14 @@ class Cascade:
         elif self.robust:
             return self.answers.answer(Verdict.UNDECIDED, "uniform contact stiffness does not hold")
         # settlement and the search know dry joints only
-        settle = self.options.settle and problem.statics.dry
-        if not settle or uniform.stands:  # otherwise the stiffness decides, whatever others do
+        follows = self.options.settle and problem.statics.dry
+        if not follows or uniform.stands:  # otherwise the stiffness decides, whatever others do
             # where settlement decides in the end, a rest state is not looked for at length before
             self._other_stiffnesses(uniform, QUICK if self._quickly else PATIENT)
-        decided = not settle or self.robustly
+        decided = not follows or self.robustly
         if attempts.standing and (decided or self.clock.late()):
             return self.answers.stable(uniform)
-        if settle and not self.clock.late():
+        if follows and not self.clock.late():
             return self._followed(uniform)
         self.answers.report("search", 2 + self.options.samples)
         found = self._search()
@@ -279,17 +280,18 @@ class Cascade:
         if not falling.any():
             return None
         apart = beside_supports(assembly, contacts, falling)
-        settle = self.options.settle and problem.statics.dry
-        if not settle and not apart:
+        follows = self.options.settle and problem.statics.dry
+        if not follows and not apart:
             return None
-        if settle:
+        if follows:
             surely = apart and unpressed(assembly, contacts, acceleration, NO_APPROACH).all(
                 where=falling
             )
             if not apart and self._caught(falling):
                 return None
             why = "hardly anything presses on some of its blocks at first"
-            followed = None if surely else self._follow()
+            # a plug that hardly tapers presses more and more on a long way
+            followed = None if surely else self._follow(settle)
             if followed is not None and followed.outcome is Outcome.RESTS:
                 return self.answers.rests(followed, why)
             if followed is not None and followed.outcome is Outcome.ENDS_DECIDE:
@@ -322,12 +324,12 @@ class Cascade:
         )
 
     @one_blas_thread()
-    def _follow(self) -> Settlement:
+    def _follow(self, follow: Callable[..., Settlement] = settle_for_verdict) -> Settlement:
         """The motion of the blocks by finite steps."""
         if self.settlement is None:
             self.answers.report("settlement", 2 + self.options.samples)
             model, options = self.problem.model, self.options.settlement
-            self.settlement = settle(
+            self.settlement = follow(
                 model, options=options, executor=self.pool.executor, stop=self.clock.late
             )
             self.answers.iterations += sum(path.iterations for path in self.settlement.paths)

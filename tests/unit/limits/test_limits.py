@@ -29,6 +29,7 @@ from drystone.limits import (
     thrust_bounds,
     tilt_sweep,
 )
+from drystone.limits.limit_checks import verdict
 from drystone.model import Model
 from drystone.models import arch, h_model, incline, tower, wedge
 from drystone.results import Samples
@@ -463,6 +464,24 @@ def test_a_stopped_sweep_has_the_directions_that_are_complete() -> None:
     assert "1 of 4 directions" in repr(some)
     with pytest.raises(InputError, match="1 of 4 directions are known"):
         _ = some.weakest
+
+
+def test_a_stopped_search_keeps_the_fall_that_was_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    # wedge b: 3DEC falls at 58.7 degrees (Kao 2023); forces could hold it much farther
+    seen: set[Verdict] = set()
+
+    def noted(model: Model, **how: Any) -> Result:
+        found = verdict(model, **how)
+        seen.add(found.verdict)
+        return found
+
+    monkeypatch.setattr(inside, "verdict", noted)
+    both = {Verdict.STABLE, Verdict.UNSTABLE}
+    model = Model.of(wedge("b", longer=0.2), friction=0.84)
+    few = LimitOptions(scan=1, width=1.0)
+    limit = limit_tilt(model, "x", options=few, stop=lambda: both <= seen)
+    assert limit.stopped
+    assert limit.rest.stands < limit.rest.falls < limit.equilibrium.stands
 
 
 def test_a_time_limit_ends_every_search_with_what_is_known() -> None:

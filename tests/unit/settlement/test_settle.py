@@ -8,7 +8,14 @@ from drystone import Assembly, InputError, LoadCase, Model
 from drystone.geometry.frames import rotation_about
 from drystone.models import arch, box, concave, h_model, incline, tower, wedge
 from drystone.models.solids import prism
-from drystone.settlement import Outcome, Settlement, SettlementOptions, settle, support_response
+from drystone.settlement import (
+    Outcome,
+    Settlement,
+    SettlementOptions,
+    settle,
+    support_response,
+)
+from drystone.settlement.settling import settle_for_verdict
 
 MOVING = SettlementOptions(carrier="moving", fall=0.1)  # type: ignore[arg-type]
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -75,6 +82,44 @@ def test_what_nothing_presses_falls_and_what_tapers_wedges_itself() -> None:
     settled = settle(Model.of(taper, friction=0.0), options=MOVING)
     normal = settled.path.force[:, 0].sum()
     assert normal == pytest.approx(weight / np.sin(np.deg2rad(0.05)), rel=1e-2)
+
+
+def test_many_plugs_that_taper_wedge_themselves() -> None:
+    # more blocks than full matrices are used for; springs are too soft as for one plug
+    lean, y = float(np.tan(np.deg2rad(0.05))), (-0.5, 0.5)
+    blocks = []
+    for i in range(26):
+        x = 4.0 * i
+        wall = [(0.5, 0.0), (1.5, 0.0), (1.5 + lean, 1.0), (0.5 + lean, 1.0)]
+        plug = [(x - 0.5, 0.0), (x + 0.5, 0.0), (x + 0.5 + lean, 1.0), (x - 0.5 - lean, 1.0)]
+        blocks.append(prism([(x - a, z) for a, z in wall], y, f"left-{i}"))
+        blocks.append(prism([(x + a, z) for a, z in wall], y, f"right-{i}"))
+        blocks.append(prism(plug, y, f"plug-{i}"))
+    row = Assembly(tuple(blocks), np.arange(len(blocks)) % 3 < 2)
+    settled = settle(Model.of(row, friction=0.0), options=MOVING)
+    assert settled.outcome is Outcome.RESTS
+    assert settled.path.overlap < MOVING.overlap
+    normal = settled.path.force[:, 0].sum() / 26
+    assert normal == pytest.approx(row.mass[2] * 9.81 / np.sin(np.deg2rad(0.05)), rel=1e-2)
+
+
+@pytest.mark.parametrize(("angle", "outcome"), [(8.0, Outcome.RESTS), (8.4, Outcome.FALLS)])
+def test_for_the_verdict_many_blocks_are_followed_until_one_leaves(
+    angle: float, outcome: Outcome
+) -> None:
+    # 36 voussoirs: statics balances them up to 8.22 degrees
+    whole, friction = arch(0.15, 37), float(np.tan(np.deg2rad(43.0)))
+    load = LoadCase.tilt(whole, Y, angle)
+    model = Model.of(whole, friction=friction, load=load)
+    found = settle_for_verdict(model, options=MOVING)
+    assert found.outcome is outcome
+    within = MOVING.rest_within
+    if outcome is Outcome.RESTS:
+        assert found.path.residuals is not None
+        assert found.path.residuals.largest < 1e-8
+        assert found.travel == pytest.approx(settle(model, options=MOVING).travel, rel=1e-9)
+    else:
+        assert within < found.travel < 2.0 * within
 
 
 def test_the_ends_of_joints_decide_only_where_the_faces_end_flush() -> None:
