@@ -87,7 +87,7 @@ def path_of(
         overlap *= STIFFER
     if progress is not None:
         progress(stage, 100, 100)
-    return judged(model, apart, carrier, motion is not None, chosen, clock, bodies, track)
+    return with_outcome(model, apart, carrier, motion is not None, chosen, clock, bodies, track)
 
 
 def follower_of(
@@ -117,7 +117,7 @@ def too_soft(track: Track, overlap: float) -> bool:
     return track.ended == "falls" and track.squeezed and overlap > STIFFEST
 
 
-def judged(
+def with_outcome(
     model: Model,
     apart: Apart,
     carrier: Carrier,
@@ -199,9 +199,9 @@ __all__ = [
     "block_motions",
     "carriers_of",
     "follower_of",
-    "judged",
     "path_of",
     "scaled_motion",
     "support_motion",
     "too_soft",
+    "with_outcome",
 ]

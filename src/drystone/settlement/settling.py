@@ -29,10 +29,10 @@ from drystone.settlement.path import (
     STIFFER,
     carriers_of,
     follower_of,
-    judged,
     path_of,
     support_motion,
     too_soft,
+    with_outcome,
 )
 from drystone.settlement.settlement_types import (
     Outcome,
@@ -207,7 +207,7 @@ def _settled(
             stiffer = STIFFER * chosen.overlap
             path = path_of(model, apart, carrier, None, chosen, clock, overlap=stiffer)
         else:
-            path = judged(model, apart, carrier, False, chosen, clock, one.bodies, track)
+            path = with_outcome(model, apart, carrier, False, chosen, clock, one.bodies, track)
         paths[number, carrier] = path
     each = (clock.elapsed_s - began) / max(len(models), 1)
     found = []
