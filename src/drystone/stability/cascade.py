@@ -50,7 +50,7 @@ from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 NONE_FOUND = np.zeros((0, 6))
-"""In place of a rest state that was looked for and not found."""
+"""In place of a rest state that was not found."""
 
 SLIDES_FAR = 20.0
 """Slide by overlap, in the rest state with the springs of settlement, from which on the blocks are
