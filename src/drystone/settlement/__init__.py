@@ -7,8 +7,8 @@ from drystone.settlement.first_order import (
     support_forces,
     support_response,
 )
-from drystone.settlement.large_displacement import move_supports, push, reduce_friction
-from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.settlement.large.large_displacement import move_supports, push, reduce_friction
+from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
 from drystone.settlement.loading_order import Loading
 from drystone.settlement.settlement_types import (
     Outcome,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from os import PathLike
@@ -11,42 +11,40 @@ from typing import Any, Unpack
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Floats, of_type
+from drystone.base.arrays import Floats
 from drystone.base.display import shortened
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
-from drystone.loads import LoadCase
 from drystone.model import Model
 from drystone.results import Residuals
-from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.faces.both_carriers import ends_alike
-from drystone.settlement.faces.corners import Carrier, flush_ends
-from drystone.settlement.faces.meeting import Apart, faces_apart, followed_model, model_with_met
-from drystone.settlement.follow import Follower, Track
+from drystone.settlement.faces.corners import Carrier
+from drystone.settlement.faces.meeting import Apart, faces_apart
+from drystone.settlement.follow import Follower
 from drystone.settlement.loading_order import earlier_loads
-from drystone.settlement.proof import PROVEN, rest_residuals
+from drystone.settlement.outcomes import outcome_of
+from drystone.settlement.path import (
+    STIFFER,
+    carriers_of,
+    follower_of,
+    judged,
+    path_of,
+    support_motion,
+    too_soft,
+)
 from drystone.settlement.settlement_types import (
     Outcome,
     Settlement,
     SettlementOptions,
     SettlementPath,
 )
-from drystone.settlement.springs import DENSE, BlockPositions, rotation_vectors
+from drystone.settlement.springs import DENSE
 from drystone.settlement.together import tracks_of
 
-TOLD = 3
-"""Pairs of blocks that met meanwhile and are named in the message."""
 SMALL, AT_ONCE = 8, 32
 """Free blocks up to which models are computed together, and models at once: from timings."""
-STIFFER, STIFFEST = 1e-2, 1e-9
-"""Overlap of the next try by the last where springs are too soft, and the smallest: below it gaps
-are lost in rounding."""
-STIFF_STEPS = 400
-"""Increments on stiffer springs after which a verdict is undecided. On the Armadillo vault those
-that rest take 230; on stiffer springs a block takes a hundred times as many steps to leave."""
 
 
 @checked_call
@@ -135,7 +133,7 @@ def _carried(
     """The paths of all carriers; those after one that is unknown are left out."""
     if not len(model.assembly.free):
         return _nothing_free(model, chosen, clock.elapsed_s)
-    carriers = _carriers(model, chosen)
+    carriers = carriers_of(model, chosen)
     apart = faces_apart(model, chosen.fall)
     tries = [(one, one is not carriers[-1]) for one in carriers]
     task = partial(_tried, model, apart, moving, chosen, clock, left_at)
@@ -224,7 +222,9 @@ def _settled(
     """The settlements of some models; runs of one shape are computed together."""
     began = clock.elapsed_s
     paths: dict[tuple[int, Carrier], SettlementPath] = {}
-    carriers = [_carriers(model, chosen) if len(model.assembly.free) else () for model, _ in models]
+    carriers = [
+        carriers_of(model, chosen) if len(model.assembly.free) else () for model, _ in models
+    ]
     asked = [number for number, some in enumerate(carriers) if some]
     for turn in range(2):
         asked = [number for number in asked if len(carriers[number]) > turn]
@@ -247,30 +247,30 @@ def _side_by_side(
     clock: Clock,
     models: Sequence[tuple[Model, Floats | None, Carrier, bool]],
 ) -> list[tuple[SettlementPath, bool]]:
-    """As :func:`_path` of each; runs of one shape are computed together."""
+    """As :func:`path_of` of each; runs of one shape are computed together."""
     runs: list[tuple[int, Apart, Follower]] = []
     paths: dict[int, tuple[SettlementPath, bool]] = {}
     for number, (model, motion, carrier, first) in enumerate(models):
         apart = faces_apart(model, chosen.fall)
         if motion is None and len(model.assembly.free) <= SMALL:
             runs.append(
-                (number, apart, _follower(model, apart, carrier, chosen, clock, chosen.overlap))
+                (number, apart, follower_of(model, apart, carrier, chosen, clock, chosen.overlap))
             )
         else:
-            paths[number] = _path(model, apart, carrier, first, motion, chosen, clock)
+            paths[number] = path_of(model, apart, carrier, first, motion, chosen, clock)
     tracks = tracks_of(
         [(one, one.whole_run(None, earlier_loads(one.bodies, chosen.loading))) for *_, one in runs]
     )
     for (number, apart, one), track in zip(runs, tracks, strict=True):
         model, _, carrier, first = models[number]
-        if _too_soft(track, chosen.overlap):
+        if too_soft(track, chosen.overlap):
             stiffer = STIFFER * chosen.overlap
-            paths[number] = _path(
+            paths[number] = path_of(
                 model, apart, carrier, first, None, chosen, clock, overlap=stiffer
             )
         else:
             bodies = one.bodies
-            paths[number] = _judged(
+            paths[number] = judged(
                 model, apart, carrier, first, False, chosen, clock, bodies, track
             )
     return [paths[number] for number in range(len(models))]
@@ -279,7 +279,7 @@ def _side_by_side(
 def _told(
     paths: tuple[SettlementPath, ...], chosen: SettlementOptions, clock: Clock, spent_s: float
 ) -> Settlement:
-    outcome, message = _outcome_of(paths, clock)
+    outcome, message = outcome_of(paths, clock)
     return Settlement(outcome, message, paths, clock.reason, chosen, {"solve": spent_s})
 
 
@@ -306,33 +306,6 @@ def _nothing_free(model: Model, chosen: SettlementOptions, spent_s: float) -> Se
     return Settlement(Outcome.RESTS, "every block is fixed", (path,), "", chosen, said)
 
 
-def _carriers(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
-    """The carriers to follow: two if the ends of loaded joints allow both."""
-    if chosen.carrier is not None:
-        return (chosen.carrier,)
-    contacts = model.contacts.select(model.active)
-    flush = flush_ends(model.assembly, contacts)
-    return (Carrier.MOVING, Carrier.RESTING) if flush else (Carrier.MOVING,)
-
-
-def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
-    """(n, 6) [m, rad] of the supports; None where none moves."""
-    assembly, case = model.assembly, model.load
-    if motion is not None:
-        remedy = 'give translations by name of the block, such as {"base": (0.0, 0.0, -0.01)}'
-        of_type(motion, Mapping, "the motion", remedy)  # type: ignore[type-abstract]
-        for block, one in motion.items():
-            case = case + LoadCase.settlement(assembly, block, one)
-    if case.motion is None:
-        return None
-    for i in np.flatnonzero(case.motion.any(axis=1) & ~assembly.fixed):
-        raise InputError(
-            f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
-            remedy="move a support, or load the block",
-        )
-    return case.motion
-
-
 def _tried(
     model: Model,
     apart: Apart,
@@ -344,218 +317,11 @@ def _tried(
     progress: Progress | None = None,
     overlap: float | None = None,
 ) -> tuple[SettlementPath, bool]:
-    return _path(model, apart, *carrier, motion, chosen, clock, progress, overlap, left_at)
-
-
-def _path(
-    model: Model,
-    apart: Apart,
-    carrier: Carrier,
-    first: bool,
-    motion: Floats | None,
-    chosen: SettlementOptions,
-    clock: Clock,
-    progress: Progress | None = None,
-    overlap: float | None = None,
-    left_at: float = np.inf,
-) -> tuple[SettlementPath, bool]:
-    """One run, in physical numbers, and whether the other carrier need not be tried.
-
-    ``first``: there is another one.
-    """
-    stage = f"following the blocks, ends carried by the {carrier.value} block"
-    most = 0
-
-    def tell(travel: float) -> None:
-        nonlocal most
-        most = max(most, min(int(100.0 * travel / chosen.fall), 99))
-        if progress is not None:
-            progress(stage, most, 100)
-
-    overlap = chosen.overlap if overlap is None else overlap
-    while True:
-        follower = _follower(model, apart, carrier, chosen, clock, overlap, tell, left_at)
-        if left_at < np.inf and overlap < chosen.overlap:
-            follower.step_limit = min(chosen.step_limit, STIFF_STEPS)
-        bodies = follower.bodies
-        track = follower.run(
-            None if motion is None else scaled_motion(bodies, motion),
-            earlier_loads(bodies, chosen.loading),
-        )
-        if not _too_soft(track, overlap):
-            break
-        overlap *= STIFFER
-    if progress is not None:
-        progress(stage, 100, 100)
-    return _judged(model, apart, carrier, first, motion is not None, chosen, clock, bodies, track)
-
-
-def _follower(
-    model: Model,
-    apart: Apart,
-    carrier: Carrier,
-    chosen: SettlementOptions,
-    clock: Clock,
-    overlap: float,
-    tell: Callable[[float], None] | None = None,
-    left_at: float = np.inf,
-) -> Follower:
-    """A run that has not begun."""
-    part, gap = followed_model(model, apart)
-    bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
-    return Follower(
-        bodies,
-        fall=chosen.fall,
-        pace=chosen.pace,
-        step_limit=chosen.step_limit,
-        stop=clock.late,
-        tell=tell,
-        left_at=left_at,
-    )
-
-
-def _too_soft(track: Track, overlap: float) -> bool:
-    """Whether it fell on springs that were squeezed, and stiffer ones are to be tried."""
-    return track.ended in ("falls", "leaves") and track.squeezed and overlap > STIFFEST
-
-
-def _judged(
-    model: Model,
-    apart: Apart,
-    carrier: Carrier,
-    first: bool,
-    moving: bool,
-    chosen: SettlementOptions,
-    clock: Clock,
-    bodies: Bodies,
-    track: Track,
-) -> tuple[SettlementPath, bool]:
-    """A track in physical numbers, with its outcome; ``moving``: supports have moved.
-
-    The other carrier need not be tried where the outcome is unknown, whatever it says, and where it
-    would say the same.
-    """
-    path = _physical(model, apart, bodies, track, carrier)
-    path = _with_outcome(path, track, moving, chosen, clock)
-    if path.outcome is Outcome.UNKNOWN or not first:
-        return path, True
-    part, gap = followed_model(model, apart)
-    return path, ends_alike(part.assembly, part.contacts, gap, carrier, bodies, track.frames)
-
-
-def _with_outcome(
-    path: SettlementPath, track: Track, moving: bool, chosen: SettlementOptions, clock: Clock
-) -> SettlementPath:
-    travel = float(track.travel.max(initial=0.0))
-    if track.ended != "rests":
-        # out of steps: where a block is beyond what stands and still moves, it does not stand
-        moved_on = not moving and not clock.reason and travel > chosen.rest_within
-        return replace(path, outcome=Outcome.FALLS) if moved_on else path
-    residuals = rest_residuals(path.moved_model(), path.force, path.gap)
-    if residuals.largest > PROVEN:
-        return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
-    # blocks move as far as the supports that they follow
-    near = moving or travel <= chosen.rest_within
-    return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
-
-
-def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
-    """Motions (n, 6) [m, rad] as the steps take them."""
-    out = motion.copy()
-    out[:, :3] /= bodies.length_unit
-    out[:, 3:] *= bodies.radius[:, None]
-    return out
-
-
-def _physical(
-    model: Model, apart: Apart, bodies: Bodies, track: Track, carrier: Carrier
-) -> SettlementPath:
-    """A track in m, rad and N, for all corners of the model and of the faces that were met."""
-    joints = len(model.contacts)
-    model, corners, kept = model_with_met(model, apart, track.met)
-    contacts = model.contacts
-    positions = block_motions(bodies, track.frames)
-    force = np.zeros((contacts.corner_count, 3))
-    force[corners] = track.response.force[kept] * bodies.force_unit
-    point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
-    gap = np.zeros(contacts.corner_count)
-    origin = model.assembly.centroid[bodies.free].mean(axis=0) if len(bodies.free) else 0.0
-    point[corners] = track.placed.point[kept] * bodies.length_unit + origin
-    axes[corners] = track.placed.axes[kept]
-    gap[corners] = track.placed.gap[kept] * bodies.length_unit
-    travel = np.zeros(len(model.assembly))
-    travel[bodies.free] = track.travel
-    ends = {"falls": Outcome.FALLS}
-    return SettlementPath(
-        carrier,
-        ends.get(track.ended, Outcome.UNKNOWN),
-        model,
-        positions,
-        travel,
-        force,
-        point,
-        axes,
-        gap,
-        None,
-        track.share,
-        track.steps,
-        track.iterations,
-        tuple(range(joints, len(model.contacts))),
-        bodies.overlap,
-    )
-
-
-def block_motions(bodies: Bodies, poses: tuple[BlockPositions, ...]) -> Floats:
-    """(s, n, 6) [m, rad] from the beginning."""
-    gone = (np.stack([pose.place for pose in poses]) - bodies.centroid) * bodies.length_unit
-    turn = np.concatenate([pose.turn for pose in poses])
-    return np.concatenate([gone, rotation_vectors(turn).reshape(gone.shape)], axis=2)
-
-
-def _outcome_of(paths: tuple[SettlementPath, ...], clock: Clock) -> tuple[Outcome, str]:
-    """The outcome of all paths, and a sentence."""
-    first = paths[0]
-    for one in paths:
-        if one.outcome is Outcome.UNKNOWN:
-            why = clock.reason or f"not at rest, {one.share:.1e} of the load is not carried"
-            return Outcome.UNKNOWN, f"{why} after {one.steps} steps"
-    stands = [one.outcome is Outcome.RESTS for one in paths]
-    if any(stands) and not all(stands):
-        said = "; ".join(f"carried by the {one.carrier.value} block, {_said(one)}" for one in paths)
-        return Outcome.ENDS_DECIDE, f"the ends of the joints decide: {said}"
-    # of two that rest, the one that settles more; of two that do not, the one that falls
-    worst = max(paths, key=lambda one: (one.outcome is Outcome.FALLS, one.travel.max(initial=0.0)))
-    chosen = worst if worst.outcome is not first.outcome else first
-    return chosen.outcome, _said(chosen)
-
-
-def _said(path: SettlementPath) -> str:
-    travel = float(path.travel.max(initial=0.0))
-    if path.outcome is Outcome.FALLS:
-        name = path.model.assembly.names[int(np.argmax(path.travel))]
-        return f"it falls: '{name}' has moved by {travel:.2f} of its size and still moves"
-    moved = float(np.linalg.norm(path.displacement[:, :3], axis=1).max(initial=0.0))
-    far = "" if path.outcome is Outcome.RESTS else ", farther than what stands does"
-    return (
-        f"it comes to rest after settling by {moved:.2g} m, {travel:.2g} of a block's size{far}"
-        f"{_said_met(path)}"
-    )
-
-
-def _said_met(path: SettlementPath) -> str:
-    """Which blocks have met."""
-    names, contacts = path.model.assembly.names, path.model.contacts
-    pairs = {(int(contacts.block_a[i]), int(contacts.block_b[i])): None for i in path.met}
-    told = [f"'{names[a]}' meets '{names[b]}'" for a, b in list(pairs)[:TOLD]]
-    more = [f"and {len(pairs) - TOLD} pairs more"] if len(pairs) > TOLD else []
-    return "".join(f", {one}" for one in told + more)
+    return path_of(model, apart, *carrier, motion, chosen, clock, progress, overlap, left_at)
 
 
 __all__ = [
-    "block_motions",
-    "scaled_motion",
     "settle",
     "settle_for_verdict",
     "settle_many",
-    "support_motion",
 ]

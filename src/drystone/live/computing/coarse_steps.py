@@ -19,13 +19,13 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.model import Model
 from drystone.settlement.bodies import build_bodies
-from drystone.settlement.driven import DrivenState, Driver
 from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import FARTHEST, faces_apart, followed_model
-from drystone.settlement.large_displacement import large_state
-from drystone.settlement.large_types import LargeState
+from drystone.settlement.large.driven import DrivenState, Driver
+from drystone.settlement.large.large_states import large_state
+from drystone.settlement.large.large_types import LargeState
+from drystone.settlement.path import scaled_motion
 from drystone.settlement.settlement_types import SettlementOptions
-from drystone.settlement.settling import scaled_motion
 
 DRAGS = (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7)
 """Drag in turn, by the first of a block that is followed; the last one carries less than a

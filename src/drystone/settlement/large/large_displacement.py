@@ -8,29 +8,27 @@ from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, cross, frozen, frozen_floats, number
+from drystone.base.arrays import frozen, frozen_floats, number
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
-from drystone.contacts import Contacts
 from drystone.io.opening import Given, How, as_model
 from drystone.loads import LoadCase
 from drystone.loads.case import STANDARD_GRAVITY
 from drystone.model import Model
 from drystone.settlement.bodies import Bodies, build_bodies
-from drystone.settlement.driven import DrivenState, Driver
 from drystone.settlement.faces.corners import Carrier
 from drystone.settlement.faces.meeting import (
     FARTHEST,
-    Apart,
     faces_apart,
     followed_model,
     model_with_met,
 )
-from drystone.settlement.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.settlement.large.driven import DrivenState, Driver
+from drystone.settlement.large.large_states import large_state, of_corners, state_of
+from drystone.settlement.large.large_types import Drive, End, LargeDisplacement, LargeState
+from drystone.settlement.path import scaled_motion, support_motion
 from drystone.settlement.settlement_types import SettlementOptions
-from drystone.settlement.settling import block_motions, scaled_motion, support_motion
-from drystone.settlement.springs import Placed, Response
 
 Tell: TypeAlias = Callable[[float], None]
 """Called with the share of the motion that is done."""
@@ -269,7 +267,7 @@ def _driven(
     curve = np.array(driver.curve) * (length, load)
     model, mine, kept = model_with_met(model, apart, driver.met)
     states = tuple(
-        _state(model, bodies, _of_corners(one, kept), mine, length, load) for one in driver.kept()
+        state_of(model, bodies, of_corners(one, kept), mine, length, load) for one in driver.kept()
     )
     end = ENDS[ended]
     stopped = ""
@@ -278,80 +276,12 @@ def _driven(
     fallen = None
     if end is End.FALLS:
         now = DrivenState(*driver.measure(), driver.pose, driver.placed, driver.response)
-        fallen = _state(model, bodies, _of_corners(now, kept), mine, length, load)
+        fallen = state_of(model, bodies, of_corners(now, kept), mine, length, load)
     found = LargeDisplacement(
         drive, model, frozen(curve[:, 0].copy()), frozen(curve[:, 1].copy()), states, end, "",
         fallen, stopped, chosen, {"solve": clock.elapsed_s},
     )  # fmt: skip
     return replace(found, message=_said(found, driver))
-
-
-def large_state(
-    model: Model,
-    apart: Apart,
-    bodies: Bodies,
-    moment: DrivenState,
-    met: Bools,
-    length: float,
-    load: float,
-) -> LargeState:
-    """A moment in m and N, for the interfaces of the model and those that blocks have met."""
-    shown, mine, kept = model_with_met(model, apart, met)
-    return _state(shown, bodies, _of_corners(moment, kept), mine, length, load)
-
-
-def _of_corners(moment: DrivenState, kept: Bools) -> DrivenState:
-    """The state with some of its corners."""
-    placed, response = moment.placed, moment.response
-    return moment._replace(
-        placed=Placed(placed.point[kept], placed.axes[kept], placed.gap[kept]),
-        response=Response(
-            response.force[kept],
-            response.pressed[kept],
-            response.sliding[kept],
-            response.direction[kept],
-            response.softening[kept],
-        ),
-    )
-
-
-def _state(
-    model: Model, bodies: Bodies, moment: DrivenState, mine: Bools, length: float, load: float
-) -> LargeState:
-    """A moment in m and N, for all interfaces of the model; ``mine`` are its corners."""
-    contacts = model.contacts
-    origin = model.assembly.centroid[bodies.free].mean(axis=0)
-    point = contacts.point.copy()
-    point[mine] = moment.placed.point * bodies.length_unit + origin
-    world = np.einsum("ki,kij->kj", moment.response.force, moment.placed.axes)
-    frame = contacts.frame.copy()
-    frame[model.active] = _frames(contacts, model.active, moment)
-    force = np.zeros((contacts.corner_count, 3))
-    axes = frame[contacts.interface[mine]]
-    force[mine] = np.einsum("kij,kj->ki", axes, world) * bodies.force_unit
-    moved = replace(contacts, point=point, frame=frame)
-    return LargeState(
-        length * moment.displacement,
-        load * moment.load,
-        frozen(block_motions(bodies, (moment.pose,))[0]),
-        moved,
-        frozen(force),
-    )
-
-
-def _frames(contacts: Contacts, active: Bools, moment: DrivenState) -> Floats:
-    """(m, 3, 3) of the active interfaces: the mean of their corners, weighted by the pressure."""
-    number = np.cumsum(active) - 1
-    owner = number[contacts.interface[active[contacts.interface]]]
-    weight = moment.response.force[:, 0]
-    total = np.bincount(owner, weight, minlength=int(active.sum()))
-    weight = np.where(total[owner] > 0.0, weight, 1.0)
-    sums = np.zeros((int(active.sum()), 3, 3))
-    np.add.at(sums, owner, weight[:, None, None] * moment.placed.axes)
-    n = sums[:, 0] / np.linalg.norm(sums[:, 0], axis=1, keepdims=True)
-    u = sums[:, 1] - (sums[:, 1] * n).sum(axis=1, keepdims=True) * n
-    u /= np.linalg.norm(u, axis=1, keepdims=True)
-    return np.stack([n, u, cross(n, u)], axis=1)
 
 
 def _of_masses(model: Model, shares: Sequence[float]) -> LoadCase:

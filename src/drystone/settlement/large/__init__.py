@@ -1,0 +1,1 @@
+"""Large displacement: what drives the blocks, the states, and the analyses."""

@@ -1,0 +1,235 @@
+"""One run of a model, with one carrier of the ends of joints, in metres and newtons."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from drystone.base.arrays import Floats, of_type
+from drystone.base.errors import InputError
+from drystone.base.progress import Clock, Progress
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.settlement.bodies import Bodies, build_bodies
+from drystone.settlement.faces.both_carriers import ends_alike
+from drystone.settlement.faces.corners import Carrier, flush_ends
+from drystone.settlement.faces.meeting import Apart, followed_model, model_with_met
+from drystone.settlement.follow import Follower, Track
+from drystone.settlement.loading_order import earlier_loads
+from drystone.settlement.proof import PROVEN, rest_residuals
+from drystone.settlement.settlement_types import Outcome, SettlementOptions, SettlementPath
+from drystone.settlement.springs import BlockPositions, rotation_vectors
+
+STIFFER, STIFFEST = 1e-2, 1e-9
+"""Overlap of the next try by the last where springs are too soft, and the smallest: below it gaps
+are lost in rounding."""
+STIFF_STEPS = 400
+"""Increments on stiffer springs after which a verdict is undecided. On the Armadillo vault those
+that rest take 230; on stiffer springs a block takes a hundred times as many steps to leave."""
+
+
+def support_motion(model: Model, motion: Mapping[int | str, Any] | None) -> Floats | None:
+    """(n, 6) [m, rad] of the supports; None where none moves."""
+    assembly, case = model.assembly, model.load
+    if motion is not None:
+        remedy = 'give translations by name of the block, such as {"base": (0.0, 0.0, -0.01)}'
+        of_type(motion, Mapping, "the motion", remedy)  # type: ignore[type-abstract]
+        for block, one in motion.items():
+            case = case + LoadCase.settlement(assembly, block, one)
+    if case.motion is None:
+        return None
+    for i in np.flatnonzero(case.motion.any(axis=1) & ~assembly.fixed):
+        raise InputError(
+            f"block '{assembly.names[i]}' is not fixed, so its motion is not prescribed",
+            remedy="move a support, or load the block",
+        )
+    return case.motion
+
+
+def carriers_of(model: Model, chosen: SettlementOptions) -> tuple[Carrier, ...]:
+    """The carriers to follow: two if the ends of loaded joints allow both."""
+    if chosen.carrier is not None:
+        return (chosen.carrier,)
+    contacts = model.contacts.select(model.active)
+    flush = flush_ends(model.assembly, contacts)
+    return (Carrier.MOVING, Carrier.RESTING) if flush else (Carrier.MOVING,)
+
+
+def path_of(
+    model: Model,
+    apart: Apart,
+    carrier: Carrier,
+    first: bool,
+    motion: Floats | None,
+    chosen: SettlementOptions,
+    clock: Clock,
+    progress: Progress | None = None,
+    overlap: float | None = None,
+    left_at: float = np.inf,
+) -> tuple[SettlementPath, bool]:
+    """One run, in physical numbers, and whether the other carrier need not be tried.
+
+    ``first``: there is another one.
+    """
+    stage = f"following the blocks, ends carried by the {carrier.value} block"
+    most = 0
+
+    def tell(travel: float) -> None:
+        nonlocal most
+        most = max(most, min(int(100.0 * travel / chosen.fall), 99))
+        if progress is not None:
+            progress(stage, most, 100)
+
+    overlap = chosen.overlap if overlap is None else overlap
+    while True:
+        follower = follower_of(model, apart, carrier, chosen, clock, overlap, tell, left_at)
+        if left_at < np.inf and overlap < chosen.overlap:
+            follower.step_limit = min(chosen.step_limit, STIFF_STEPS)
+        bodies = follower.bodies
+        track = follower.run(
+            None if motion is None else scaled_motion(bodies, motion),
+            earlier_loads(bodies, chosen.loading),
+        )
+        if not too_soft(track, overlap):
+            break
+        overlap *= STIFFER
+    if progress is not None:
+        progress(stage, 100, 100)
+    return judged(model, apart, carrier, first, motion is not None, chosen, clock, bodies, track)
+
+
+def follower_of(
+    model: Model,
+    apart: Apart,
+    carrier: Carrier,
+    chosen: SettlementOptions,
+    clock: Clock,
+    overlap: float,
+    tell: Callable[[float], None] | None = None,
+    left_at: float = np.inf,
+) -> Follower:
+    """A run that has not begun."""
+    part, gap = followed_model(model, apart)
+    bodies = build_bodies(part, carrier, overlap=overlap, tangential=chosen.tangential, gap=gap)
+    return Follower(
+        bodies,
+        fall=chosen.fall,
+        pace=chosen.pace,
+        step_limit=chosen.step_limit,
+        stop=clock.late,
+        tell=tell,
+        left_at=left_at,
+    )
+
+
+def too_soft(track: Track, overlap: float) -> bool:
+    """Whether it fell on springs that were squeezed, and stiffer ones are to be tried."""
+    return track.ended in ("falls", "leaves") and track.squeezed and overlap > STIFFEST
+
+
+def judged(
+    model: Model,
+    apart: Apart,
+    carrier: Carrier,
+    first: bool,
+    moving: bool,
+    chosen: SettlementOptions,
+    clock: Clock,
+    bodies: Bodies,
+    track: Track,
+) -> tuple[SettlementPath, bool]:
+    """A track in physical numbers, with its outcome; ``moving``: supports have moved.
+
+    The other carrier need not be tried where the outcome is unknown, whatever it says, and where it
+    would say the same.
+    """
+    path = _physical(model, apart, bodies, track, carrier)
+    path = _with_outcome(path, track, moving, chosen, clock)
+    if path.outcome is Outcome.UNKNOWN or not first:
+        return path, True
+    part, gap = followed_model(model, apart)
+    return path, ends_alike(part.assembly, part.contacts, gap, carrier, bodies, track.frames)
+
+
+def _with_outcome(
+    path: SettlementPath, track: Track, moving: bool, chosen: SettlementOptions, clock: Clock
+) -> SettlementPath:
+    travel = float(track.travel.max(initial=0.0))
+    if track.ended != "rests":
+        # out of steps: where a block is beyond what stands and still moves, it does not stand
+        moved_on = not moving and not clock.reason and travel > chosen.rest_within
+        return replace(path, outcome=Outcome.FALLS) if moved_on else path
+    residuals = rest_residuals(path.moved_model(), path.force, path.gap)
+    if residuals.largest > PROVEN:
+        return replace(path, residuals=residuals, outcome=Outcome.UNKNOWN)
+    # blocks move as far as the supports that they follow
+    near = moving or travel <= chosen.rest_within
+    return replace(path, residuals=residuals, outcome=Outcome.RESTS if near else Outcome.DISPLACED)
+
+
+def scaled_motion(bodies: Bodies, motion: Floats) -> Floats:
+    """Motions (n, 6) [m, rad] as the steps take them."""
+    out = motion.copy()
+    out[:, :3] /= bodies.length_unit
+    out[:, 3:] *= bodies.radius[:, None]
+    return out
+
+
+def _physical(
+    model: Model, apart: Apart, bodies: Bodies, track: Track, carrier: Carrier
+) -> SettlementPath:
+    """A track in m, rad and N, for all corners of the model and of the faces that were met."""
+    joints = len(model.contacts)
+    model, corners, kept = model_with_met(model, apart, track.met)
+    contacts = model.contacts
+    positions = block_motions(bodies, track.frames)
+    force = np.zeros((contacts.corner_count, 3))
+    force[corners] = track.response.force[kept] * bodies.force_unit
+    point, axes = contacts.point.copy(), contacts.frame[contacts.interface].copy()
+    gap = np.zeros(contacts.corner_count)
+    origin = model.assembly.centroid[bodies.free].mean(axis=0) if len(bodies.free) else 0.0
+    point[corners] = track.placed.point[kept] * bodies.length_unit + origin
+    axes[corners] = track.placed.axes[kept]
+    gap[corners] = track.placed.gap[kept] * bodies.length_unit
+    travel = np.zeros(len(model.assembly))
+    travel[bodies.free] = track.travel
+    ends = {"falls": Outcome.FALLS}
+    return SettlementPath(
+        carrier,
+        ends.get(track.ended, Outcome.UNKNOWN),
+        model,
+        positions,
+        travel,
+        force,
+        point,
+        axes,
+        gap,
+        None,
+        track.share,
+        track.steps,
+        track.iterations,
+        tuple(range(joints, len(model.contacts))),
+        bodies.overlap,
+    )
+
+
+def block_motions(bodies: Bodies, poses: tuple[BlockPositions, ...]) -> Floats:
+    """(s, n, 6) [m, rad] from the beginning."""
+    gone = (np.stack([pose.place for pose in poses]) - bodies.centroid) * bodies.length_unit
+    turn = np.concatenate([pose.turn for pose in poses])
+    return np.concatenate([gone, rotation_vectors(turn).reshape(gone.shape)], axis=2)
+
+
+__all__ = [
+    "block_motions",
+    "carriers_of",
+    "follower_of",
+    "judged",
+    "path_of",
+    "scaled_motion",
+    "support_motion",
+    "too_soft",
+]
