@@ -210,8 +210,8 @@ This page is written by `python -m benchmarks.limits`.
 `drystone limit` computes how far a structure is from falling: the largest tilt or load, the least
 friction, thickness or size of its joints. There are four definitions of a limit:
 
-- **balances**: some contact forces balance the loads, with associative friction. This is a convex
-  problem and a necessary condition. It is the limit of rigid-block limit analysis.
+- **balances**: some contact forces balance the loads, with [associated flow](glossary.md). This is
+  a convex problem and a necessary condition. It is the limit of rigid-block limit analysis.
 - **stands**: the verdict of `drystone check` on both sides. Where contact stiffness decides, the
   blocks are followed by [finite steps](settlement.md), and the limit is where they no longer come
   to rest. This is the result.

@@ -222,7 +222,7 @@ def _replaced(contacts: Contacts, origin: Floats, loops: list[Floats]) -> Contac
     count = np.array([len(loop) for loop in loops], dtype=np.intp)
     interface = np.repeat(np.arange(contacts.count, dtype=np.intp), count)
     flat = np.concatenate(loops)
-    start = np.concatenate([[0], np.cumsum(count)])
+    start = Ragged.from_counts(count).start
     point = origin[interface] + np.einsum("ki,kij->kj", flat, contacts.frame[interface, 1:])
     return replace(contacts, area=sections(flat, start).area, point=point, interface=interface)
 

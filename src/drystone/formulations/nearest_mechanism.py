@@ -50,7 +50,7 @@ NEAR = 1e-4
 Measured on random piles, arches, vaults and domes: the same blocks move as at 1e-8 then."""
 
 EXACT = 1e-6
-"""The same at which the iteration ends whatever it has found."""
+"""Duality gap, by the power of the loads, at which the iteration ends in any case."""
 
 BALANCED = 1e-9
 """Acceleration left, by that of free fall, at which forces balance the loads."""

@@ -171,18 +171,8 @@ def read_file(
     ----------
     path
         Its suffix determines the format.
-    units
-        Unit of length of the file: mm, cm, m, in or ft. When left out: the unit in the file, else
-        metres.
-    split
-        Separate parts of a block become separate blocks.
-    skip_defects
-        Leave out blocks that cannot be used, with a note.
-    layers
-        Names of the layers to read, including hidden ones; 3dm only. When left out: all visible
-        layers.
-    hidden
-        Read hidden layers and objects too; 3dm only.
+    units, split, skip_defects, layers, hidden
+        As in :func:`drystone.read`.
     max_size : [MiB]
         Refuse larger files, before they are read; 64 when left out.
 

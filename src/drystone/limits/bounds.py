@@ -1,7 +1,7 @@
 """Limits of rigid-block equilibrium, by convex programs.
 
 Equilibrium is necessary for standing, not sufficient: these limits are upper bounds of the limits
-of rest. They allow any prestress. Friction is associative: sliding joints open (Livesley 1978).
+of rest. They allow any prestress. Flow is associated: sliding joints open (Livesley 1978).
 """
 
 from __future__ import annotations

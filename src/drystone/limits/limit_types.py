@@ -56,7 +56,7 @@ class Limit(Card):
     start, end
         Searched range, from a value at which it should stand.
     equilibrium
-        Some forces balance the loads (associative friction).
+        Some forces balance the loads (associated flow).
     rest
         The verdict of :func:`drystone.check` on both sides. Where contact stiffness decides, the
         blocks were followed by finite steps. ``None`` if not requested.

@@ -1,7 +1,7 @@
 """Limits: largest tilt and load, least friction, thickness and joint size.
 
 Every limit is found twice. The limit of *equilibrium* is a convex problem: some forces balance the
-loads, with associative friction. This is necessary for standing. The limit of *rest* is that of the
+loads, with associated flow. This is necessary for standing. The limit of *rest* is that of the
 full verdict: the forces arise without prestress. It is searched inside the limit of equilibrium.
 """
 

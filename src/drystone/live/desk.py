@@ -1,7 +1,7 @@
 """Who waits for what: windows, their wishes, and which of them is computed next.
 
 The newest wish of a window replaces its older ones. Quick verdicts come first, then what a person
-pressed a button for, then whole verdicts; what has to give way begins anew afterwards.
+requested with a button, then complete verdicts. Work that is interrupted starts again later.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The live server as a whole: started, waited for, ended without leaving anything behind."""
+"""The live server as a whole: it starts, waits, watches the file, and ends cleanly."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ class Watch:
         self._thread.start()
 
     def close(self) -> None:
-        """Look no more."""
+        """Stop watching the file."""
         self._end.set()
         self._thread.join()
 

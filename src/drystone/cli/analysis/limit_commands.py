@@ -14,9 +14,8 @@ from drystone.cli.base.command import Argument, Option, command
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures
 from drystone.cli.inputs import loading
-from drystone.cli.inputs.limit_options import LimitSearch
 from drystone.cli.inputs.model_input import Subject
-from drystone.cli.inputs.options import TimeLimit, vector
+from drystone.cli.inputs.options import LimitSearch, TimeLimit, vector
 
 if TYPE_CHECKING:
     from drystone.limits import Limit

@@ -16,9 +16,9 @@ from drystone.cli.base.command import OUTPUT, Argument, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
-from drystone.cli.inputs import families, limit_options, loading, options
-from drystone.cli.inputs.limit_options import LimitSearch
+from drystone.cli.inputs import families, loading, options
 from drystone.cli.inputs.model_input import Subject
+from drystone.cli.inputs.options import LimitSearch
 
 if TYPE_CHECKING:
     from drystone.assembly import Assembly
@@ -166,7 +166,7 @@ def imperfections(
         ),
     ] = (),
     seismic: loading.Seismic = None,
-    workers: limit_options.Workers = 1,
+    workers: options.Workers = 1,
     time_limit: options.TimeLimit = None,
     files: Drawn,
     waiting: Waiting,

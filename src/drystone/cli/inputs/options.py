@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
 from drystone.cli.base.command import CONTACTS, LOADS, MODEL, OUTPUT, Argument, Option
+from drystone.cli.base.waiting import Waiting
+
+if TYPE_CHECKING:
+    from drystone.limits import LimitOptions
+
 
 ModelArgument: TypeAlias = Annotated[
     str, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
 ]
+
 Supports: TypeAlias = Annotated[
     str | None,
     Option(
@@ -20,6 +29,7 @@ Supports: TypeAlias = Annotated[
         MODEL,
     ),
 ]
+
 Friction: TypeAlias = Annotated[
     float | None,
     Option(
@@ -28,23 +38,28 @@ Friction: TypeAlias = Annotated[
         kind=kinds.COEFFICIENT,
     ),
 ]
+
 Density: TypeAlias = Annotated[
     float | None,
     Option("Density of all blocks in kg/m3 (the file's, else 2400).", MODEL, kind=kinds.POSITIVE),
 ]
+
 Units: TypeAlias = Annotated[
     str | None,
     Option("Unit of length of the file (the file's, else m).", MODEL, kind=kinds.UNIT),
 ]
+
 Up: TypeAlias = Annotated[
     str,
     Option(
         "Axis that points up in the file (z).", MODEL, kind=kinds.one_of(("y", "z")), expert=True
     ),
 ]
+
 SkipDefects: TypeAlias = Annotated[
     bool, Option("Leave out blocks that cannot be used.", MODEL, expert=True)
 ]
+
 Layers: TypeAlias = Annotated[
     tuple[str, ...],
     Option(
@@ -54,16 +69,20 @@ Layers: TypeAlias = Annotated[
         expert=True,
     ),
 ]
+
 Hidden: TypeAlias = Annotated[
     bool, Option("Read hidden layers and objects of a 3dm file too.", MODEL, expert=True)
 ]
+
 MaxSize: TypeAlias = Annotated[
     float | None,
     Option("Largest file that is read, in MiB (64).", MODEL, kind=kinds.POSITIVE, expert=True),
 ]
+
 Split: TypeAlias = Annotated[
     bool, Option("Make a block of each separate part of a block.", MODEL, expert=True)
 ]
+
 Gravity: TypeAlias = Annotated[
     tuple[float, float, float] | None,
     Option(
@@ -72,15 +91,18 @@ Gravity: TypeAlias = Annotated[
         kind=kinds.OptionKind("SIZE|X,Y,Z", lambda text: gravity_vector(text)),
     ),
 ]
+
 Gap: TypeAlias = Annotated[
     float | None,
     Option("Largest gap of a joint, by the size of the smaller block (0.005).", CONTACTS,
            expert=True),
 ]  # fmt: skip
+
 Angle: TypeAlias = Annotated[
     float | None,
     Option("Largest angle in degrees between faces that make a joint (2).", CONTACTS, expert=True),
 ]
+
 Edges: TypeAlias = Annotated[
     str | None,
     Option(
@@ -91,9 +113,11 @@ Edges: TypeAlias = Annotated[
         expert=True,
     ),
 ]
+
 FindContacts: TypeAlias = Annotated[
     bool, Option("Search contacts even if the file has some.", CONTACTS, expert=True)
 ]
+
 Anyway: TypeAlias = Annotated[
     bool,
     Option(
@@ -103,16 +127,19 @@ Anyway: TypeAlias = Annotated[
         expert=True,
     ),
 ]
+
 Html: TypeAlias = Annotated[
     Path | None,
     Option("Write a page that shows the answer in a browser.", OUTPUT,
            kind=kinds.target(".html", ".htm")),
 ]  # fmt: skip
+
 Png: TypeAlias = Annotated[
     Path | None,
     Option("Write a figure, .png, .svg or .pdf.", OUTPUT,
            kind=kinds.target(".png", ".svg", ".pdf")),
 ]  # fmt: skip
+
 Section: TypeAlias = Annotated[
     str | None,
     Option(
@@ -123,11 +150,13 @@ Section: TypeAlias = Annotated[
         expert=True,
     ),
 ]
+
 Cad: TypeAlias = Annotated[
     Path | None,
     Option("Write the answer for CAD programs, .3dm or .glb.", OUTPUT,
            kind=kinds.target(".3dm", ".glb")),
 ]  # fmt: skip
+
 TimeLimit: TypeAlias = Annotated[
     float | None,
     Option(
@@ -135,6 +164,10 @@ TimeLimit: TypeAlias = Annotated[
         kind=kinds.POSITIVE,
         expert=True,
     ),
+]
+
+Workers: TypeAlias = Annotated[
+    int, Option("Processes that work side by side (1).", kind=kinds.whole(1), expert=True)
 ]
 
 
@@ -175,3 +208,57 @@ def gravity_vector(text: str) -> tuple[float, float, float]:
     if not 0.0 < size < float("inf"):
         raise InputError(f"is {text}", remedy="give a number above zero")
     return (0.0, 0.0, -size)
+
+
+@dataclass(frozen=True)
+class LimitSearch:
+    """Options of the search for a limit."""
+
+    width: Annotated[
+        float | None,
+        Option(
+            "Width of the brackets, in the unit of the limit.", kind=kinds.POSITIVE, expert=True
+        ),
+    ] = None
+    scan: Annotated[
+        int,
+        Option(
+            "Steps of the scan for islands before the limit is bisected (6).",
+            kind=kinds.whole(1),
+            expert=True,
+        ),
+    ] = 6
+    cone: Annotated[
+        str,
+        Option(
+            "Friction of the equilibrium limit: exact, or octagon as published (exact).",
+            kind=kinds.one_of(("exact", "octagon")),
+            expert=True,
+        ),
+    ] = "exact"
+    equilibrium_only: Annotated[
+        bool, Option("Compute the limit of equilibrium only.", expert=True)
+    ] = False
+    workers: Workers = 1
+    time_limit: TimeLimit = None
+
+    def options(self) -> LimitOptions:
+        """The options of the library."""
+        from drystone.limits import LimitOptions
+        from drystone.stability import FrictionCone
+
+        exact = self.cone == "exact"
+        return LimitOptions(
+            width=self.width,
+            scan=self.scan,
+            cone=FrictionCone.exact() if exact else FrictionCone.octagon(),
+            full=not self.equilibrium_only,
+        )
+
+    @contextmanager
+    def under_way(self, waiting: Waiting) -> Iterator[dict[str, Any]]:
+        """The common keywords of all limits of the library."""
+        chosen = self.options()
+        waiting.stage("solve", "searching")
+        with waiting.keywords(self.time_limit, self.workers) as common:
+            yield {"options": chosen, **common}

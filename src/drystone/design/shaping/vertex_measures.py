@@ -10,6 +10,7 @@ from scipy import sparse
 from drystone.assembly import Assembly, replace_block
 from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.selfcontact import self_contacts
 
 
@@ -52,7 +53,7 @@ class BlockVertices:
     def of(cls, assembly: Assembly) -> BlockVertices:
         """The vertices and triangles of an assembly."""
         counts = [len(block.vertices) for block in assembly.blocks]
-        start = np.concatenate([[0], np.cumsum(counts)]).astype(np.intp)
+        start = Ragged.from_counts(counts).start
         total = int(start[-1])
         fan: list[tuple[int, int, int]] = []
         owner: list[int] = []

@@ -9,6 +9,7 @@ import numpy as np
 from drystone.assembly import Assembly, Block
 from drystone.base.arrays import Floats, Ints, frozen_points
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.freeform.regroup import contacts_of
 from drystone.geometry.body.solid import distance
@@ -72,7 +73,7 @@ def contacts_from_mesh(
     for number, loop in enumerate(loops):
         if loop.ndim != 1 or len(loop) < 3 or loop.min() < 0 or loop.max() >= len(point):
             raise InputError(f"face {number} is no loop of vertices", where=where)
-    start = np.concatenate([[0], np.cumsum([len(loop) for loop in loops])]).astype(np.intp)
+    start = Ragged.of(loops).start
     corner = point[np.concatenate([np.zeros(0, dtype=np.intp), *loops])]
     vectors = area_vectors(corner, start)
     area = np.sqrt((vectors * vectors).sum(axis=1))
@@ -111,7 +112,7 @@ def _size(assembly: Assembly, block: int) -> float:
 def _face_vectors(body: Block) -> Floats:
     """Area vectors (f, 3) [m2] of the faces of a block."""
     length = [len(face) for face in body.faces]
-    start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    start = Ragged.from_counts(length).start
     return area_vectors(body.vertices[[i for face in body.faces for i in face]], start)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.detection.search.interfaces import Interfaces, joined
 from drystone.geometry.frames import frames_from_normals
@@ -59,7 +60,7 @@ def _from_facets(given: Interfaces, facets: Sequence[Facet]) -> Interfaces:
         given.take(first.astype(np.intp)),
         frame=_frames(given, facets),
         point=np.concatenate([f.point for f in facets]),
-        start=np.concatenate([[0], np.cumsum(count)]).astype(np.intp),
+        start=Ragged.from_counts(count).start,
         area=_areas(facets),
         gap=np.array([given.gap[m] @ w / w.sum() for m, w in zip(members, weight, strict=True)]),
         warp=np.array([given.warp[m].max() for m in members]),
@@ -81,7 +82,7 @@ def _frames(given: Interfaces, facets: Sequence[Facet]) -> Floats:
 def _areas(facets: Sequence[Facet]) -> Floats:
     """Areas [m2] of the polygons themselves."""
     count = np.array([len(facet.point) for facet in facets], dtype=np.intp)
-    start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+    start = Ragged.from_counts(count).start
     vectors = area_vectors(np.concatenate([facet.point for facet in facets]), start)
     area: Floats = np.sqrt((vectors * vectors).sum(axis=1))
     return area
@@ -165,7 +166,7 @@ def _regrouped(
     """Facets of the joints of one pair of blocks; members count within ``plane``."""
     length = np.diff(contacts.start)[plane]
     corner = np.concatenate([contacts.polygon(i) for i in plane])
-    given = geometry.facets_of(corner, np.concatenate([[0], np.cumsum(length)]).astype(np.intp))
+    given = geometry.facets_of(corner, Ragged.from_counts(length).start)
     size = float(np.sqrt(contacts.area[plane].sum()))
     if angle is not None:
         return geometry.join_by_angle(given, float(np.deg2rad(angle)), size)
@@ -196,7 +197,7 @@ def contacts_of(rows: Sequence[tuple[Floats, Floats, int, int, float]]) -> Conta
     if not rows:
         return Contacts.empty()
     count = np.array([len(row[0]) for row in rows], dtype=np.intp)
-    start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+    start = Ragged.from_counts(count).start
     point = np.concatenate([row[0] for row in rows])
     vectors = area_vectors(point, start)
     return Contacts(

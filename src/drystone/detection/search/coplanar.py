@@ -59,7 +59,7 @@ def rings_of(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
     hole = -dot(vectors, total[owner])  # holes have the opposite orientation
     order = np.lexsort((hole, owner))
     length = np.diff(start)
-    begin = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
+    begin = Ragged.from_counts(length[order]).start
     source = np.repeat(start[order] - begin[:-1], length[order]) + np.arange(len(loop))
     return loop[source], begin, owner[order], face.astype(np.intp)
 
@@ -80,7 +80,7 @@ def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats,
         if not straight.any():
             return corner, start
         lost = np.bincount(ring, straight, minlength=len(start) - 1).astype(np.intp)
-        start = np.concatenate([[0], np.cumsum(np.diff(start) - lost)]).astype(np.intp)
+        start = Ragged.from_counts(np.diff(start) - lost).start
         corner = corner[~straight]
 
 

@@ -11,6 +11,7 @@ import shapely
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.search.candidates import Pairs, warp_slack
 from drystone.detection.search.interfaces import Interfaces
@@ -97,7 +98,7 @@ def _interfaces(patches: Patches, rows: list[tuple[int, int, _Touch]]) -> Interf
         face_b=np.array([touch.face_b for _, _, touch in rows], dtype=np.intp),
         frame=frames_from_normals(normals),
         point=np.concatenate([np.zeros((0, 3)), *(touch.points for _, _, touch in rows)]),
-        start=np.concatenate([[0], np.cumsum(count)]).astype(np.intp),
+        start=Ragged.from_counts(count).start,
         area=none,
         gap=np.array([touch.gap for _, _, touch in rows], dtype=np.float64),
         warp=none,

@@ -40,7 +40,7 @@ def _projected(patches: Patches, planes: Planes, patch: Ints, *, reverse: bool) 
     row, ring = expand(patches.first_ring[patch], rings)
     length = np.diff(patches.ring_start)[ring]
     of_corner, corner = expand(patches.ring_start[ring], length)
-    start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    start = Ragged.from_counts(length).start
     if reverse:
         corner = corner[(start[:-1] + start[1:] - 1)[of_corner] - np.arange(len(corner))]
     return planes.flat(patches.corner[corner], row[of_corner]), start, row
@@ -93,7 +93,7 @@ def _regions(rings: Rings, rows: Ints) -> planar.Regions:
     region, ring = expand(first, last - first)
     length = np.diff(start)[ring]
     picked = expand(start[ring], length)[1]
-    begin = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    begin = Ragged.from_counts(length).start
     return planar.regions(corner[picked], begin, region)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
-from drystone.base.ragged import expand
+from drystone.base.ragged import Ragged, expand
 from drystone.contacts import Contacts, check_friction
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
@@ -68,7 +68,7 @@ class Interfaces:
         length = np.diff(self.start)[order]
         corner = expand(self.start[order], length)[1]
         values = {f.name: getattr(self, f.name)[order] for f in fields(self) if f.name not in OWN}
-        start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+        start = Ragged.from_counts(length).start
         return Interfaces(point=self.point[corner], start=start, **values)
 
     def ordered(self) -> Interfaces:
@@ -101,7 +101,7 @@ def joined(parts: list[Interfaces]) -> Interfaces:
         if f.name != "start"
     }
     length = np.concatenate([np.diff(part.start) for part in parts])
-    start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    start = Ragged.from_counts(length).start
     return Interfaces(start=start, **values)
 
 

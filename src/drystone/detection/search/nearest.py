@@ -87,7 +87,7 @@ def _in_plane_of(planes: Planes, pieces: Pieces, which: Ints, reference: Ints) -
     row, target = pieces.row[which][source], pieces.row[reference][source]
     flat = pieces.corner[corner]
     space = planes.origin[row] + np.einsum("li,lij->lj", flat, planes.frame[row, 1:])
-    start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    start = Ragged.from_counts(length).start
     seen = planes.flat(space, target)
     return planar.regions(seen, start, np.arange(len(which), dtype=np.intp))
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
-from drystone.base.ragged import expand
+from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import clip
@@ -100,7 +100,7 @@ class Pieces:
         if keep.all():
             return self
         length = np.diff(self.start)
-        start = np.concatenate([[0], np.cumsum(length[keep])]).astype(np.intp)
+        start = Ragged.from_counts(length[keep]).start
         return Pieces(self.corner[np.repeat(keep, length)], start, self.row[keep])
 
 
@@ -133,7 +133,7 @@ def merged(parts: list[Pieces]) -> Pieces:
     begin = np.cumsum(length) - length
     order = np.argsort(row, kind="stable")
     picked = expand(begin[order], length[order])[1]
-    start = np.concatenate([[0], np.cumsum(length[order])]).astype(np.intp)
+    start = Ragged.from_counts(length[order]).start
     return Pieces(corner[picked], start, row[order])
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.plane.triangulate import triangulate
 
@@ -69,7 +70,7 @@ def solid_of(vertices: Floats, faces: Sequence[Loop]) -> manifold3d.Manifold:
         Loops, oriented outwards.
     """
     loop = np.concatenate([np.asarray(face, dtype=np.intp) for face in faces])
-    start = np.concatenate([[0], np.cumsum([len(face) for face in faces])]).astype(np.intp)
+    start = Ragged.of(faces).start
     triangle = loop[triangulate(vertices[loop], start)[0]]
     return manifold3d.Manifold(manifold3d.Mesh64(np.array(vertices), triangle.astype(np.uint64)))
 

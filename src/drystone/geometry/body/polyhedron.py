@@ -62,7 +62,7 @@ def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> 
         Per polyhedron its loops.
     """
     sizes = np.array([len(v) for v in vertices], dtype=np.intp)
-    offset = np.concatenate([[0], np.cumsum(sizes)])
+    offset = Ragged.from_counts(sizes).start
     flat: dict[int, tuple[Ints, Ints]] = {}  # copies of one body share their face list
     for loops in faces:
         if id(loops) not in flat:
@@ -75,7 +75,7 @@ def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> 
         np.arange(len(faces), dtype=np.intp),
         np.array([len(loops) for loops in faces], dtype=np.intp),
     )
-    start = np.concatenate([[0], np.cumsum(lengths)]).astype(np.intp)
+    start = Ragged.from_counts(lengths).start
     loop = loop + np.repeat(offset[owner], lengths)
     point = np.concatenate(list(vertices)) if len(vertices) else np.zeros((0, 3))
     return Faces(point, loop, start, owner)

@@ -99,7 +99,7 @@ def _surface(faces: tuple[Loop, ...], count: int) -> SurfaceTopology:
     if not consistent:
         oriented, turned = polyhedron.orient(faces)
         if not polyhedron.edge_defects(oriented)[2]:
-            raise InputError("its surface has no inside", remedy="it is one-sided: model it anew")
+            raise InputError("its surface has no inside", remedy="it is one-sided: model it again")
         faces = tuple(oriented)
         notes.append(f"faces {', '.join(map(str, turned[:8]))} turned to agree with the others")
     pinched = polyhedron.pinched_vertices(faces)

@@ -54,7 +54,7 @@ def _triangles(vertices: Floats, outline: Loop, holes: Sequence[Loop], number: i
     region = shapely.Polygon(flat[list(outline)], [flat[list(hole)] for hole in holes])
     if not region.is_valid:
         raise InputError(
-            f"face {number} has holes that do not lie inside it", remedy="model the face anew"
+            f"face {number} has holes that do not lie inside it", remedy="model the face again"
         )
     known = {tuple(flat[i].tolist()): int(i) for i in corners}
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(region))

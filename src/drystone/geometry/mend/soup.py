@@ -253,6 +253,6 @@ def _of_shells(vertices: Floats, faces: Sequence[Loop], shells: Sequence[Sequenc
     return Faces(
         vertices,
         np.array([corner for loop in loops for corner in loop], dtype=np.intp),
-        np.concatenate([[0], np.cumsum(lengths)]).astype(np.intp),
+        Ragged.from_counts(lengths).start,
         np.repeat(np.arange(len(shells)), [len(shell) for shell in shells]),
     )

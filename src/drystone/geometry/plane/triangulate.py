@@ -54,7 +54,7 @@ def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
     flat = _flattened(corners, start)
     triangle = _fans(start)
     polygon = np.repeat(np.arange(len(count), dtype=np.intp), count - 2)
-    first = np.concatenate([[0], np.cumsum(count - 2)])
+    first = Ragged.from_counts(count - 2).start
     convex = _convex(flat, start)
     poor = np.flatnonzero(~convex | _thin(flat, triangle, first))
     for i, found in zip(poor.tolist(), _delaunay(flat, start, poor), strict=True):

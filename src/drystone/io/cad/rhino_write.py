@@ -12,6 +12,7 @@ import numpy as np
 from drystone.assembly import Block
 from drystone.base.errors import FormatError
 from drystone.base.files import write_through
+from drystone.base.ragged import Ragged
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.cad.rhino import TEXT, require
 from drystone.io.draft import Contents
@@ -105,7 +106,7 @@ def mesh_of(block: Block) -> Any:
             mesh.Faces.AddFace(*face)
     if large:
         corners = np.array([corner for face in large for corner in face], dtype=np.intp)
-        start = np.concatenate([[0], np.cumsum([len(face) for face in large])])
+        start = Ragged.of(large).start
         for triangle in corners[triangulate(block.vertices[corners], start)[0]].tolist():
             mesh.Faces.AddFace(*triangle)
     return mesh

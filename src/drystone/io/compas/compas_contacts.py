@@ -8,6 +8,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import FARTHEST, Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import polygon
@@ -86,7 +87,7 @@ def joined(
     reversed : (m,) bool
         Interfaces whose corners are stored in reverse order.
     """
-    start = np.concatenate([[0], np.cumsum([len(points) for points in corners])]).astype(np.intp)
+    start = Ragged.of(corners).start
     area = polygon.area_vectors(np.concatenate(list(corners)), start)
     signed = (area * frame[:, 0]).sum(axis=1)
     backwards = signed < 0.0

@@ -11,6 +11,7 @@ import numpy as np
 
 from drystone.base.errors import FormatError
 from drystone.base.files import write_bytes
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.fans import fan_warped, point_owners
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.draft import Contents
@@ -39,7 +40,7 @@ def glb_content(model: Contents) -> tuple[dict[str, Any], bytes]:
     corners = faces.loop[triangle]
     owner = faces.owner[polygon]
     sizes = np.bincount(point_owners(faces), minlength=len(assembly))
-    first = np.concatenate([[0], np.cumsum(sizes)])
+    first = Ragged.from_counts(sizes).start
     begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
     points = (faces.point @ Z_UP).astype("<f4")
     index = (corners - first[owner][:, None]).astype("<u4")

@@ -13,6 +13,7 @@ from drystone.assembly import DEFAULT_DENSITY, Block
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.fans import warp_and_view
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import polygon
@@ -61,7 +62,7 @@ class Pins(OneLine):
 def flat_loops(cells: Sequence[Sequence[int]]) -> tuple[Ints, Ints]:
     """Loops as one array and their starts."""
     loop = np.array([i for cell in cells for i in cell], dtype=np.intp)
-    start = np.concatenate([[0], np.cumsum([len(cell) for cell in cells])]).astype(np.intp)
+    start = Ragged.of(cells).start
     return loop, start
 
 
@@ -147,7 +148,7 @@ def add_joggle(mesh: Tessellation, pins: Pins, joggle_deg: float) -> Pins:
     half, slope = 0.5 * length, np.tan(np.deg2rad(abs(joggle_deg)))
     side = 1.0 if joggle_deg >= 0.0 else -1.0
     count = np.where(mesh.inner, 2 + len(HOOK), 2)
-    start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+    start = Ragged.from_counts(count).start
     point = np.empty((start[-1], 3))
     point[start[:-1]], point[start[1:] - 1] = low, high
     first = start[:-1][mesh.inner]

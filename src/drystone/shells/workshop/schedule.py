@@ -12,6 +12,7 @@ import numpy as np
 from drystone.base.arrays import Floats, cross, dot
 from drystone.base.display import OneLine
 from drystone.base.files import PathLike, write_bytes
+from drystone.base.ragged import Ragged
 from drystone.geometry.plane import polygon
 from drystone.shells.blocks.materialise import cell_faces
 from drystone.shells.bond.tessellation import directed
@@ -142,7 +143,7 @@ def _text(value: object) -> str:
 
 def _angles(shell: Shell, block: int, out: Floats) -> tuple[tuple[float, ...], tuple[float, ...]]:
     sides = cell_faces(shell.mesh, shell.pins, shell.mesh.cells[block])[2]
-    start = np.concatenate([[0], np.cumsum([len(face) for face in sides])]).astype(np.intp)
+    start = Ragged.of(sides).start
     area = polygon.area_vectors(shell.pins.point[np.concatenate(sides)], start)
     normal = area / np.linalg.norm(area, axis=1, keepdims=True)
     bevel = 90.0 + np.rad2deg(np.arcsin(np.clip(normal @ out, -1.0, 1.0)))

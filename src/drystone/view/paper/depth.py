@@ -231,7 +231,7 @@ def _patches(
     order = np.lexsort((within, rank[faces.owner[face]]))
     loops = [loops[i] for i in order]
     corner = np.concatenate(loops) if loops else np.zeros(0, dtype=np.intp)
-    start = np.concatenate([[0], np.cumsum([len(x) for x in loops])]).astype(np.intp)
+    start = Ragged.of(loops).start
     next_corner = corner[Ragged(start).following] if len(corner) else corner
     outlined = drawn[corner] & (next_corner == faces.corners.following[corner])
     return SortedPolygons(corner, start, face[order], outlined)
@@ -240,7 +240,7 @@ def _patches(
 def _triangles(corners: Floats, start: Ints, chosen: Ints) -> tuple[Ints, Ints]:
     """Triangles (t, 3), positions in ``corners``, of the chosen faces, and their face (t,)."""
     length = np.diff(start)[chosen]
-    local_start = np.concatenate([[0], np.cumsum(length)]).astype(np.intp)
+    local_start = Ragged.from_counts(length).start
     taken = np.repeat(start[chosen] - local_start[:-1], length) + np.arange(local_start[-1])
     triangle, polygon = triangulate(corners[taken], local_start)
     return taken[triangle].reshape(-1, 3), chosen[polygon]

@@ -53,7 +53,7 @@ class SeparationData:
         """The bodies of an assembly whose faces have the outward normals (f, 3)."""
         faces = assembly.faces
         count = np.array([len(block.vertices) for block in assembly.blocks])
-        start = np.concatenate([[0], np.cumsum(count)]).astype(np.intp)
+        start = Ragged.from_counts(count).start
         face_start = np.searchsorted(faces.owner, np.arange(len(assembly) + 1)).astype(np.intp)
         point = faces.point - assembly.centroid[0]  # small coordinates even far from the origin
         bounds = assembly.bounds - assembly.centroid[0]

@@ -13,6 +13,7 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats
 from drystone.base.errors import counted
 from drystone.base.files import write_bytes
+from drystone.base.ragged import Ragged
 from drystone.detection import ContactReport, Detection, GapSweep
 from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
@@ -148,7 +149,7 @@ def _polygon_layer(
     """Polygons (c, 3) in one colour; no layer where there are none."""
     if not polygons:
         return ()
-    start = np.concatenate([[0], np.cumsum([len(polygon) for polygon in polygons])])
+    start = Ragged.of(polygons).start
     corner = np.concatenate(polygons)
     return (Layer(key, label, LayerKind.POLYGONS, colour, corner, start=start.astype(np.intp)),)
 

@@ -95,7 +95,7 @@ def stage_of(result: Result, label: str = "result") -> SceneStage:
 def falling_motion(result: Result) -> Floats | None:
     """The first motion (n, 6) of what falls, as the diagnosis tells it.
 
-    The mechanism of a result proves that it falls. It is one of many, and seldom the one that
+    The mechanism of a result proves that it falls. It is one of many, and often not the one that
     begins. Where the props that the blocks need are known, the first motion follows from these.
     """
     if result.prop is None or not result.falling:

@@ -46,6 +46,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
@@ -228,7 +229,7 @@ def _blocks(scene: Scene, origin: Floats, blobs: Blobs) -> dict[str, Any]:
     faces = assembly.faces
     n = len(assembly)
     points = np.array([len(block.vertices) for block in assembly.blocks])
-    first_point = np.concatenate([[0], np.cumsum(points)])
+    first_point = Ragged.from_counts(points).start
     corner_owner = np.repeat(faces.owner, np.diff(faces.start))
     edge, edge_owner, _ = sharp_edges(faces, face_normals(faces))
     by_block = np.argsort(edge_owner, kind="stable")
