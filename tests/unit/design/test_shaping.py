@@ -25,7 +25,7 @@ from drystone.design import (
 from drystone.design.shaping.corner_following import Corners
 from drystone.design.shaping.help_needed import Form
 from drystone.design.shaping.vertex_measures import BlockVertices, vertices_of
-from drystone.models import arch, box, concave, dome, shelf, tower
+from drystone.models import arch, box, concave, dome, prism, shelf, tower
 from drystone.shells.shell_by_name import shell_by_name
 
 
@@ -409,3 +409,14 @@ def test_the_command_writes_a_shape_that_stands(
     assert code == 0
     assert told["stands"]
     assert drystone.check(drystone.read(out)).stable
+
+
+def test_an_edge_that_would_have_no_length_left_does_not_end_the_search() -> None:
+    """To lose weight far out, the tip gets thin first; the arm has to get shorter too."""
+    section = [(0.0, 0.0), (0.5, 0.0), (1.6, 0.2), (1.6, 0.21), (0.0, 0.25)]
+    blocks = box((0.5, 0.3, 0.4), (0.0, 0.0, -0.4), "support"), prism(section, (0.0, 0.3), "arm")
+    model = Model.of(Assembly(blocks).with_fixed([0]), friction=0.7)
+    assert not drystone.check(model).stable
+    found = shape(model, free_vertices(model, 0.3))
+    assert found.stands
+    assert found.value < 1e-3 * found.first

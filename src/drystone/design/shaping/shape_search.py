@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from drystone.base.arrays import Floats
-from drystone.base.errors import DrystoneError, InputError
+from drystone.base.errors import DrystoneError, InputError, counted
 from drystone.base.progress import Progress, Stop, Stopped
 from drystone.design.mends.mends import stands_already
 from drystone.design.shaping.help_needed import GROUND
@@ -35,6 +35,13 @@ SOFT = 1e-2
 that it needs then changes smoothly with the shape. It is reduced where that leads no further."""
 
 
+AT_END = 0.999
+"""A variable is at the end of its range from this share of its largest move on."""
+
+KEPT = 0.1
+"""Least length of an edge, by the shortest one as given, once blocks crossed themselves, chosen."""
+
+
 class ShapeSearch(ShapeValues):
     """One search for a shape."""
 
@@ -54,17 +61,24 @@ class ShapeSearch(ShapeValues):
         """The best shape, from variables (p,) that nearly stand; from zero when left out.
 
         A structure that falls is shaped on stiff ground first, and where that leads to nothing that
-        stands, on weak ground from the beginning.
+        stands, on weak ground from the beginning. Where blocks crossed themselves, edges keep a
+        length from then on.
         """
         options = self.options
         rests = options.aim is ShapeAim.STAND and options.help is HelpMeasure.REST
         if not rests or start is not None:
             return self.followed(start, GROUND)
-        found = self.followed(None, SOFT)
-        if found.stands or self.late():
-            return found
-        again = self.followed(None, GROUND)
-        return again if again.stands or again.value < found.value else found
+        best = self.followed(None, SOFT)
+        grounds = [GROUND]
+        if self.crossed and self.least_edge == 0.0:
+            self.least_edge = KEPT * self.shortest(self.bodies.vertex)
+            grounds = [SOFT, GROUND]
+        for ground in grounds:
+            if best.stands or self.late():
+                break
+            again = self.followed(None, ground)
+            best = again if again.stands or again.value < best.value else best
+        return best
 
     def followed(self, start: Floats | None, ground: float) -> Shaped:
         """The best shape with a stiffness of the ground at first."""
@@ -184,7 +198,7 @@ class ShapeSearch(ShapeValues):
                     "jac": lambda y: -most * self.help_at(most * y)[1] / allowed,
                 }
             ]
-        if self.options.least_edge > 0.0:
+        if self.least_edge > 0.0:
             rows += [
                 {
                     "type": "ineq",
@@ -267,6 +281,9 @@ class ShapeSearch(ShapeValues):
         self.late = late
         if not stands:
             words += ": it does not stand"
+            ends = int((np.abs(x) > AT_END * self.moves.most).sum())
+            if ends:
+                words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed"
         return Shaped(self.model, model, result, stands, rounds, words, x, *values)
 
 

@@ -32,6 +32,13 @@ class ShapeValues:
     moves, options
     late
         Asked before the help is computed; True raises :class:`Stopped`.
+
+    Attributes
+    ----------
+    least_edge : [m]
+        No edge that moves gets shorter; the options' at first.
+    crossed
+        Whether a shape was refused because blocks crossed themselves.
     """
 
     def __init__(
@@ -49,6 +56,8 @@ class ShapeValues:
         self.at = np.zeros(moves.count)
         self.here = self.bodies.vertex
         self.matrix: sparse.csr_matrix = moves.matrix_at(self.at)
+        self.least_edge = options.least_edge
+        self.crossed = False
 
     def found_anew(self, model: Model, x: Floats) -> None:
         """The forms of the model with variables (p,), in all its cases, with its contacts now.
@@ -90,15 +99,20 @@ class ShapeValues:
         return out
 
     def edges(self, x: Floats) -> tuple[Floats, Floats]:
-        """By how much the squares of moving edges (e,) are above that of the least; (e, p)."""
-        vertex, matrix = self.vertices(x), self.matrix
-        i, j = self.moving.T
-        along = (vertex[i] - vertex[j]) / self.options.least_edge
+        """By how much edges (e,) that move are longer than the least, by the least; (e, p).
+
+        Each is measured along its direction where contacts were found. So it is linear, and an edge
+        that has turned round is too short.
+        """
+        vertex, (i, j) = self.vertices(x), self.moving.T
+        along = self.here[i] - self.here[j]
+        along = along / np.linalg.norm(along, axis=1, keepdims=True)
         slope = np.zeros((len(i), len(x)))
         for axis in range(3):
-            both = matrix[3 * i + axis] - matrix[3 * j + axis]
-            slope += 2.0 * along[:, axis, None] * both.toarray() / self.options.least_edge
-        return (along**2).sum(axis=1) - 1.0, slope
+            both = self.matrix[3 * i + axis] - self.matrix[3 * j + axis]
+            slope += along[:, axis, None] * both.toarray()
+        length = ((vertex[i] - vertex[j]) * along).sum(axis=1)
+        return length / self.least_edge - 1.0, slope / self.least_edge
 
     def shortest(self, vertex: Floats) -> float:
         """The length of the shortest edge that moves, for vertices (v, 3) [m]."""
@@ -150,9 +164,13 @@ class ShapeValues:
         """The model with variables (p,), its contacts found anew; ``None`` where it cannot be."""
         try:
             vertex = self.moves.moved(self.bodies.vertex, x)
-            if self.shortest(vertex) < (1.0 - ROUNDING) * self.options.least_edge:
+            if self.shortest(vertex) < (1.0 - ROUNDING) * self.least_edge:
                 return None
-            assembly = self.bodies.assembly_at(vertex)
+            try:
+                assembly = self.bodies.assembly_at(vertex)
+            except InputError:
+                self.crossed = True
+                return None
             moved = {
                 i: block
                 for i, block in enumerate(assembly.blocks)
