@@ -125,8 +125,9 @@ class Cascade:
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
         problem, attempts = self.problem, self.attempts
-        doubtful = 0 in self.known and problem.statics.dry and self._nearby is None
-        if doubtful and self.collapse is not None:
+        small = problem.statics.full_transposed is not None and problem.statics.dry
+        # where a known rest state leads nowhere a mechanism is likely, and soon found if it is small
+        if small and 0 in self.known and self._nearby is None and self.collapse is not None:
             return self.answers.unstable(UNBALANCED, self.collapse)
         uniform = self.uniform
         if not uniform.stands and not self.clock.late():
