@@ -126,7 +126,7 @@ class Cascade:
         """The verdict where something presses on every block."""
         problem, attempts = self.problem, self.attempts
         small = problem.statics.full_transposed is not None and problem.statics.dry
-        # where a known rest state leads nowhere a mechanism is likely, and soon found if it is small
+        # where a known rest state leads nowhere a mechanism is likely; small models have it soon
         if small and 0 in self.known and self._nearby is None and self.collapse is not None:
             return self.answers.unstable(UNBALANCED, self.collapse)
         uniform = self.uniform
