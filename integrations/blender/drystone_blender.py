@@ -85,7 +85,7 @@ def model_of(objects: Sequence[Any], scene: Any, friction: float, density: float
 
 def show(result: Any, objects: Sequence[Any], scene: Any) -> None:
     """Colour the objects, draw the joints, and give keyframes to what falls."""
-    from drystone.view.cad.block_groups import block_groups
+    from drystone.view.cad.drawn_parts import block_groups
     from drystone.view.scenes.subjects import scene_of
     from drystone.view.style.palette import rgb
 
@@ -141,7 +141,7 @@ def _force_material() -> Any:
 
 def play(result: Any, objects: Sequence[Any], scene: Any) -> None:
     """Keyframes of the first motion; a free fall starts slowly."""
-    from drystone.view.cad.keyframes import matrix_of
+    from drystone.view.cad.drawn_parts import matrix_of
 
     scale = scene.unit_settings.scale_length
     first = scene.frame_current

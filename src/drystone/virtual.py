@@ -16,10 +16,10 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, frozen_floats
 from drystone.base.errors import InputError
+from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
 from drystone.geometry.frames import unit
 from drystone.geometry.plane.kern import Sections, kern, sections
-from drystone.geometry.plane.polygon import loop_means
 
 Choice = Sequence[int] | Ints | Bools | None
 """Interfaces by position or mask; all when None."""
@@ -32,7 +32,7 @@ def local_corners(contacts: Contacts) -> tuple[Floats, Floats]:
     """Mean corner (m, 3) [m] of every interface, and the corners (k, 2) about it along u and v."""
     if contacts.count == 0:
         return np.zeros((0, 3)), np.zeros((0, 2))
-    origin = loop_means(contacts.point, contacts.start)
+    origin = Ragged(contacts.start).mean(contacts.point)
     away = contacts.point - origin[contacts.interface]
     flat: Floats = np.einsum("kij,kj->ki", contacts.frame[contacts.interface, 1:], away)
     return origin, flat

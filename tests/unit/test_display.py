@@ -180,8 +180,9 @@ class Reached:
             return
         self.found.setdefault(type(value), []).append(value)
         if not isinstance(value, enum.Enum):
-            for one in getattr(value, "__dict__", {}).values():
-                self.look(one)
+            for name, one in getattr(value, "__dict__", {}).items():
+                if not name.startswith("_"):
+                    self.look(one)
 
 
 @pytest.fixture(scope="module")

@@ -148,7 +148,7 @@ def components(
     """Components of a vector with one prefix, to three digits of the largest.
 
     A vector of which no component exceeds ``negligible`` is zero. ``column`` is the largest value
-    of a table, which then has one prefix.
+    of a table, which then has one prefix, unless that value is negligible too.
 
     Examples
     --------
@@ -156,11 +156,13 @@ def components(
     ('0, -2.5, 12.3 kN', '0, 0, 0 N m')
     >>> components([0.0, -0.165], "N m"), components([0.0, -0.165], "N m", column=1.64)
     ('0, -165 mN m', '0, -0.165 N m')
+    >>> components([0.0, 3e-13], "N m", 1e-6, column=3e-13)
+    '0, 0 N m'
     """
     largest = max((abs(value) for value in values), default=0.0)
     if largest <= negligible:
         values, largest = [0.0] * len(values), 0.0
-    size = max(largest, column)
+    size = max(largest, column if column > negligible else 0.0)
     factor, prefix = next((one for one in PREFIXES if size >= 0.9995 * one[0]), (1.0, ""))
     digits = 0 if largest == 0.0 else max(2 - math.floor(math.log10(largest / factor)), 0)
 

@@ -18,9 +18,8 @@ import click
 from drystone.base.errors import DrystoneError
 from drystone.cli.analysis.check_command import check
 from drystone.cli.analysis.fall_command import fall
-from drystone.cli.analysis.limit_commands import friction, load, shrink, tilt
+from drystone.cli.analysis.limit_commands import friction, load, push, shrink, tilt
 from drystone.cli.analysis.limit_models import imperfections, thickness
-from drystone.cli.analysis.push_command import push
 from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
 from drystone.cli.base.command import SETTINGS, Command, write_examples
@@ -35,12 +34,10 @@ from drystone.cli.design.sharpen_command import sharpen
 from drystone.cli.design.shell_command import shell
 from drystone.cli.design.tune_command import tune
 from drystone.cli.files.convert_command import convert
-from drystone.cli.files.demo_command import demo
 from drystone.cli.files.inspect_command import inspect
-from drystone.cli.files.models_command import models
+from drystone.cli.files.models_command import demo, models
 from drystone.cli.files.reproduce_command import reproduce
-from drystone.cli.servers.live_command import live
-from drystone.cli.servers.mcp_command import mcp
+from drystone.cli.server_commands import live, mcp
 
 SHELLS = ("bash", "zsh", "fish")
 """Shells for which click writes completion."""

@@ -16,12 +16,10 @@ from drystone.detection.freeform.regroup import merge_slivers
 from drystone.detection.freeform.shortfall import Shortfall, shortfalls
 from drystone.detection.report.block_overlaps import Overlap, block_overlaps
 from drystone.detection.report.contact_report import ContactReport
-from drystone.detection.report.edgemisses import edge_misses
-from drystone.detection.report.misses import compare_with_tolerances, dropped, misses
+from drystone.detection.report.misses import compare_with_tolerances, dropped, edge_misses, misses
 from drystone.detection.report.reasons import Missed, Reason
 from drystone.detection.search.candidates import (
     Pairs,
-    block_boxes,
     facing_patches,
     most_slack,
     near_blocks,
@@ -31,7 +29,7 @@ from drystone.detection.search.face_overlaps import negligible, overlaps, within
 from drystone.detection.search.interfaces import Interfaces, from_pieces, joined
 from drystone.detection.search.nearest import uncovered
 from drystone.detection.search.patches import Patches, patches_of
-from drystone.detection.search.planes import planes_between, widths
+from drystone.detection.search.planes import planes_between
 from drystone.geometry.mend.coincidence import duplicates
 from drystone.geometry.mend.parts import separate_parts
 
@@ -134,7 +132,7 @@ def _face_contacts(
     shared = overlaps(patches, planes)
     checked = compare_with_tolerances(patches, planes, shared, options)
     near = within(shared.select(checked.accepted), planes, checked.tolerance)
-    wide = widths(near) > options.sliver * planes.size[near.row]
+    wide = near.width > options.sliver * planes.size[near.row]
     wide &= ~negligible(patches, planes, near)
     touching = near.select(wide)
     found, hidden = uncovered(patches, planes, touching)
@@ -265,7 +263,7 @@ def _parts(assembly: Assembly, patches: Patches) -> tuple[tuple[int, int], ...]:
 def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tuple[int, int], ...]:
     """Pairs of blocks with the same vertices; only blocks with the same box are compared."""
     a, b = pairs
-    low, high = block_boxes(patches)
+    low, high = patches.boxes
     apart = np.maximum(np.abs(low[a] - low[b]), np.abs(high[a] - high[b])).max(axis=1)
     alike = apart <= SAME * patches.size[a]
     blocks = np.unique(np.concatenate([a[alike], b[alike]])).tolist()

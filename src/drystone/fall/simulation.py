@@ -17,7 +17,7 @@ from drystone.base.arrays import Floats, frozen, frozen_floats
 from drystone.base.errors import InputError, MissingDependency
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
-from drystone.fall.film import FallOptions, Film
+from drystone.fall.film import MOVED, FallOptions, Film
 from drystone.io.opening import Given, How, as_model
 from drystone.io.simulators import mjcf_text
 from drystone.loads import LoadCase
@@ -29,7 +29,8 @@ STEP = 0.002
 CONTACT = 0.01
 """[s], time constant of contacts: with 0.005 s large models were thrown apart."""
 STILL, FOR = 0.03, 0.5
-"""[m/s] and [s] at the scale of the simulation: slower for so long, everything lies."""
+"""[m/s] and [s] at the scale of the simulation: slower for so long, everything lies. Before a
+first motion has led to a fall, blocks may only be slow: a wedge in its groove needs 2 s."""
 UNIT_TIME = 1.0 / np.sqrt(STANDARD_GRAVITY)
 """[s], in which a block of 1 m falls freely by half its size at 9.81 m/s2."""
 
@@ -108,7 +109,8 @@ def fall(
         _give_speed(simulator, data, motion, model.assembly, length, chosen.nudge)
     every = max(round(UNIT_TIME / chosen.rate / STEP), 1)
     last = int(np.ceil(chosen.duration * chosen.rate))
-    quiet, lies = 0.0, False
+    quiet, lies, fallen = 0.0, False, motion is None or not np.any(motion[free])
+    size = np.cbrt(scaled.assembly.volume)
     mujoco.mj_forward(simulator, data)
     frames = [_pose(data)]
     for number in range(1, last + 1):
@@ -120,13 +122,16 @@ def fall(
                 remedy="look for blocks that overlap: inspect",
             )
         quiet = quiet + every * STEP if np.abs(data.qvel).max() < STILL else 0.0
+        # what is known to fall is waited for: it may begin slowly
+        fallen = fallen or _has_fallen(frames, size)
         if progress is not None:
             progress("simulating", number, last)
-        if quiet >= FOR:
+        if quiet >= FOR and fallen:
             lies = True
             break
         if clock.late():
             break
+    lies = lies or quiet >= FOR
     time = np.arange(len(frames)) * every * STEP * second
     return Film(
         model,
@@ -195,6 +200,12 @@ def _give_speed(
     for number in assembly.free.tolist():
         at = int(simulator.jnt_dofadr[simulator.body_jntadr[number + 1]])
         data.qvel[at : at + 6] = speed[number]
+
+
+def _has_fallen(frames: list[tuple[Floats, Floats]], size: Floats) -> bool:
+    """Whether a block has moved by a tenth of its size (n,) since the first frame."""
+    gone = np.linalg.norm(frames[-1][0] - frames[0][0], axis=1)
+    return bool((gone > MOVED * size).any())
 
 
 def _pose(data: Any) -> tuple[Floats, Floats]:

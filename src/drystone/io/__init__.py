@@ -6,9 +6,8 @@ True
 """
 
 from drystone.io.draft import Contents
-from drystone.io.formats import Format
 from drystone.io.opening import as_model, read
-from drystone.io.registry import FORMATS, format_of, inspect, read_file, write
+from drystone.io.registry import FORMATS, Format, format_of, inspect, read_file, write
 
 __all__ = [
     "FORMATS",

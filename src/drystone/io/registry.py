@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
+from drystone.base.display import OneLine
 from drystone.base.errors import FormatError, InputError
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.units import scale_of
@@ -15,13 +17,47 @@ from drystone.io.build import Built, build, try_blocks
 from drystone.io.cad import rhino, rhino_write
 from drystone.io.compas import compas_json, compas_json_write
 from drystone.io.draft import Contents, Draft
-from drystone.io.formats import Format
 from drystone.io.mesh import glb, glb_write, obj, ply, stl
 from drystone.io.own import brick_list, drystone_json, drystone_json_write
 from drystone.io.simulators import write_mjcf, write_urdf
 from drystone.io.wording import one_line_errors
 from drystone.model import Model
 from drystone.results import Result
+
+
+@dataclass(frozen=True)
+class Format(OneLine):
+    """A file format.
+
+    Attributes
+    ----------
+    name
+        Identifier.
+    title
+        Name for display.
+    suffixes
+        Lower case, with the dot.
+    read
+        ``read(data, path)`` makes a draft from the bytes of a file; the path serves errors and
+        files in the same folder. ``None`` if the format is only written.
+    write
+        ``write(model, path)``; ``None`` if it is only read.
+    loses
+        The parts of a model that the format cannot hold, as text; empty if it holds everything.
+    axes_unknown
+        Whether files do not define the vertical axis.
+    layers
+        Whether it has layers; ``read`` then takes ``layers`` and ``hidden`` too.
+    """
+
+    name: str
+    title: str
+    suffixes: tuple[str, ...]
+    read: Callable[..., Draft] | None = None
+    write: Callable[[Contents, Path], None] | None = None
+    loses: str = ""
+    axes_unknown: bool = False
+    layers: bool = False
 
 
 def _read_json(data: bytes, path: Path) -> Draft:

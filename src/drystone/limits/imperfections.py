@@ -15,11 +15,11 @@ from drystone.base.arrays import Floats, frozen, frozen_floats, number, of_type,
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
+from drystone.base.ragged import Ragged
 from drystone.base.settings import Options, checked_call
 from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.contacts import Contacts
-from drystone.geometry.plane.polygon import following
 from drystone.io.opening import Given, How, as_model
 from drystone.limits.limit_checks import STANDS, Check, verdict
 from drystone.model import Model
@@ -324,7 +324,7 @@ def _areas(contacts: Contacts) -> Floats:
 
 def _chipped(contacts: Contacts, lost: np.ndarray, reach: float) -> tuple[Floats, np.ndarray]:
     """Corners with some of them cut off: each is replaced by two corners on its edges."""
-    after = following(contacts.start)
+    after = Ragged(contacts.start).following
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
     here = contacts.point

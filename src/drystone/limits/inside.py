@@ -27,6 +27,7 @@ from drystone.limits.limit_checks import (
 from drystone.limits.limit_families import Family
 from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import VerdictSearch
+from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.statics import build_statics
 
@@ -57,6 +58,8 @@ class SearchSettings:
     progress, stop, time_limit_s
     executor
         What was started.
+    at_start
+        What uniform stiffness and the verdict say at the start, where that is known.
     """
 
     check: Check | None
@@ -66,6 +69,7 @@ class SearchSettings:
     stop: Stop | None
     time_limit_s: float = float("inf")
     executor: Executor | None = None
+    at_start: tuple[Result | None, Result | None] = (None, None)
 
     @cached_property
     def clock(self) -> Clock:
@@ -77,16 +81,31 @@ class SearchSettings:
         family: Family,
         check: Callable[..., Result],
         meaning: Mapping[Verdict, bool | None] = STANDS,
+        known: Mapping[float, Result | None] | None = None,
     ) -> VerdictSearch:
-        """A search with a check of drystone, which can be stopped."""
+        """A search with a check of drystone, which can be stopped, from known values on."""
         if self.stop is not None or np.isfinite(self.time_limit_s):
             check = partial(check, stop=self.clock.late)
-        return VerdictSearch(family, check, self.executor, meaning, self.clock.late)
+        search = VerdictSearch(family, check, self.executor, meaning, self.clock.late)
+        search.results.update({v: one for v, one in (known or {}).items() if one is not None})
+        return search
 
     def tell(self, stage: str, done: int) -> None:
         """Report one of three steps."""
         if self.progress is not None:
             self.progress(stage, done, 3)
+
+
+def answers_at_start(
+    model: Model, stop: Callable[[], bool] | None
+) -> tuple[Result | None, Result | None]:
+    """What uniform stiffness says, and the verdict where that does not hold the blocks.
+
+    None where the analysis was stopped.
+    """
+    uniform = one_stiffness(model, stop=stop)
+    full = None if uniform.stable else verdict(model, stop=stop)
+    return (None, None) if stop is not None and stop() else (uniform, full)
 
 
 def bisected(
@@ -185,11 +204,12 @@ def _in_two_steps(
     if family(start).contacts.corner_count > SEARCHED and means.options.width is None:
         width = max(width, COARSE * abs(last - start))
         closing = CLOSING * width
-    search = means.search(family, one_stiffness, STANDS_OR_NOT)
+    uniformly, verdict_there = means.at_start
+    search = means.search(family, one_stiffness, STANDS_OR_NOT, {start: uniformly})
     uniform = search.from_start(start, last, width=width, scan=scan, beyond=outer)
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     means.tell("verdict where stiffness decides", 2)
-    full = means.search(family, verdict)
+    full = means.search(family, verdict, known={start: verdict_there})
     every = means.search(family, every_stiffness, STANDS_OR_NOT)
     near = start if edge is None else edge
     far = last if edge is None or falls in (None, outer.falls) else falls
@@ -250,4 +270,4 @@ def _refuse_nothing_to_do(family: Family, start: float) -> None:
         raise InputError("nothing loads the free blocks", remedy="give a load")
 
 
-__all__ = ["SearchSettings", "bisected", "searched"]
+__all__ = ["SearchSettings", "answers_at_start", "bisected", "searched"]

@@ -90,8 +90,14 @@ def limit_tilt(
     (31.0, 31.0)
     """
     chosen = LimitOptions.of(options)
-    model = supported_model(given, **how)
-    family = Tilt(model, axis_vector(axis))
+    family = Tilt(supported_model(given, **how), axis_vector(axis))
+    settings = SearchSettings(check, chosen, executor, progress, stop, time_limit_s)
+    return tilt_limit(family, upper, settings)
+
+
+def tilt_limit(family: Tilt, upper: float, settings: SearchSettings) -> Limit:
+    """As :func:`limit_tilt`."""
+    chosen = settings.options
     last = number(upper, "the largest angle")
     if not 0.0 < last <= 360.0:
         raise InputError(f"the largest angle is {last}", remedy="give degrees from 0 to 360")
@@ -104,7 +110,7 @@ def limit_tilt(
             tilt_bound(family, last, width=width, cone=chosen.cone, stop=stop),
             width,
         ),
-        SearchSettings(check, chosen, executor, progress, stop, time_limit_s),
+        settings,
     )
 
 

@@ -17,10 +17,13 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.io.opening import Given, How, supported_model
 from drystone.limits.brackets import Bracket
+from drystone.limits.inside import SearchSettings, answers_at_start
 from drystone.limits.limit_checks import Check
+from drystone.limits.limit_families import Tilt
 from drystone.limits.limit_types import Limit, LimitOptions
-from drystone.limits.limits import limit_tilt
+from drystone.limits.limits import tilt_limit
 from drystone.model import Model
+from drystone.results import Result
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,9 +151,13 @@ def tilt_sweep(
     axes = np.stack([-np.sin(angle), np.cos(angle), np.zeros(directions)], axis=1)
     clock = Clock(time_limit_s, stop)
     model = supported_model(given, **how)
-    asked: dict[str, Any] = {"upper": upper, "check": check, "options": options}
-    asked["stop"] = clock.late
-    task = partial(_one, model, **asked)
+    chosen = LimitOptions.of(options)
+    at_start: tuple[Result | None, Result | None] = (None, None)
+    if check is None and chosen.full and directions > 1 and not model.assembly.fixed.all():
+        # the same in all directions
+        at_start = answers_at_start(Tilt(model, axes[0])(0.0), clock.late)
+    means = SearchSettings(check, chosen, None, None, clock.late, at_start=at_start)
+    task = partial(_one, model, upper, means)
     limits: list[Limit] = []
     with WorkerPool(executor) as pool:
         for limit in pool.answers(task, axes, clock.late):
@@ -168,8 +175,8 @@ def tilt_sweep(
     return TiltSweep(azimuth[:known], tuple(limits), missing, stopped)
 
 
-def _one(model: Model, axis: Floats, **options: Any) -> Limit:
-    return limit_tilt(model, axis, **options)
+def _one(model: Model, upper: float, means: SearchSettings, axis: Floats) -> Limit:
+    return tilt_limit(Tilt(model, axis), upper, means)
 
 
 def _stands(bracket: Bracket) -> float:

@@ -3,32 +3,46 @@
 from __future__ import annotations
 
 import errno
+import json
 import multiprocessing
 import threading
 import time
 from collections.abc import Callable, Mapping
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import InputError
 from drystone.live.desk import Desk
-from drystone.live.live_page import page_of
 from drystone.live.requests.guard import MIB
 from drystone.live.requests.web import WebServer
 from drystone.live.tool_calls import ToolCalls
-from drystone.live.watching import Watch
+from drystone.view.web.page import Addition, page_of_data
 
 PORT = 8377
 """Where the search for a free port begins; chosen, none of the registered ones."""
+
 PORTS = 20
 """Ports that are tried."""
+
 TIME_LIMIT = 60.0
 """[s] for a verdict, a task, or a call of the JSON interface."""
+
 SIZE_LIMIT = 16.0
 """[MiB] of a model that is sent or read, as in :mod:`drystone.mcp`."""
+
 ALONE = 10.0
 """[s] after the last window was closed until the server ends. Chosen: a page that is loaded again
 is back by then, also on a slow machine."""
+
+PERIOD = 0.25
+"""[s] between two looks at a file. A file counts as saved once two looks see the same."""
+
+SCRIPTS = (
+    "live-stream.js", "live-state.js", "live-picture.js", "live-push.js", "live-lists.js",
+    "live-controls.js",
+)  # fmt: skip
+"""In the order in which they are put into the page, after those of every page."""
 
 
 class Live:
@@ -168,4 +182,55 @@ def serve(model: str | Path, *, began: Callable[[Live], None], **how: Any) -> No
         pass
 
 
-__all__ = ["PORT", "SIZE_LIMIT", "TIME_LIMIT", "Live", "serve"]
+class Watch:
+    """Calls a function after a file was saved, in a thread of its own."""
+
+    def __init__(self, path: Path, saved: Callable[[], None]) -> None:
+        self.path, self._saved = path, saved
+        self._end = threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True, name="drystone-watch")
+        self._thread.start()
+
+    def close(self) -> None:
+        """Look no more."""
+        self._end.set()
+        self._thread.join()
+
+    def _look(self) -> None:
+        told = last = self._state()
+        while not self._end.wait(PERIOD):
+            now = self._state()
+            if now == last and now != told:
+                told = now
+                self._saved()
+            last = now
+
+    def _state(self) -> tuple[int, int, int] | None:
+        """What changes when a file is saved; none where there is no file."""
+        try:
+            found = self.path.stat()
+        except OSError:
+            return None
+        return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+def page_of(desk: Desk) -> str:
+    """The page of the model of the file as it was read last."""
+    static = resources.files("drystone.live").joinpath("static")
+
+    def read(name: str) -> str:
+        return static.joinpath(name).read_text(encoding="utf-8")
+
+    number = desk.current
+    kept = desk.models[number]
+    begins = json.dumps({"model": number, "name": desk.file.name, "facts": kept.facts})
+    for sign in "<>&":
+        begins = begins.replace(sign, f"\\u{ord(sign):04x}")
+    begins = begins.replace("{{", "{\\u007b")  # a name, and no mark of the page
+    controls = read("strip.html").replace("{{BEGINS}}", begins)
+    script = "\n".join(read(name) for name in SCRIPTS)
+    added = Addition(controls, read("live.css"), script, connects=True)
+    return page_of_data(kept.scene, f"drystone live: {desk.file.name}", added=added)
+
+
+__all__ = ["PORT", "SIZE_LIMIT", "TIME_LIMIT", "Live", "Watch", "page_of", "serve"]

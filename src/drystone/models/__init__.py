@@ -11,12 +11,12 @@ from drystone.models.masonry.domes import dome
 from drystone.models.masonry.lunes import lune
 from drystone.models.masonry.vaults import barrel_vault, vault
 from drystone.models.masonry.walls import corbelled_wall, ferris_wall, wall
-from drystone.models.packs import random_pack
 from drystone.models.simple import (
     box,
     harmonic_offsets,
     incline,
     overhang,
+    random_pack,
     stool,
     tower,
     two_blocks_on_incline,

@@ -31,7 +31,7 @@ def arches() -> Case:
             "19.5 (Shin 2016: 19.1, Yao 2017: 16.4, experiment 14.3 +- 0.2)",
             "not computed",
             None,
-            "we have no dimensions of it",
+            "no published dimensions of it are known to us",
         )
     )
     return Case("6.1", "Arch and pi", tuple(lines), {"arch": check(steep)})

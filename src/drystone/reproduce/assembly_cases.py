@@ -30,7 +30,7 @@ from drystone.stability.programs.cra import CRAOptions
 
 THOROUGH = PlanOptions(patience=math.inf)
 BY_COURSE = PlanOptions(rules=Rules(order=Order.COURSE))
-ASSUMED = "dimensions and published counts are not in our data: the shape is ours"
+ASSUMED = "no published dimensions and counts are known to us: the shape is ours"
 
 
 def snake() -> Case:
@@ -38,7 +38,7 @@ def snake() -> Case:
     shape = models.prism([(0.0, 0.0), (1.0, 0.0), (2.5, 4.0), (1.5, 4.0)], (0.0, 1.0), "tower")
     cut = cut_until_free(shape, options=CutOptions(blocks=8))
     tower = "no plan" if cut.plan is None else _told(cut.plan)
-    ours = "one call, from a monolith of ours: the dimensions are not published"
+    ours = "one call, from a monolith of ours: no published dimensions are known to us"
     model = Model.of(models.snake(), friction=0.7)
     result = check(model)
     lines = [
@@ -97,7 +97,7 @@ def two_robots() -> Case:
         "",
         f"{'no props' if found.works else 'falls'}, largest hold {found.largest:.0f} N",
         None,
-        "an arch in place of the tri-dome, of which we have no dimensions",
+        "an arch in place of the tri-dome, of which no published dimensions are known to us",
     )
     return Case("6.4.2", "Two robots", (line,), {"arch": check(model)})
 
@@ -120,8 +120,8 @@ def shells() -> Case:
             "",
             "not computed",
             None,
-            "no dimensions and no counts of it are known; the nearest of ours is the three-vault "
-            "shell, on three supports too",
+            "no published dimensions and counts of it are known to us; the nearest of ours is the "
+            "three-vault shell, on three supports too",
         ),
     )
     pictures: dict[str, Result | Plan] = {k.replace(" ", "-"): v for k, v in found.items()}

@@ -1,24 +1,30 @@
 """Shells: a surface divided into courses and staggered blocks with planar joints."""
 
-from drystone.shells.blocks.extent import shape_volume
+from drystone.shells.blocks.cell_sizes import shape_volume
 from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise
 from drystone.shells.samples import SAMPLES, sample_shell
 from drystone.shells.shell_by_name import shell_by_name
 from drystone.shells.shell_of_blocks import Shell, build_shell
 from drystone.shells.shell_options import FormOptions, Ground, Intrados, Layout, ShellBody
-from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import FormFound, find_form
-from drystone.shells.surface.meshfile import read_surface
 from drystone.shells.surface.meshfit import MeshFit, patch_from_mesh
 from drystone.shells.surface.patch import Patch, Side
 from drystone.shells.surface.shape import Edge, Seam, Shape
-from drystone.shells.surface.shell_families import barrel_vault, cross_vault, dome, pavilion_vault
+from drystone.shells.surface.shell_families import (
+    barrel_vault,
+    cross_vault,
+    dome,
+    pavilion_vault,
+    rectangular_plan,
+    three_legged_plan,
+)
 from drystone.shells.surface.sources import (
     curve_through,
     patch_from_curves,
     patch_from_function,
     patch_from_grid,
     patch_from_sections,
+    read_surface,
 )
 from drystone.shells.workshop.fabrication import (
     FlatFace,

@@ -10,10 +10,14 @@ from drystone.base.errors import InputError
 from drystone.base.progress import Progress
 from drystone.shells.shell_of_blocks import Shell, build_shell
 from drystone.shells.shell_options import Layout, ShellBody
-from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import find_form
 from drystone.shells.surface.shape import Shape
-from drystone.shells.surface.shell_families import barrel_vault, dome
+from drystone.shells.surface.shell_families import (
+    barrel_vault,
+    dome,
+    rectangular_plan,
+    three_legged_plan,
+)
 
 
 @dataclass(frozen=True)

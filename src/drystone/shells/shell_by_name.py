@@ -7,10 +7,16 @@ import enum
 from drystone.base.errors import InputError
 from drystone.shells.shell_of_blocks import Shell, build_shell
 from drystone.shells.shell_options import Layout, ShellBody
-from drystone.shells.surface.flat_plans import rectangular_plan, three_legged_plan
 from drystone.shells.surface.formfinding import find_form
 from drystone.shells.surface.shape import Shape
-from drystone.shells.surface.shell_families import barrel_vault, cross_vault, dome, pavilion_vault
+from drystone.shells.surface.shell_families import (
+    barrel_vault,
+    cross_vault,
+    dome,
+    pavilion_vault,
+    rectangular_plan,
+    three_legged_plan,
+)
 
 SPAN, EYE = 6.0, 1.0
 """[m] Where none is given."""

@@ -20,8 +20,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
 from drystone.shells.blocks.blocks_apart import refuse_overlaps
-from drystone.shells.blocks.extent import check_radius, mean_width
-from drystone.shells.blocks.flat_cells import fit_cells
+from drystone.shells.blocks.cell_sizes import check_radius, fit_cells, mean_width, vertex_thickness
 from drystone.shells.blocks.materialise import Pins, cell_faces, make_blocks
 from drystone.shells.blocks.planar_joints import (
     PlanarPins,
@@ -34,7 +33,6 @@ from drystone.shells.blocks.planar_joints import (
 )
 from drystone.shells.blocks.planarise import PlanarReport
 from drystone.shells.blocks.springers import add_ground, springers
-from drystone.shells.blocks.thickness import vertex_thickness
 from drystone.shells.bond.courses import lay_courses
 from drystone.shells.bond.head_joints import lay_bond
 from drystone.shells.bond.pattern import lay_pattern

@@ -13,8 +13,8 @@ import numpy as np
 from drystone.assembly import DEFAULT_DENSITY
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
+from drystone.shells.blocks.cell_sizes import Thickness
 from drystone.shells.blocks.planarise import PlanarOptions
-from drystone.shells.blocks.thickness import Thickness
 from drystone.shells.bond.wedge import Wedge
 from drystone.shells.surface.lengths import refuse_unless_count
 

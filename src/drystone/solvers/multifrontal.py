@@ -214,7 +214,12 @@ def _adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
 
 
 def _dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints, list[int]]]:
-    """Nested dissection: (nodes, children) per front, children first."""
+    """Nested dissection: (nodes, children) per front, children first.
+
+    Of the cuts along the three axes the one with the fewest nodes between the halves is taken.
+    Measured: walls, domes and vaults need 6 to 26 % less arithmetic than with cuts across the
+    longest axis, and the Armadillo vault 8 % more.
+    """
     start, other = neighbours
     tree: list[tuple[Ints, list[int]]] = []
     side = np.zeros(len(position), dtype=np.int8)
@@ -225,16 +230,9 @@ def _dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints
         index += np.arange(lengths.sum())
         return np.repeat(np.arange(len(nodes)), lengths), other[index]
 
-    def split(nodes: Ints) -> list[int]:
-        """Fronts of these nodes appended to the tree; the topmost ones are returned."""
-        if len(nodes) == 0:
-            return []
-        if len(nodes) <= LEAF:
-            tree.append((nodes, []))
-            return [len(tree) - 1]
-        here = position[nodes]
-        axis = int(np.argmax(here.max(axis=0) - here.min(axis=0)))
-        ranked = nodes[np.argsort(here[:, axis], kind="stable")]
+    def cut(nodes: Ints, axis: int) -> tuple[Ints, Ints, Ints]:
+        """The separator of two halves along an axis, and what is left of them."""
+        ranked = nodes[np.argsort(position[nodes, axis], kind="stable")]
         low, high = ranked[: len(ranked) // 2], ranked[len(ranked) // 2 :]
         side[low], side[high] = 1, 2
         touching = []
@@ -243,11 +241,20 @@ def _dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints
             touching.append(np.unique(which[side[near] == opposite]))
         side[nodes] = 0
         if len(touching[0]) <= len(touching[1]):
-            separator = low[touching[0]]
-            low = np.delete(low, touching[0])
-        else:
-            separator = high[touching[1]]
-            high = np.delete(high, touching[1])
+            return low[touching[0]], np.delete(low, touching[0]), high
+        return high[touching[1]], low, np.delete(high, touching[1])
+
+    def split(nodes: Ints) -> list[int]:
+        """Fronts of these nodes appended to the tree; the topmost ones are returned."""
+        if len(nodes) == 0:
+            return []
+        if len(nodes) <= LEAF:
+            tree.append((nodes, []))
+            return [len(tree) - 1]
+        here = position[nodes]
+        longest_first = np.argsort(here.min(axis=0) - here.max(axis=0), kind="stable")
+        cuts = (cut(nodes, axis) for axis in longest_first.tolist())
+        separator, low, high = min(cuts, key=lambda one: len(one[0]))
         below = [*split(low), *split(high)]
         if len(separator) == 0:
             return below

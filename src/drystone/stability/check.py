@@ -129,7 +129,7 @@ def stands_robustly(
     options, clock = CheckOptions(settle=False), Clock(time_limit_s, stop)
     cascade = Cascade(Problem.build(model), options, progress, clock, executor, robust=True)
     found = cascade.run()
-    if found.stable and found.samples.standing < found.samples.tried:
+    if found.stable and model.assembly.free.size and not cascade.robustly:
         return replace(found, verdict=Verdict.UNDECIDED)
     # the answer of the check with default options
     return replace(found, options=CheckOptions()) if found.stable else found

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats
+from drystone.base.arrays import Bools, Floats, lengths
 from drystone.checks import block_speed
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
@@ -97,6 +97,15 @@ class Problem:
         """The same physical motion, its fastest block moving by the mean size of a block."""
         speed = float(block_speed(self.model.assembly, motion).max(initial=0.0))
         return motion * (self.statics.mean_length / speed) if speed > 0.0 else motion
+
+    def slide_by_overlap(self, displacement: Floats) -> float:
+        """Largest slide of a pressed corner by the largest overlap, of motions (n, 6) [m, rad]."""
+        statics = self.statics
+        moved = statics.displacement(statics.scaled_motion(displacement, statics.mean_length))
+        pressed = moved[moved[:, 0] < 0.0]
+        if not len(pressed):
+            return 0.0
+        return float(lengths(pressed[:, 1:]).max() / -pressed[:, 0].min())
 
     def ground_share(self, ground: Floats) -> Floats:
         """Share (n free,) of each block's load that the ground springs (n free, 6) carry."""

@@ -14,7 +14,7 @@ from drystone.model import Model
 from drystone.results import Residuals, Result, Samples, Verdict
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import Attempts, Candidate, Rest
-from drystone.stability.cascade import Cascade
+from drystone.stability.cascade import SLIDES_FAR, Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.free_fall import beside_supports
 from drystone.stability.problem import Problem
@@ -117,8 +117,8 @@ def stands_for_all(
 ) -> bool:
     """Whether a model stands for all contact stiffnesses of a check, for searches.
 
-    True where :func:`drystone.check` finds a rest state with each of them. It ends at the first one
-    without, looks for no proof that the model falls, and does not follow settlement.
+    True where :func:`drystone.check` finds a rest state with each of them and follows no blocks. It
+    ends at the first one without, and looks for no proof that the model falls.
 
     Parameters
     ----------
@@ -147,12 +147,17 @@ def stands_for_all(
         # as in a check: a smooth law converges more easily
         found = attempts.attempt(compliance.uniform(statics, slip=SLIP_LENGTH), again=True)
 
-    def stands(springs: Compliance) -> bool:
+    def stands(number: int, springs: Compliance) -> bool:
         near = Rest(found.displacement, compliance.is_even(statics, springs))
         rests = (near,) if statics.dry else ()  # as in a check
-        return attempts.attempt_from(springs, rests).stands
+        other = attempts.attempt_from(springs, rests)
+        if number > 0 or not statics.dry or not other.stands:
+            return other.stands
+        return problem.slide_by_overlap(other.displacement) <= SLIDES_FAR
 
-    return found.stands and all(map(stands, compliance.samples(statics, count, seed)))
+    tangential = cascade.options.settlement.tangential
+    tried = compliance.samples(statics, count, seed, tangential=tangential)
+    return found.stands and all(stands(number, one) for number, one in enumerate(tried))
 
 
 def _start(attempts: Attempts, motion: Floats, slip: float | None) -> tuple[Compliance, Start]:

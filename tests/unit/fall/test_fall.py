@@ -13,7 +13,7 @@ import drystone
 from drystone import Assembly, InputError, LoadCase, MissingDependency, Model
 from drystone.cli import main
 from drystone.fall import FallOptions, Film, fall
-from drystone.models import box, stool, tower
+from drystone.models import box, stool, tower, wedge
 
 Capsys = pytest.CaptureFixture[str]
 FLOOR = box((6.0, 6.0, 0.5), (-3.0, -3.0, -0.5), "floor")
@@ -65,6 +65,19 @@ def test_what_stands_does_not_fall_and_a_first_motion_begins_the_film() -> None:
     slow, fast = (fall(tower(2), motion, options=FallOptions(nudge=x)) for x in (0.02, 2.0))
     assert not slow.fell.any()
     assert fast.fell[1]
+
+
+@needs_mujoco
+def test_a_film_waits_for_a_wedge_that_begins_to_fall_slowly() -> None:
+    # for two seconds it moves by a thousandth of its size
+    assembly = wedge("b")
+    load = LoadCase.tilt(assembly, (1.0, 0.0, 0.0), 62.0)
+    result = drystone.check(assembly, friction=0.84, load=load)
+    assert result.verdict is drystone.Verdict.UNSTABLE
+    film = fall(result.model, result.mechanism)
+    assert film.fell.sum() == 1
+    assert film.lies
+    assert film.time[-1] < 7.0
 
 
 @needs_mujoco

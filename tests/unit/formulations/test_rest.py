@@ -9,7 +9,7 @@ from drystone.formulations.rest import compliance
 from drystone.formulations.rest.interior_point import _Path, find_rest
 from drystone.formulations.rest.rest_state import RestOptions
 from drystone.model import Model
-from drystone.models import arch, box, shelf, tower
+from drystone.models import arch, box, shelf, tower, wall
 from drystone.stability.problem import Problem
 
 
@@ -104,10 +104,37 @@ def test_an_interface_has_the_same_random_stiffness_in_a_part_and_in_the_whole()
     within = np.flatnonzero(chosen), whole.contacts.count
     corner = chosen[statics[0].interface]
     drawn = zip(
-        compliance.samples(statics[0], 4, 0),
-        compliance.samples(statics[1], 4, 0, within),
+        compliance.samples(statics[0], 4, 0, tangential=0.2),
+        compliance.samples(statics[1], 4, 0, within, tangential=0.2),
         strict=True,
     )
     for ours, theirs in drawn:
         ratio = ours.normal[corner] / theirs.normal
         np.testing.assert_allclose(ratio, ratio[0])  # the mean area of a corner is another one
+
+
+def test_newton_steps_on_the_unrelaxed_law_go_on_after_a_first_step_that_makes_it_worse():
+    # and no fall is sought on a path that makes progress
+    problem, asked = problem_of(wall(10, 10), 0.6), []
+    for springs in compliance.samples(problem.statics, 4, 0, tangential=0.2):
+        state = find_rest(
+            problem.system, springs, RestOptions(ground=1e-14), falls=lambda: asked.append(1)
+        )
+        assert state.converged
+        assert state.iterations <= 14
+    assert not asked
+
+
+def test_a_fall_is_sought_where_the_ground_carries_much():
+    blocks, asked = tower(3), []
+    problem = problem_of(blocks, 0.6, LoadCase.tilt(blocks, (1.0, 0.0, 0.0), 35.0))
+
+    def falls():
+        asked.append(1)
+        return True
+
+    springs = compliance.uniform(problem.statics)
+    state = find_rest(problem.system, springs, RestOptions(ground=1e-7), falls=falls)
+    assert len(asked) == 1
+    assert not state.converged
+    assert state.iterations <= 10

@@ -24,8 +24,7 @@ from drystone.io.jsontext import Field
 from drystone.live import serving
 from drystone.live.computing.python_lines import python_lines
 from drystone.live.computing.wish import Wish, asked
-from drystone.live.serving import Live
-from drystone.live.watching import Watch
+from drystone.live.serving import Live, Watch
 from drystone.models import arch, leaning_column, prism
 from tests.unit.live.live_client import Window, ask, overhang
 

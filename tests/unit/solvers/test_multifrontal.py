@@ -92,3 +92,14 @@ def test_a_singular_matrix_is_an_error_with_the_front_named():
     ordering = BlockOrdering(np.eye(4)[:, :3], index, index, 2)
     with pytest.raises(SolverError, match="singular"):
         ordering.factorise(np.zeros((4, 2, 2)))
+
+
+def test_a_long_grid_is_cut_across_its_few_nodes_however_far_apart_they_are():
+    # 4 columns at a distance of 100, 64 rows at a distance of 1
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(4), np.arange(64), indexing="ij"))
+    near = np.abs(x[:, None] - x) + np.abs(y[:, None] - y) <= 1
+    row, column = np.nonzero(near)
+    position = np.column_stack([100.0 * x, y, np.zeros(256)])
+    ordering = BlockOrdering(position, row, column, 6)
+    # two cuts of 4 nodes enclose a part in the middle
+    assert max(len(front.boundary) for front in ordering.fronts) == 8

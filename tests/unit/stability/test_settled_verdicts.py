@@ -5,10 +5,16 @@ import pytest
 
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check
 from drystone.geometry.frames import rotation_about
-from drystone.models import concave, h_model, wedge
+from drystone.models import concave, cube_curve, h_model, wedge
 from drystone.models.solids import prism
 from drystone.settlement import Carrier, Outcome, SettlementOptions
-from drystone.stability import could_hold, stands_robustly, try_rest, verdict_alone
+from drystone.stability import (
+    could_hold,
+    stands_robustly,
+    try_rest,
+    verdict_alone,
+)
+from drystone.stability.resting import stands_for_all
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 MOVING = CheckOptions(settlement=SettlementOptions(carrier=Carrier.MOVING))
@@ -172,3 +178,27 @@ def test_the_verdict_alone_is_that_of_the_check(angle: float) -> None:
     assert found.verdict is whole.verdict
     assert (found.mechanism is None) is (whole.mechanism is None)
     assert found.samples.tried <= whole.samples.tried
+
+
+@pytest.mark.parametrize("tilt", [65.2, 65.8])
+def test_where_friction_decides_the_verdict_is_that_of_the_steps_with_every_seed(
+    tilt: float,
+) -> None:
+    # each of five stiffnesses has a rest state at some of these tilts and with some seeds
+    model = tilted(cube_curve("short"), (1.0, 1.0, 0.0), tilt)
+    for seed in (0, 1, 5):
+        assert check(model, options=CheckOptions(seed=seed)).verdict is Verdict.UNSTABLE
+
+
+def test_a_rest_state_that_slides_far_is_followed() -> None:
+    # close to its limit the hood slides 100 times its overlap; with other friction it falls
+    model = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.7)
+    assert stands_robustly(model).verdict is Verdict.UNDECIDED
+    assert not stands_for_all(model)
+    found = check(model)
+    assert found.verdict is Verdict.UNSTABLE
+    assert found.samples.standing == found.samples.tried
+    # one that comes to rest is as certain as any other
+    near = check(tilted(wedge("a"), X, 59.1))
+    assert near.settlement is None
+    assert "whichever joints press more" in near.message

@@ -10,6 +10,11 @@ from scipy.spatial.transform import Rotation
 import drystone
 from drystone.checks import corner_motion
 from drystone.design import DiagnosisOptions
+from drystone.design.causes.glue_needed import glued
+from drystone.design.causes.missing import ballasted
+from drystone.design.causes.prop_forces import PropSeat, propped
+from drystone.design.mends.added_mends import tied
+from drystone.joint_capacity import JointCapacity
 from drystone.models import arch, box, tower
 from drystone.settlement import push
 from drystone.view import LayerKind, State, mended_scene, scene_of
@@ -81,3 +86,24 @@ def test_the_hinges_of_a_thin_arch_are_those_that_its_sentence_counts() -> None:
     assert stage.motion is not None
     moved = corner_motion(model.assembly, model.contacts, stage.motion)
     assert moved[:, 0].min() > -1e-5 * np.abs(moved).max()  # no block enters another
+
+
+def test_what_a_mend_added_is_marked_and_what_was_there_is_not() -> None:
+    before = drystone.Model.of(tower(4), friction=0.6)
+    before = before.with_capacity(JointCapacity.of(before.contacts, tension=[0.0, 0.0, 9.0]))
+    seat = PropSeat(3, box((0.1, 0.1, 0.1), (1.0, 0.0, 3.2)).vertices[[0, 3, 7, 4]], (-1.0, 0, 0))
+    after, _ = propped(tied(glued(before, np.array([0]), 50.0), 2, 1), seat)
+    friction = np.array(after.contacts.friction)
+    friction[1] = 0.9
+    after = after.with_friction(friction).with_load(ballasted(after, 3, 100.0).load)
+    (stage,) = mended_scene(before, drystone.check(after)).stages
+    layers = {layer.key: layer for layer in stage.layers}
+    assert (layers["glued"].label, layers["glued"].count) == ("1 glued joint", 4)
+    assert layers["rougher"].label == "1 rougher joint"
+    np.testing.assert_allclose(layers["ties"].position[0], after.assembly.centroid[1])
+    np.testing.assert_allclose(layers["weights"].vector, [[0.0, 0.0, -100.0]])
+    assert after.assembly.names[4] == "prop-1"
+    assert (stage.state == State.ADDED).tolist() == [False] * 4 + [True]
+    nothing = mended_scene(after, drystone.check(after)).stages[0]
+    assert not {"glued", "rougher", "ties", "weights"} & {one.key for one in nothing.layers}
+    assert not (nothing.state == State.ADDED).any()

@@ -173,7 +173,10 @@ def _with_pages(others: Any, mends: Mends, folder: Path, source: str) -> Files:
     folder.mkdir(parents=True, exist_ok=True)
     jobs, notes = others()
     for number, one in enumerate(mends.mends, 1):
-        scene = view.mended_scene(one.before, one.result, source, one.description)
+        change = one.description
+        if one.held:
+            change += f" ({named(one.held)} held meanwhile)"
+        scene = view.mended_scene(one.before, one.result, source, change)
         jobs.append((folder / f"mend-{number:02d}.html", partial(view.save_page, scene)))
     return jobs, notes
 

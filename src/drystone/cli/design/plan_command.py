@@ -215,12 +215,13 @@ def plan(
         )  # fmt: skip
 
     found = plan_at(model, checkpoint)
-    waiting.stage("margins", "margins")
     measured = swept = None
     with waiting.stoppable() as stop:
         if margins and found.steps:
+            waiting.stage("margins", "margins")
             measured = sequence.margins(found, progress=waiting, stop=stop)
         if sweep:
+            waiting.stage("sweep", "sweep over friction")
             swept = sequence.sweep_friction(model, list(sweep), plan_at, stop=stop)
     made = None
     if scaffold is not None and found.steps:
@@ -329,9 +330,9 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
     screen.line(f"{data['model']}  {told}", counted(len(data["steps"]), "step"))
     screen.line(data["message"])
     if any(found.help) and not found.proved:
-        screen.dim("another order may need less help; --best searches until none is left")
+        screen.dim("another order may need less help; --best searches all, which may take long")
     rows = list(found.table())
-    force = "prop force" if data["scaffolding"] is None else "prop force if ideal"
+    force = "prop force" if data["scaffolding"] is None else "ideal prop force"
     screen.table(
         ("step", "block", "status", "with", force, "for stages"),
         [
@@ -350,9 +351,10 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
         made = data["scaffolding"]
         fails = f"{counted(len(made['failed']), 'stage')} without a rest state or over the limit"
         ends = fails if made["failed"] else "every stage stands"
+        known = " where a rest state was found" if made["failed"] else ""
         screen.line(
             f"on {made['support']}: {ends}; {made['metre_stages']:.3g} m times stages, at most "
-            f"{units.quantity(made['peak_force'], 'N')}, {counted(made['moves'], 'move')}, "
+            f"{units.quantity(made['peak_force'], 'N')}{known}, {counted(made['moves'], 'move')}, "
             f"cost {made['cost']:.3g}"
         )
     if data["margins"] is not None and data["margins"]["stopped"]:

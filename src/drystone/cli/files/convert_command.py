@@ -18,7 +18,7 @@ from drystone.cli.inputs import options
 from drystone.cli.inputs.model_input import Source, warnings_of
 
 if TYPE_CHECKING:
-    from drystone.io.formats import Format
+    from drystone.io.registry import Format
 
 
 @command(

@@ -1,4 +1,4 @@
-"""``drystone models``: parametric models, listed and written."""
+"""``drystone models``: parametric models, listed and written; ``drystone demo``: one of them."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError, counted
-from drystone.cli.base import kinds
+from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Argument, Option, command
+from drystone.cli.base.kinds import output_path
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
-from drystone.cli.inputs import families
+from drystone.cli.base.written import Pictures
+from drystone.cli.inputs import families, options
 
 if TYPE_CHECKING:
     from drystone.cli.base.answer import Files
 
+
 SUFFIXES = (".json", ".obj", ".stl", ".ply", ".glb", ".3dm")
+
+DEMO = "drystone-demo"
 
 
 @command("drystone models", "drystone models arch --set voussoirs=12 --out arch.json")
@@ -105,3 +110,32 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
         value = data["set"].get(name, default)
         rows.append((name, "not set" if value is None else str(value)))
     screen.table(("parameter", "value"), rows, len(rows))
+
+
+@command("drystone demo", "drystone demo --friction 0.3 --folder .")
+def demo(
+    *,
+    friction: options.Friction = None,
+    folder: Annotated[str, Option("Folder for the model, the page and the figure.", OUTPUT)] = ".",
+    waiting: Waiting,
+) -> Answer:
+    """Check a built-in vault, and write its model, a page and a figure.
+
+    The files are drystone-demo.json, drystone-demo.html and drystone-demo.png.
+    """
+    model_path, page, figure = (
+        output_path(str(Path(folder) / f"{DEMO}{suffix}"), (suffix,))
+        for suffix in (".json", ".html", ".png")
+    )
+    from drystone import io  # the program starts fast: work is imported when there is some
+    from drystone.model import Model
+    from drystone.models import vault
+
+    waiting.stage("read", "building the vault")
+    model = Model.of(vault(), friction=friction)
+    result = verdict.solve(model, waiting, None)
+
+    def files() -> Files:
+        return [(model_path, partial(io.write, model)), *Pictures(page, figure).of(result)[0]], []
+
+    return verdict.answer(result, waiting, "built-in vault", files)

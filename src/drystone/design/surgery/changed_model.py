@@ -188,18 +188,25 @@ def _refuse_lost(
 
 
 def _refuse_ties(model: Model, gone: Bools) -> None:
-    """Refuse to change a block with a tie: an interface at a centroid, which no search finds."""
+    """Refuse to change a block with a tie."""
+    contacts = model.contacts
+    for k in np.flatnonzero(gone & ties_of(model)).tolist():
+        names = [model.assembly.names[i] for i in (contacts.block_b[k], contacts.block_a[k])]
+        raise InputError(
+            "have a tie between them, which would be lost",
+            where=f"the blocks '{names[0]}' and '{names[1]}'",
+            remedy="change other blocks, or add the tie afterwards",
+        )
+
+
+def ties_of(model: Model) -> Bools:
+    """The interfaces (m,) that are ties: at the centroid of a block, where no search finds one."""
     contacts, assembly = model.contacts, model.assembly
-    ends = contacts.block_a, contacts.block_b
-    for block, other in (ends, ends[::-1]):
+    out = np.zeros(contacts.count, dtype=bool)
+    for block in (contacts.block_a, contacts.block_b):
         away = np.linalg.norm(contacts.centroid - assembly.centroid[block], axis=1)
-        for k in np.flatnonzero(gone & (away < AT_CENTROID * assembly.size[block])).tolist():
-            names = [assembly.names[i] for i in (block[k], other[k])]
-            raise InputError(
-                "have a tie between them, which would be lost",
-                where=f"the blocks '{names[0]}' and '{names[1]}'",
-                remedy="change other blocks, or add the tie afterwards",
-            )
+        out |= away < AT_CENTROID * assembly.size[block]
+    return out
 
 
 def _keys(origin: Ints, block_a: Ints, block_b: Ints) -> Ints:

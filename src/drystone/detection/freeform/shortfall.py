@@ -13,7 +13,6 @@ from drystone.detection.search.candidates import fits
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes
-from drystone.geometry.plane import clip
 
 WORTH = 0.02
 """Share of the area of a joint that may be missing without a report."""
@@ -63,9 +62,8 @@ def shortfalls(
     count = len(planes.f)
     away = np.abs(gaps(planes, shared)) - checked.slack[shared.row]
     near = away <= options.search * planes.size[shared.row]
-    area = clip.areas(shared.corner, shared.start)
-    kept = _summed(found.row, clip.areas(found.corner, found.start), count)
-    lost = _summed(shared.row, np.where(near, area, 0.0), count) - kept
+    kept = _summed(found.row, found.area, count)
+    lost = _summed(shared.row, np.where(near, shared.area, 0.0), count) - kept
     lost = np.where(curved, np.maximum(lost, 0.0), 0.0)
     first, second = patches.owner[planes.f], patches.owner[planes.g]
     keys, pair = np.unique(first * len(patches.size) + second, return_inverse=True)

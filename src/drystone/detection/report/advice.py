@@ -10,8 +10,7 @@ from drystone.base.errors import counted
 from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.block_overlaps import Overlap
-from drystone.detection.report.phrases import listed
-from drystone.detection.report.reasons import Missed, Reason
+from drystone.detection.report.reasons import Missed, Reason, listed
 
 Pair = tuple[int, int]
 """Two blocks by their positions."""

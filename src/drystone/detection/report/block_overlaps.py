@@ -11,8 +11,8 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
-from drystone.detection.report.phrases import SHOWN, millimetres
-from drystone.detection.search.candidates import Pairs, block_boxes
+from drystone.detection.report.reasons import SHOWN, millimetres
+from drystone.detection.search.candidates import Pairs
 from drystone.detection.search.patches import Patches
 from drystone.geometry.body.shared_volume import shared_volumes
 
@@ -59,7 +59,7 @@ def block_overlaps(
     tolerance : (p,) [m] per pair
     """
     a, b = pairs
-    low, high = block_boxes(patches)
+    low, high = patches.boxes
     near = (np.minimum(high[a], high[b]) - np.maximum(low[a], low[b])).min(axis=1) > tolerance
     parted = np.zeros(len(a), dtype=bool)
     parted[joined] = True

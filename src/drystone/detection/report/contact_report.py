@@ -17,8 +17,7 @@ from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.advice import suggestions
 from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
-from drystone.detection.report.phrases import SHOWN, listed, millimetres
-from drystone.detection.report.reasons import Missed, Reason
+from drystone.detection.report.reasons import SHOWN, Missed, Reason, listed, millimetres
 
 KINDS = {3: "area", 2: "line", 1: "point"}
 """Names of the kinds of interfaces."""

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.report.reasons import Missed, Reason
-from drystone.detection.search.candidates import granted_to
+from drystone.detection.search.candidates import Pairs, granted_to
+from drystone.detection.search.edgecontacts import edge_contacts
 from drystone.detection.search.interfaces import Interfaces, angles, from_pieces
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes, widths
-from drystone.geometry.plane import clip
+from drystone.detection.search.planes import Pieces, Planes
 
 EXPLAINED = 0.9
 """A face with more than this share of its area in contact has no near misses. Chosen."""
+
 NOTABLE = 0.02
 """Missed overlaps narrower than this share of the block size are not reported. Chosen."""
 
@@ -91,6 +93,8 @@ def dropped(
     patches: Patches, planes: Planes, pieces: Pieces, found: Pieces, reason: Reason
 ) -> list[Missed]:
     """Overlaps within all tolerances that were left out for another reason."""
+    if pieces.count == 0:
+        return []
     interfaces = from_pieces(patches, planes, pieces, np.zeros(len(planes.f), dtype=bool))
     joined = np.isin(_pair_keys(patches, planes, pieces), _pair_keys(patches, planes, found))
     return [
@@ -108,13 +112,12 @@ def misses(
     options: DetectionOptions,
 ) -> list[Missed]:
     """Near misses: overlaps just beyond a tolerance, of faces without other contact."""
-    refused = ~checked.accepted & (widths(shared) > NOTABLE * planes.size[shared.row])
+    refused = ~checked.accepted & (shared.width > NOTABLE * planes.size[shared.row])
     if not refused.any():
         return []
     covered = np.zeros(patches.count)
-    area = clip.areas(found.corner, found.start)
-    np.add.at(covered, planes.f[found.row], area)
-    np.add.at(covered, planes.g[found.row], area)
+    np.add.at(covered, planes.f[found.row], found.area)
+    np.add.at(covered, planes.g[found.row], found.area)
     explained = covered >= EXPLAINED * patches.area
     row = shared.row
     refused &= ~(explained[planes.f] | explained[planes.g])[row]
@@ -164,4 +167,53 @@ def _missed(
     )
 
 
-__all__ = ["ToleranceCheck", "compare_with_tolerances", "dropped", "misses"]
+def edge_misses(
+    assembly: Assembly, patches: Patches, pairs: Pairs, options: DetectionOptions
+) -> tuple[list[Missed], Ints]:
+    """Line and point contacts that a larger gap would create.
+
+    Parameters
+    ----------
+    pairs
+        Near blocks (a < b) without any contact.
+
+    Returns
+    -------
+    missed
+    undirected : (u, 2)
+        Pairs whose edges or corners are near each other, where the contact has no defined normal.
+    """
+    if len(pairs[0]) == 0 or options.search <= options.gap:
+        return [], np.zeros((0, 2), dtype=np.intp)
+    found, undirected = edge_contacts(
+        assembly, patches, pairs, replace(options, gap=options.search)
+    )
+    return [_missed_edges(found, i, patches.origin) for i in range(found.count)], undirected
+
+
+def _missed_edges(found: Interfaces, i: int, origin: Floats) -> Missed:
+    gap = float(found.gap[i])
+    return Missed(
+        block_a=int(found.block_a[i]),
+        block_b=int(found.block_b[i]),
+        face_a=int(found.face_a[i]),
+        face_b=int(found.face_b[i]),
+        reason=Reason.GAP if gap >= 0.0 else Reason.OVERLAP,
+        gap=gap,
+        angle=0.0,
+        area=0.0,
+        needed=abs(gap) / float(found.size[i]),
+        polygon=_across(found.point[found.start[i] : found.start[i + 1]], found.frame[i, 0], gap)
+        + origin,
+        joined=False,
+    )
+
+
+def _across(point: Floats, normal: Floats, gap: float) -> Floats:
+    """A band (4, 3) across the gap at a line, a line (2, 3) across it at a point."""
+    half = 0.5 * gap * normal
+    band: Floats = np.concatenate([point - half, point[::-1] + half])
+    return band
+
+
+__all__ = ["ToleranceCheck", "compare_with_tolerances", "dropped", "edge_misses", "misses"]

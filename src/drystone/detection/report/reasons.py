@@ -1,12 +1,16 @@
-"""Near misses: faces that nearly touch, with the reason why they were not joined."""
+"""Near misses, with the reason why the faces were not joined; lengths and names as text."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 from drystone.base.arrays import Floats
 from drystone.base.display import OneLine
+
+SHOWN = 8
+"""Names listed in one line."""
 
 
 class Reason(StrEnum):
@@ -60,4 +64,22 @@ class Missed(OneLine):
     joined: bool
 
 
-__all__ = ["Missed", "Reason"]
+def listed(items: Sequence[str]) -> str:
+    """The first of several names, and the number of others."""
+    more = f" and {len(items) - SHOWN} more" if len(items) > SHOWN else ""
+    return ", ".join(items[:SHOWN]) + more
+
+
+def millimetres(length: float) -> str:
+    """A length [m] in millimetres, to three digits or a nanometre, and never as a power of ten.
+
+    Examples
+    --------
+    >>> millimetres(0.0), millimetres(0.0012345), millimetres(-12.345)
+    ('0', '1.23', '-12,345')
+    """
+    value = round(1e3 * float(length), 6) + 0.0
+    return f"{value:,.0f}" if abs(value) >= 1e3 else f"{value:.3g}"
+
+
+__all__ = ["SHOWN", "Missed", "Reason", "listed", "millimetres"]

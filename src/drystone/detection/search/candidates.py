@@ -70,13 +70,8 @@ def near_blocks(patches: Patches, options: DetectionOptions) -> Pairs:
     """Blocks (a < b) whose boxes come within reach of each other."""
     most = patches.of_block.max(most_slack(patches, options))
     margin = (0.5 * reach(options) * patches.size + most)[:, None]
-    low, high = block_boxes(patches)
+    low, high = patches.boxes
     return boxes.overlapping(low - margin, high + margin)
-
-
-def block_boxes(patches: Patches) -> tuple[Floats, Floats]:
-    """Lowest and highest corner (n, 3) of each block [m], relative to the patches' origin."""
-    return patches.of_block.min(patches.low), patches.of_block.max(patches.high)
 
 
 def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) -> Pairs:
@@ -106,7 +101,7 @@ def facing_patches(patches: Patches, pairs: Pairs, options: DetectionOptions) ->
 
 def _patches_near(patches: Patches, block: Ints, other: Ints, margin: Floats) -> Pairs:
     """Pair and patch of every patch that is near the other block and faces it."""
-    low, high = block_boxes(patches)
+    low, high = patches.boxes
     first = patches.first_patch
     pair, patch = expand(first[block], first[block + 1] - first[block])
     for axis in range(3):  # most are far away along one axis
@@ -156,7 +151,6 @@ def _products(patches: Patches, one: Pairs, other: Pairs, count: int, margin: Fl
 
 __all__ = [
     "Pairs",
-    "block_boxes",
     "facing_patches",
     "fits",
     "granted_to",

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints, cross, dot
+from drystone.base.ragged import Ragged
 from drystone.geometry.body.halfedge import HalfEdges, joined_faces, outlines
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors, following
+from drystone.geometry.plane.polygon import area_vectors
 
 FLAT = np.deg2rad(0.1)
 """[rad] Neighbouring faces with a smaller angle may be parts of one polygon. Chosen: above the
@@ -66,7 +67,7 @@ def rings_of(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
 def without_straight(corner: Floats, start: Ints, size: Floats) -> tuple[Floats, Ints]:
     """Rings without the corners on straight lines that merging faces leaves."""
     while True:
-        after = following(start)
+        after = Ragged(start).following
         before = np.empty_like(after)
         before[after] = np.arange(len(after))
         ring = np.repeat(np.arange(len(start) - 1), np.diff(start))

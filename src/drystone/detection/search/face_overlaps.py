@@ -10,7 +10,7 @@ import shapely
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
+from drystone.detection.search.planes import Pieces, Planes, merged, tidy
 from drystone.geometry.plane import clip, planar
 
 NEGLIGIBLE = 0.02
@@ -110,7 +110,7 @@ def negligible(patches: Patches, planes: Planes, pieces: Pieces) -> Bools:
 
     With rounded coordinates a patch also overlaps the neighbours of its counterpart.
     """
-    width = widths(pieces)
+    width = pieces.width
     f, g = planes.f[pieces.row], planes.g[pieces.row]
     widest = np.zeros(pieces.count)
     for patch, other in ((f, patches.owner[g]), (g, patches.owner[f])):

@@ -12,7 +12,6 @@ from drystone.contacts import Contacts, check_friction
 from drystone.detection.search.nearest import gaps
 from drystone.detection.search.patches import Patches
 from drystone.detection.search.planes import Pieces, Planes
-from drystone.geometry.plane import clip
 
 
 @dataclass(frozen=True)
@@ -127,7 +126,7 @@ def from_pieces(patches: Patches, planes: Planes, pieces: Pieces, clipped: Bools
         frame=planes.frame[row],
         point=point,
         start=pieces.start,
-        area=clip.areas(pieces.corner, pieces.start),
+        area=pieces.area,
         gap=gaps(planes, pieces),
         warp=np.maximum(patches.warp[f], patches.warp[g]),
         angle=np.rad2deg(angles(patches, f, g)),

@@ -8,7 +8,7 @@ import shapely
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.ragged import Ragged, expand
 from drystone.detection.search.patches import Patches
-from drystone.detection.search.planes import Pieces, Planes, merged, tidy, widths
+from drystone.detection.search.planes import Pieces, Planes, merged, tidy
 from drystone.geometry.plane import planar
 
 EXACT = 1e-4
@@ -55,7 +55,7 @@ def uncovered(patches: Patches, planes: Planes, pieces: Pieces) -> tuple[Pieces,
     whole = np.ones(pieces.count, dtype=bool)
     whole[cut] = False
     left = tidy(Pieces(corner, start, pieces.row[cut][source]), planes)
-    left = left.select(widths(left) > BEHIND * planes.size[left.row])
+    left = left.select(left.width > BEHIND * planes.size[left.row])
     return merged([pieces.select(whole), left]), hidden
 
 

@@ -21,7 +21,7 @@ from drystone.detection.search.coplanar import (
 )
 from drystone.geometry.body.halfedge import HalfEdges, half_edges, turn_angles
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors, following, loop_means
+from drystone.geometry.plane.polygon import area_vectors
 
 REENTRANT = np.deg2rad(0.5)
 """[rad] A block is convex when no edge turns inwards by more. Chosen: above the noise of warped
@@ -96,6 +96,11 @@ class Patches:
         """Which patches belong to which block."""
         return Ragged(self.first_patch)
 
+    @cached_property
+    def boxes(self) -> tuple[Floats, Floats]:
+        """Lowest and highest corner (n, 3) of each block [m], relative to ``origin``."""
+        return self.of_block.min(self.low), self.of_block.max(self.high)
+
 
 def patches_of(assembly: Assembly) -> Patches:
     """Patches of an assembly.
@@ -128,7 +133,7 @@ def patches_of(assembly: Assembly) -> Patches:
         area = np.sqrt(dot(vectors, vectors))
         normal = unit_rows(vectors, area)
     owner = faces.owner[face]
-    centre = loop_means(corner, ring_start)[first_ring[:-1]]
+    centre = Ragged(ring_start).mean(corner)[first_ring[:-1]]
     corners = Ragged(ring_start[first_ring])
     height = np.abs(dot(corner - corners.spread(centre), corners.spread(normal)))
     warp = corners.max(height)
@@ -228,7 +233,7 @@ def _convex_blocks(faces: Faces, edges: HalfEdges, turn: Floats, count: int) -> 
 def _convex_patches(
     corner: Floats, ring_start: Ints, ring_patch: Ints, normal: Floats, count: int
 ) -> Bools:
-    after = following(ring_start)
+    after = Ragged(ring_start).following
     edge = corner[after] - corner
     ring = np.repeat(np.arange(len(ring_start) - 1), np.diff(ring_start))
     turn = dot(cross(edge, edge[after]), normal[ring_patch[ring]])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -82,8 +83,22 @@ class Pieces:
         """(l,) plane of each corner."""
         return np.repeat(self.row, np.diff(self.start))
 
+    @cached_property
+    def area(self) -> Floats:
+        """(s,) [m2], positive counter-clockwise."""
+        return clip.areas(self.corner, self.start)
+
+    @cached_property
+    def width(self) -> Floats:
+        """(s,) [m], twice the area over the perimeter: the width of a long rectangle."""
+        around = clip.perimeters(self.corner, self.start)
+        width: Floats = 2.0 * self.area / np.where(around > 0, around, 1)
+        return width
+
     def select(self, keep: Bools) -> Pieces:
         """Some of the polygons."""
+        if keep.all():
+            return self
         length = np.diff(self.start)
         start = np.concatenate([[0], np.cumsum(length[keep])]).astype(np.intp)
         return Pieces(self.corner[np.repeat(keep, length)], start, self.row[keep])
@@ -128,14 +143,7 @@ def tidy(pieces: Pieces, planes: Planes) -> Pieces:
     corner, start = clip.cleaned(pieces.corner, pieces.start, CLEAN * size)
     filled = np.diff(start) > 0
     result = Pieces(corner, start[np.concatenate([[True], filled])], pieces.row[filled])
-    return result.select(widths(result) > TOUCH * planes.size[result.row])
+    return result.select(result.width > TOUCH * planes.size[result.row])
 
 
-def widths(pieces: Pieces) -> Floats:
-    """Mean width (s,) [m]: twice the area over the perimeter, the width of a long rectangle."""
-    around = clip.perimeters(pieces.corner, pieces.start)
-    width: Floats = 2.0 * clip.areas(pieces.corner, pieces.start) / np.where(around > 0, around, 1)
-    return width
-
-
-__all__ = ["Pieces", "Planes", "merged", "planes_between", "tidy", "widths"]
+__all__ = ["Pieces", "Planes", "merged", "planes_between", "tidy"]

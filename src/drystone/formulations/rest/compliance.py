@@ -91,16 +91,24 @@ def uniform(
 
 
 def samples(
-    statics: Statics, count: int, seed: int, within: tuple[Ints, int] | None = None
+    statics: Statics,
+    count: int,
+    seed: int,
+    within: tuple[Ints, int] | None = None,
+    *,
+    tangential: float,
 ) -> Iterator[Compliance]:
-    """Other stiffness distributions: uniform with several slip lengths, and random ones.
+    """Other stiffness distributions: uniform with other friction laws, and random ones.
 
-    A random distribution has a stiffness within one decade for every interface, like joints of one
-    building, and one slip length for all.
+    The first one has the springs with which blocks are followed. A random distribution has a
+    stiffness within one decade for every interface, like joints of one building, and one slip
+    length for all.
 
     Parameters
     ----------
     statics, count, seed
+    tangential
+        kt / kn of the first one.
     within
         Numbers (m,) of the interfaces in a larger model, and how many interfaces that has. Each
         interface has the stiffness that it has there, so that all parts of one structure agree.
@@ -110,9 +118,11 @@ def samples(
     load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
     number, joints = within or (None, int(statics.interface.max(initial=-1)) + 1)
     place = statics.interface if number is None else number[statics.interface]
-    slips = (1.0, 10.0, 0.1, 100.0)
+    slips = (None, 10.0, 0.1, 100.0)
     for turn in range(count):
-        if turn % 2 == 0 and turn // 2 < len(slips):
+        if turn == 0:
+            yield uniform(statics, tangential=tangential)
+        elif turn % 2 == 0 and turn // 2 < len(slips):
             yield uniform(statics, slip=slips[turn // 2])
         else:
             normal = base * (10.0 ** rng.uniform(-0.5, 0.5, joints))[place]

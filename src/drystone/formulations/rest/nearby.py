@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
 from drystone.formulations.rest.compliance import Compliance, wrench_size
 from drystone.formulations.rest.rest_state import (
@@ -30,6 +31,9 @@ STALL = 3
 HOPELESS = 0.25
 """Largest unbalanced share after two steps with which the method continues. Measured: of 332
 converging runs one is lost; the others stop after 2.7 steps instead of 4.1."""
+
+LOST = 0.999
+"""The same after one step. At 1 no force acts on some block; no run is known that came back."""
 
 
 def find_rest_nearby(
@@ -58,8 +62,8 @@ def find_rest_nearby(
     RestState
         Converged; None if the method does not converge, which proves nothing.
     """
-    several = Start(start.motion[None], start.normal[None])
-    return find_rests_nearby(system, Compliance.stacked([compliance]), options, several, stop)[0]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return descend(system, compliance, options, start.motion, stop)[0]
 
 
 def find_rests_nearby(
@@ -71,21 +75,34 @@ def find_rests_nearby(
 ) -> list[RestState | None]:
     """:func:`find_rest_nearby` for springs (s, k) from motions (s, n, 6), as one calculation."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return _descend(system, compliance, options, start, stop)
+        return _descend_together(system, compliance, options, start.motion, stop)[0]
 
 
-def _descend(
+def descend(
     system: TangentSystem,
     compliance: Compliance,
     options: RestOptions,
-    start: Start,
+    motion: Floats,
+    stop: Callable[[], bool] | None = None,
+) -> tuple[RestState | None, int]:
+    """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps."""
+    together = Compliance.stacked([compliance])
+    found, steps = _descend_together(system, together, options, motion[None], stop)
+    return found[0], steps
+
+
+def _descend_together(
+    system: TangentSystem,
+    compliance: Compliance,
+    options: RestOptions,
+    start: Floats,
     stop: Callable[[], bool] | None,
-) -> list[RestState | None]:
+) -> tuple[list[RestState | None], int]:
     statics, kn = system.statics, compliance.normal
     glue = compliance.glue * kn
     weight = options.ground * statics.mass_matrix
     tangent = np.zeros((*kn.shape, 3, 3))
-    motion = start.motion.copy()
+    motion = start.copy()
     count = len(motion)
     found: list[RestState | None] = [None] * count
     left = list(range(count))
@@ -107,9 +124,11 @@ def _descend(
             if share <= options.tolerance:
                 state = motion[i].copy(), normal[i], force[i], pull[i], ground[i]
                 found[i] = RestState(*state, share, True, steps)
-            since[i] = 0 if share < 0.5 * best[i] else since[i] + 1
-            best[i] = min(best[i], share)
-            if found[i] or since[i] >= STALL or (steps >= 2 and share > HOPELESS):
+            # the first step often makes it worse: progress counts from there
+            since[i] = 0 if steps < 2 or share < 0.5 * best[i] else since[i] + 1
+            best[i] = share if steps < 2 else min(best[i], share)
+            lost = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
+            if found[i] is not None or lost:
                 left.remove(i)
         if not left:
             break
@@ -123,4 +142,5 @@ def _descend(
             except SolverError:
                 left.remove(i)
         steps += 1
-    return found
+        left = [i for i in left if since[i] < STALL]
+    return found, steps

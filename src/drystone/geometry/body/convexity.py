@@ -58,4 +58,4 @@ def planes(faces: Faces) -> tuple[Floats, Floats]:
     """Unit normal (zero for a face without area) and mean corner of each face."""
     here = faces.point[faces.loop]
     area = polygon.area_vectors(here, faces.start)
-    return unit(area)[0], polygon.loop_means(here, faces.start)
+    return unit(area)[0], faces.corners.mean(here)

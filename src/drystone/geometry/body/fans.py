@@ -7,7 +7,7 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, Ints, cross
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors, loop_means
+from drystone.geometry.plane.polygon import area_vectors
 
 
 def fan_warped(faces: Faces, tolerance: float) -> Faces:
@@ -47,7 +47,7 @@ def fan_warped(faces: Faces, tolerance: float) -> Faces:
     if not chosen.any():
         return faces
     added = np.flatnonzero(chosen)
-    middle = loop_means(corner, faces.start)
+    middle = faces.corners.mean(corner)
     order = np.argsort(np.concatenate([body, faces.owner[added]]), kind="stable")
     place = np.empty(len(order), dtype=np.intp)
     place[order] = np.arange(len(order))

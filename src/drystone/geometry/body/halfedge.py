@@ -8,7 +8,6 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, cross, dot
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import following
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,7 @@ class HalfEdges:
 
 def half_edges(faces: Faces) -> HalfEdges:
     """Half-edges of closed, consistently oriented polyhedra."""
-    after = following(faces.start)
+    after = faces.corners.following
     face = np.repeat(np.arange(faces.count, dtype=np.intp), np.diff(faces.start))
     tail, head = faces.loop, faces.loop[after]
     count = np.int64(len(faces.point))

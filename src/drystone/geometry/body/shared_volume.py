@@ -90,6 +90,8 @@ def shared_volumes(
     for sieve in (_near_along_a_line, _near_along_faces):
         near = sieve(bodies, a, b, tolerance[row], convex)
         row, a, b = row[near], a[near], b[near]
+        if len(row) == 0:
+            return SharedVolume(row, np.zeros(0), np.zeros(0))
     commons = [
         bodies.solid(i) ^ bodies.solid(j) for i, j in zip(a.tolist(), b.tolist(), strict=True)
     ]
@@ -120,8 +122,6 @@ class _Bodies:
     number: Ints  # (n,) among all bodies
     point: Floats  # (c, 3)
     corners: Ragged
-    normal: Floats  # (f, 3) unit
-    middle: Floats  # (f, 3)
     faces: Ragged
     loop: Ints  # (l,) points, face after face
     loops: Ragged
@@ -142,8 +142,6 @@ class _Bodies:
             number,
             point,
             Ragged.from_owners(of_point, len(number)),
-            unit(area_vectors(point[loop], loops.start))[0],
-            loops.mean(point[loop]),
             Ragged.from_owners(owner, len(number)),
             loop.astype(np.intp),
             loops,
@@ -151,11 +149,28 @@ class _Bodies:
         )
 
     @cached_property
+    def normal(self) -> Floats:
+        """(f, 3) unit normals of the faces."""
+        return unit(area_vectors(self.point[self.loop], self.loops.start))[0]
+
+    @cached_property
+    def middle(self) -> Floats:
+        """(f, 3) [m] mean corners of the faces."""
+        return self.loops.mean(self.point[self.loop])
+
+    @cached_property
     def triangles(self) -> tuple[Ints, Ragged]:
         """(t, 3) points of the triangles of all faces, and which triangles belong to which body."""
         triangle, face = triangulate(self.point[self.loop], self.loops.start)
         owner = self.faces.owner[face]
         return self.loop[triangle], Ragged.from_owners(owner, len(self.number))
+
+    @cached_property
+    def planes(self) -> tuple[Floats, Floats]:
+        """Unit normals (t, 3) of the triangles, and their distances (t,) [m] from the origin."""
+        corner = self.point[self.triangles[0]]
+        normal = unit(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))[0]
+        return normal, dot(normal, corner[:, 0])
 
     def solid(self, body: int) -> manifold3d.Manifold:
         """One body as a manifold3d solid."""
@@ -210,6 +225,8 @@ def _near_along_a_line(bodies: _Bodies, a: Ints, b: Ints, tolerance: Floats, _: 
         one, other = (bodies.extent(body[row], direction) for body in (a, b))
         overlap = np.minimum(one[1] - other[0], other[1] - one[0])
         row = row[(overlap > tolerance[row]) | ~direction.any(axis=1)]
+        if len(row) == 0:
+            break
     return row
 
 
@@ -287,14 +304,14 @@ def _away(bodies: _Bodies, body: Ints, point: Floats, tolerance: Floats) -> Floa
     """
     triangle, of = bodies.triangles
     each, row = of.take(body)
-    corner, place = bodies.point[triangle[row]], each.spread(point)
-    normal = unit(cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))[0]
+    normal, offset = (values[row] for values in bodies.planes)
+    place = each.spread(point)
     square = np.full(each.rows, np.inf)
-    flat = np.abs(dot(place - corner[:, 0], normal)) <= each.spread(tolerance)
-    square[flat] = squared_distance(place[flat], corner[flat])
+    flat = np.abs(dot(place, normal) - offset) <= each.spread(tolerance)
+    square[flat] = squared_distance(place[flat], bodies.point[triangle[row[flat]]])
     deep = each.min(square) > tolerance**2
     left = each.spread(deep) & ~flat
-    square[left] = squared_distance(place[left], corner[left])
+    square[left] = squared_distance(place[left], bodies.point[triangle[row[left]]])
     return np.where(deep, np.sqrt(each.min(square)), 0.0)
 
 

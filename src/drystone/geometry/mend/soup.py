@@ -18,7 +18,7 @@ from drystone.geometry.body.polyhedron import (
 )
 from drystone.geometry.body.solid import winding_number
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors, following
+from drystone.geometry.plane.polygon import area_vectors
 
 SAME_ANGLE = 1e-6
 """[rad] Faces about an edge with a smaller angle between them coincide. Chosen: far above the
@@ -137,7 +137,7 @@ def _components(faces: Faces, outwards: Floats) -> Ints:
 def _neighbours(faces: Faces, outwards: Floats) -> tuple[Ints, Ints]:
     """Pairs of faces that belong to one surface."""
     face = np.repeat(np.arange(faces.count, dtype=np.intp), np.diff(faces.start))
-    tail, head = faces.loop, faces.loop[following(faces.start)]
+    tail, head = faces.loop, faces.loop[faces.corners.following]
     key = np.minimum(tail, head) * np.int64(len(faces.point)) + np.maximum(tail, head)
     order = np.argsort(key, kind="stable")
     first = np.flatnonzero(np.concatenate([[True], np.diff(key[order]) > 0]))
@@ -237,7 +237,7 @@ def _with_cavities(
 def _closed(stacked: Faces, count: int) -> Bools:
     """Whether each body (count,) has two faces at every edge."""
     length = np.diff(stacked.start)
-    after = stacked.loop[following(stacked.start)]
+    after = stacked.loop[stacked.corners.following]
     side = np.sort(np.stack([stacked.loop, after], axis=1), axis=1)
     key = np.column_stack([np.repeat(stacked.owner, length), side])
     edge, uses = np.unique(key, axis=0, return_counts=True)

@@ -8,16 +8,6 @@ from drystone.base.arrays import Floats, Ints, cross
 from drystone.base.ragged import Ragged
 
 
-def following(start: Ints) -> Ints:
-    """For loops stored one after another, the position of each corner's successor."""
-    return Ragged(start).following
-
-
-def loop_means(values: Floats, start: Ints) -> Floats:
-    """Mean of ``values`` (l, d) over each loop; every loop has a corner."""
-    return Ragged(start).mean(values)
-
-
 def area_vectors(corners: Floats, start: Ints) -> Floats:
     """Newell's area vector (f, 3) [m2] of each loop of corners (l, 3).
 

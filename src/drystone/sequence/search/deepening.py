@@ -9,6 +9,7 @@ the ground, which cost little to check, are tried before other beginnings.
 from __future__ import annotations
 
 import heapq
+import math
 
 from drystone.results import Verdict
 from drystone.sequence.search.best_first import LOOK, OrderSearch
@@ -21,7 +22,7 @@ def search_below(search: OrderSearch, root: Node, limit: Cost) -> FoundOrder | N
     Parameters
     ----------
     search
-        Its rules, stage checks and options are used.
+        Its rules, stage checks and options are used; its patience is finite.
     root
         The stage that stands at the end of assembly.
     limit
@@ -40,6 +41,7 @@ def search_below(search: OrderSearch, root: Node, limit: Cost) -> FoundOrder | N
     queue: list[tuple[int, Cost, int, Node]] = []
     best: Node | None = None
     pushed, spent = 0, 0.0
+    search.queue.clear()  # workers would go on with its states
 
     def push(nodes: list[Node]) -> None:
         nonlocal pushed
@@ -53,6 +55,8 @@ def search_below(search: OrderSearch, root: Node, limit: Cost) -> FoundOrder | N
         _, least, _, node = heapq.heappop(queue)
         if least >= limit:
             continue
+        if search.progress is not None:
+            search.progress("searching for less help", int(spent), math.ceil(patience))
         before = search.evaluator.asked
         answer = search.answer(node, sure=True)
         stands = answer.stands and search.can_hold(node)

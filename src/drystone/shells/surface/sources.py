@@ -1,16 +1,20 @@
-"""Patches from curves, sections, control grids and functions."""
+"""Patches from curves, sections, control grids and functions; meshes from files."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from drystone.base.arrays import Floats, frozen_floats
-from drystone.base.errors import InputError
+from drystone.base.errors import FormatError, InputError
+from drystone.base.files import PathLike, read_bytes
+from drystone.base.units import scale_of
+from drystone.io import format_of
 from drystone.shells.surface.lengths import numbers
 from drystone.shells.surface.patch import Patch, check_patch
 
@@ -220,3 +224,37 @@ def _refuse_crossings(curves: dict[str, Curve], size: float, where: str) -> None
                 where=where,
                 remedy="opposite sides of a patch must stay apart",
             )
+
+
+def read_surface(
+    path: PathLike, *, units: str | None = None
+) -> tuple[Floats, list[tuple[int, ...]]]:
+    """Vertices (p, 3) [m] and faces of an open mesh, from any format that has faces.
+
+    Parameters
+    ----------
+    path
+    units
+        Of the numbers in the file: mm, cm, m, in or ft. When left out: the unit in the file, else
+        metres.
+
+    Raises
+    ------
+    FormatError
+        The file cannot be read.
+    InputError
+        The unit is not known.
+    """
+    chosen = format_of(path)
+    if chosen.read is None:
+        raise FormatError(f"{chosen.title} can be written but not read", where=str(path))
+    draft = chosen.read(read_bytes(path), Path(path))
+    vertices, faces, offset = [], [], 0
+    for shape in draft.shapes:
+        points = np.asarray(shape.vertices, dtype=np.float64).reshape(-1, 3)
+        vertices.append(points)
+        faces += [tuple(int(i) + offset for i in face) for face in shape.faces]
+        offset += len(points)
+    if not faces:
+        raise FormatError("holds no faces", where=str(path), remedy="export the surface as a mesh")
+    return scale_of(units or draft.units or "m") * np.concatenate(vertices), faces

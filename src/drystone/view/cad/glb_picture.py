@@ -18,9 +18,17 @@ from drystone.geometry.body.fans import fan_warped
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.mesh.glb import FLOAT, SINGLE, TRIANGLES, Z_UP
 from drystone.io.mesh.glb_write import container
-from drystone.view.cad.block_groups import block_groups, stage_of_scene
-from drystone.view.cad.drawn_solids import Triangles, arrow_ends, arrows, marks, tubes
-from drystone.view.cad.keyframes import fall_moments, quaternions
+from drystone.view.cad.drawn_parts import (
+    Triangles,
+    arrow_ends,
+    arrows,
+    block_groups,
+    fall_moments,
+    marks,
+    quaternions,
+    stage_of_scene,
+    tubes,
+)
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.scenes.staging import VIRTUAL
 from drystone.view.style.palette import ROLE_COLOUR, ramp_colours, rgb

@@ -15,10 +15,8 @@ from drystone.base.arrays import Floats, Ints
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.io.cad.rhino_extract import PICTURE
 from drystone.io.cad.rhino_write import add_layer, attributes_of, empty_file, mesh_of, save
-from drystone.view.cad.block_groups import block_groups, stage_of_scene
-from drystone.view.cad.drawn_solids import arrow_ends, marks
+from drystone.view.cad.drawn_parts import arrow_ends, block_groups, marks, matrix_of, stage_of_scene
 from drystone.view.cad.glb_picture import MARK
-from drystone.view.cad.keyframes import matrix_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.scenes.staging import VIRTUAL
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb

@@ -19,8 +19,8 @@ from scipy.sparse.csgraph import connected_components
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
-from drystone.geometry.plane.polygon import following
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.paper.separation import (
     SeparationData,
@@ -232,8 +232,8 @@ def _patches(
     loops = [loops[i] for i in order]
     corner = np.concatenate(loops) if loops else np.zeros(0, dtype=np.intp)
     start = np.concatenate([[0], np.cumsum([len(x) for x in loops])]).astype(np.intp)
-    next_corner = corner[following(start)] if len(corner) else corner
-    outlined = drawn[corner] & (next_corner == following(faces.start)[corner])
+    next_corner = corner[Ragged(start).following] if len(corner) else corner
+    outlined = drawn[corner] & (next_corner == faces.corners.following[corner])
     return SortedPolygons(corner, start, face[order], outlined)
 
 

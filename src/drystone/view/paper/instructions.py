@@ -53,7 +53,7 @@ def instructions_text(plan: Plan) -> str:
         f"<th{' class=n' if number else ''}>{title}</th>"
         for title, number in (
             ("no.", True), ("step", True), ("block", False), ("status", False), ("with", False),
-            ("moved along", False), ("prop [N]", True), ("for stages", True),
+            ("moved along", False), ("ideal prop [N]", True), ("for stages", True),
             ("props in place", True),
         )
     )  # fmt: skip

@@ -10,9 +10,11 @@ from drystone.design.causes.diagnosed import Diagnosis
 from drystone.geometry.body.polyhedron import edges_of
 from drystone.model import Model
 from drystone.results import Result
+from drystone.view.scenes.change_marks import added_blocks, change_layers
 from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene
 from drystone.view.scenes.staging import result_scene, stage_of
+from drystone.view.style.palette import State
 
 
 def diagnosis_scene(found: Diagnosis, source: str = "") -> Scene:
@@ -44,7 +46,7 @@ def diagnosis_scene(found: Diagnosis, source: str = "") -> Scene:
 
 
 def mended_scene(before: Model, result: Result, source: str = "", change: str = "") -> Scene:
-    """A mended model, with the edges of the blocks that changed as they were.
+    """A mended model, with the edges of the blocks that changed as they were, and what was added.
 
     Parameters
     ----------
@@ -64,12 +66,16 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
         if id(block) not in kept
     ]
     stage = stage_of(result, "mended")
+    layers = [*stage.layers, *change_layers(before, result.model)]
     if lines:
         ends = np.concatenate(lines)
         ghost = Layer(
             "before", "edges before", LayerKind.LINES, "missed", ends[:, 0], ends[:, 1] - ends[:, 0]
         )
-        stage = replace(stage, layers=(*stage.layers, ghost))
+        layers.append(ghost)
+    added = added_blocks(before, result.model) & (stage.state != State.FALLING)
+    state = np.where(added, State.ADDED, stage.state)
+    stage = replace(stage, state=state, layers=tuple(layers))
     facts = dict(facts_of(result.assembly, result.contacts, result.model.load, source))
     if change:
         facts["Changed"] = change

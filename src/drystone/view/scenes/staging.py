@@ -267,9 +267,11 @@ def _arrow_layers(result: Result, shown: Bools) -> list[Layer]:
     ]  # fmt: skip
     if len(pulled):
         normal = contacts.frame[contacts.interface[pulled], 0]
+        carried = result.tension is None and contacts.capacity is not None
+        words = "tension that joints carry" if carried else "tension needed"
         layers.append(
             Layer(
-                "tension", "tension needed", LayerKind.ARROWS, "help", contacts.point[pulled],
+                "tension", words, LayerKind.ARROWS, "help", contacts.point[pulled],
                 pull[pulled, None] * normal, interface=contacts.interface[pulled], inward=True,
                 width=2.0, group="help",
             )

@@ -6,7 +6,7 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors, following
+from drystone.geometry.plane.polygon import area_vectors
 
 SMOOTH = 1e-6
 """Faces of one block whose unit normals differ by less are drawn as one plane, without the edge
@@ -37,7 +37,7 @@ def sharp_edges(faces: Faces, normal: Floats) -> tuple[Ints, Ints, Bools]:
         Whether the edge from each loop corner to the next one is among them.
     """
     a = faces.loop
-    b = faces.loop[following(faces.start)]
+    b = faces.loop[faces.corners.following]
     face = np.repeat(np.arange(faces.count), np.diff(faces.start))
     low, high = np.minimum(a, b), np.maximum(a, b)
     order = np.lexsort((high, low))

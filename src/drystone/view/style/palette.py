@@ -28,6 +28,8 @@ class State(enum.IntEnum):
     """Placed, and propped at a later stage: hatched."""
     COMING = 7
     """Moved into its place at this stage."""
+    ADDED = 8
+    """In a mended model, a block that was not there before."""
 
 
 STATE_LABEL = {
@@ -38,6 +40,7 @@ STATE_LABEL = {
     State.PROPPED: "propped",
     State.LATER: "propped later",
     State.COMING: "placed now",
+    State.ADDED: "added",
 }
 
 STATE_COLOUR = {
@@ -49,6 +52,7 @@ STATE_COLOUR = {
         State.PROPPED: "#d55e00",
         State.LATER: "#d9d5cb",
         State.COMING: "#56b4e9",
+        State.ADDED: "#d55e00",
     },
     "dark": {
         State.FREE: "#b5b1a7",
@@ -58,6 +62,7 @@ STATE_COLOUR = {
         State.PROPPED: "#d55e00",
         State.LATER: "#b5b1a7",
         State.COMING: "#56b4e9",
+        State.ADDED: "#d55e00",
     },
 }
 
@@ -74,6 +79,7 @@ ROLE_COLOUR = {
         "hinge": "#56b4e9",
         "help": "#c8102e",
         "missed": "#e69f00",
+        "added": "#d55e00",
         "kern": "#cc79a7",
     },
     "dark": {
@@ -88,6 +94,7 @@ ROLE_COLOUR = {
         "hinge": "#56b4e9",
         "help": "#ff5c66",
         "missed": "#e69f00",
+        "added": "#d55e00",
         "kern": "#e3a3c6",
     },
 }

@@ -16,8 +16,8 @@ from drystone.io.cad import rhino
 from drystone.models import arch, shelf
 from drystone.results import Result
 from drystone.view import MarkerShape
-from drystone.view.cad import drawn_solids
-from drystone.view.cad.keyframes import matrix_of, quaternions
+from drystone.view.cad import drawn_parts
+from drystone.view.cad.drawn_parts import matrix_of, quaternions
 from drystone.view.cad.save_cad import save_cad
 from drystone.view.style.palette import ramp_colours
 
@@ -152,16 +152,16 @@ def test_a_3dm_has_layers_for_blocks_forces_and_the_motion(falling, standing, tm
 def test_marks_tubes_and_arrows_are_closed_and_have_the_volume_of_their_shape(shape):
     start = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
     end = np.array([[0.0, 0.0, 2.0], [2.0, 2.0, 3.0]])
-    base = 0.5 * drawn_solids.SIDES * np.sin(2.0 * np.pi / drawn_solids.SIDES)  # by radius squared
+    base = 0.5 * drawn_parts.SIDES * np.sin(2.0 * np.pi / drawn_parts.SIDES)  # by radius squared
     radius = np.array([0.1, 0.2])
     length = np.linalg.norm(end - start, axis=1)
-    assert volume(drawn_solids.tubes(start, end, radius)) == pytest.approx(
+    assert volume(drawn_parts.tubes(start, end, radius)) == pytest.approx(
         (base * radius**2 * length).sum()
     )
-    assert volume(drawn_solids.cones(start, end, radius)) == pytest.approx(
+    assert volume(drawn_parts.cones(start, end, radius)) == pytest.approx(
         (base * radius**2 * length).sum() / 3.0
     )
-    found = volume(drawn_solids.marks(start, 0.5, shape))
+    found = volume(drawn_parts.marks(start, 0.5, shape))
     octahedron, ball = 2 * 4 / 3 * 0.125, 2 * 4 / 3 * np.pi * 0.125
     assert (
         found == pytest.approx(octahedron)
@@ -170,7 +170,7 @@ def test_marks_tubes_and_arrows_are_closed_and_have_the_volume_of_their_shape(sh
     )
 
 
-def volume(solid: drawn_solids.Triangles) -> float:
+def volume(solid: drawn_parts.Triangles) -> float:
     points, corners = solid
     sides = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]))
     assert (np.unique(sides, axis=0, return_counts=True)[1] == 2).all()

@@ -17,7 +17,7 @@ function currentView(ratio = window.devicePixelRatio || 1) {
     Object.entries(data.colours[theme()]).map(([role, hex]) => [role, colourOf(hex)]),
   );
   colours.background = colourOf(groundColour());
-  const stateColours = new Float32Array(24);
+  const stateColours = new Float32Array(27); // nine states, as in the shaders
   for (const [code, state] of Object.entries(data.states)) {
     stateColours.set(colourOf(state[theme()]), 3 * Number(code));
   }

@@ -20,7 +20,7 @@ const float SIDE[4] = float[4](-1.0, -1.0, 1.0, 1.0);
 `;
 
 const EDGE_VERTEX = `${BLOCK_FUNCTIONS}${STRIP}
-uniform vec3 uStateColour[8];
+uniform vec3 uStateColour[9];
 uniform vec3 uEdgeColour;
 uniform vec3 uFallColour;
 uniform float uWidth;

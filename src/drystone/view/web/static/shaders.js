@@ -61,7 +61,7 @@ void cut() { if (dot(uSection.xyz, place) > uSection.w) discard; }
 `;
 
 const BLOCK_VERTEX = `${BLOCK_FUNCTIONS}
-uniform vec3 uStateColour[8];
+uniform vec3 uStateColour[9];
 uniform vec3 uSelectionColour;
 uniform vec3 uLight;
 uniform vec4 uEye;                 // a place, or a direction where the last number is 0

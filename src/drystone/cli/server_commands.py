@@ -1,4 +1,4 @@
-"""``drystone live``: a page on which a model can be tilted, pushed and mended."""
+"""``drystone live``: a page on which a model can be changed; ``drystone mcp``: for programs."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from drystone.base.files import write_bytes
 from drystone.cli.base import kinds, output
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import ANALYSIS, OUTPUT, Argument, Option, command
+from drystone.cli.base.kinds import POSITIVE
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import options
 
@@ -107,3 +108,21 @@ def opened(link: str) -> bool:
         return webbrowser.open(link)
     except (webbrowser.Error, OSError):
         return False
+
+
+@command("drystone mcp .", "drystone mcp ./models --time-limit 300")
+def mcp(
+    *,
+    folder: Annotated[str, Argument("FOLDER", "The only folder that files are read from.")],
+    time_limit: Annotated[float, Option("Seconds for one call.", kind=POSITIVE)] = 50.0,
+    size_limit: Annotated[float, Option("MiB of one model.", kind=POSITIVE)] = 16.0,
+    waiting: Waiting,  # noqa: ARG001  # the client waits
+) -> Answer:
+    """Serve check, diagnose, mend, limit, plan and inspect to programs: Model Context Protocol.
+
+    It uses standard input and output, and ends when the client disconnects.
+    """
+    from drystone.mcp import serve  # the program starts fast: work is imported when there is some
+
+    serve(folder, time_limit=time_limit, size_limit=size_limit)
+    click.get_current_context().exit()

@@ -1,22 +1,37 @@
-"""Lines, arrows and marks as small solids, for programs whose lines have no width."""
+"""What pictures for CAD programs consist of: groups of blocks, small solids, and poses in time.
+
+Lines, arrows and marks are small solids, because lines in these programs have no width.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.geometry.frames import frames_from_normals
-from drystone.view.scenes.scene import Layer, MarkerShape
+from drystone.base.display import OneLine
+from drystone.geometry.frames import frames_from_normals, rotation_about
+from drystone.view.scenes.scene import Layer, MarkerShape, Scene, SceneStage
+from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
 
 Triangles: TypeAlias = tuple[Floats, Ints]
 """Points (p, 3) [m] and triangles (t, 3) of points, counter-clockwise from outside."""
 
 SIDES = 8
 """Sides of a tube. Chosen: it looks round at the width of a force line."""
+
 HEAD = 2.6
 """Radius of the head of an arrow, divided by that of its shaft. Chosen by eye."""
+
+SECONDS = 2.4
+"""Duration [s] of a motion, as on the page."""
+
+FRAMES = 25
+"""Number of poses of a motion. Chosen: programs interpolate linearly between them."""
+
+NAMES = {State.FREE: "blocks", State.SUPPORT: "supports", State.FALLING: "falling blocks"}
 
 
 def tubes(start: Floats, end: Floats, radius: Floats) -> Triangles:
@@ -130,4 +145,82 @@ def _rounded(points: Floats, corners: Ints) -> Triangles:
     return np.concatenate([points, new]), np.concatenate(parts)
 
 
-__all__ = ["Triangles", "arrow_ends", "arrows", "cones", "joined", "marks", "tubes"]
+def fall_moments() -> tuple[Floats, Floats]:
+    """Times (t,) [s], and the share (t,) of the motion at each, as in a free fall."""
+    share = np.linspace(0.0, 1.0, FRAMES)
+    return SECONDS * share, share**2
+
+
+def quaternions(rotation: Floats) -> Floats:
+    """(t, 4) x, y, z, w of rotation vectors (t, 3) [rad]."""
+    angle = np.linalg.norm(rotation, axis=1, keepdims=True)
+    half = np.sinc(angle / (2.0 * np.pi)) / 2.0  # sin(angle / 2) / angle, also at zero
+    return np.concatenate([rotation * half, np.cos(0.5 * angle)], axis=1)
+
+
+def matrix_of(motion: Floats, centroid: Floats) -> Floats:
+    """(4, 4) of a motion (6,) [m, rad]: translation of the centroid (3,) and rotation about it."""
+    angle = float(np.linalg.norm(motion[3:]))
+    matrix = np.eye(4)
+    if angle > 0.0:
+        matrix[:3, :3] = rotation_about(motion[3:], float(np.rad2deg(angle)))
+    matrix[:3, 3] = centroid + motion[:3] - matrix[:3, :3] @ centroid
+    return matrix
+
+
+@dataclass(frozen=True, eq=False)
+class BlockGroup(OneLine):
+    """Blocks that share a layer and a material.
+
+    Attributes
+    ----------
+    name
+    colour
+        ``#rrggbb``.
+    member : (b,)
+    """
+
+    name: str
+    colour: str
+    member: Ints
+
+
+def stage_of_scene(scene: Scene, stage: int | None) -> SceneStage:
+    """A stage by its number; when left out, the one that a figure shows."""
+    return scene.stages[scene.still if stage is None else stage]
+
+
+def block_groups(stage: SceneStage) -> tuple[BlockGroup, ...]:
+    """The blocks in place, by their state; free blocks that need help are a group of their own."""
+    state = stage.state
+    needy = np.zeros(len(state), dtype=bool)
+    if stage.prop is not None:
+        needy = (state == State.FREE) & (np.linalg.norm(stage.prop, axis=1) > 0.0)
+    groups = []
+    for one in State:
+        member = np.flatnonzero((state == one) & ~needy)
+        if one is not State.ABSENT and len(member):
+            name = NAMES.get(one, STATE_LABEL[one])
+            groups.append(BlockGroup(name, STATE_COLOUR["light"][one], member))
+    if needy.any():
+        groups.append(
+            BlockGroup("blocks that need help", ROLE_COLOUR["light"]["help"], np.flatnonzero(needy))
+        )
+    return tuple(groups)
+
+
+__all__ = [
+    "BlockGroup",
+    "Triangles",
+    "arrow_ends",
+    "arrows",
+    "block_groups",
+    "cones",
+    "fall_moments",
+    "joined",
+    "marks",
+    "matrix_of",
+    "quaternions",
+    "stage_of_scene",
+    "tubes",
+]
