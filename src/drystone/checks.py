@@ -7,6 +7,8 @@ corner of the block. A small block on a large one is therefore checked at its ow
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from drystone.assembly import Assembly
@@ -39,12 +41,13 @@ def corner_motion(assembly: Assembly, contacts: Contacts, motion: Floats) -> Flo
     Parameters
     ----------
     motion : (n, 6) translation of the centroid and rotation vector of each block, world axes
+        Or several motions, (n, s, 6), with answers (k, s, 3).
     """
     a, b = _corner_blocks(contacts)
     relative = point_motion(assembly, contacts, motion, b) - point_motion(
         assembly, contacts, motion, a
     )
-    return np.einsum("kij,kj->ki", contacts.frame[contacts.interface], relative)
+    return np.einsum("kij,k...j->k...i", contacts.frame[contacts.interface], relative)
 
 
 def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
@@ -59,16 +62,23 @@ def unbalanced_wrench(model: Model, force: Floats) -> tuple[Floats, Floats]:
     wrench : (n, 6) [N, N m]; the moments are divided by the block's size: [N]
     scale : (n,) [N]
     """
+    total, scale = _wrenches(model, force[:, None])
+    return total[:, 0], scale[:, 0]
+
+
+def _wrenches(model: Model, force: Floats) -> tuple[Floats, Floats]:
+    """As :func:`unbalanced_wrench`, for s claims: (n, s, 6) and (n, s) from forces (k, s, 3)."""
     assembly, contacts, load = model.assembly, model.contacts, model.load
-    a, b = _corner_blocks(contacts)
-    world = np.einsum("ki,kij->kj", force, contacts.frame[contacts.interface])
+    world = np.einsum("ksi,kij->ksj", force, contacts.frame[contacts.interface])
     size = assembly.size
-    total = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
-    scale = lengths(total[:, :3]) + np.linalg.norm(total[:, 3:], axis=1)
+    loads = np.concatenate([load.wrench[:, :3], load.wrench[:, 3:] / size[:, None]], axis=1)
+    total = np.repeat(loads[:, None], force.shape[1], axis=1)
+    scale = lengths(total[..., :3]) + lengths(total[..., 3:])
     strength = lengths(force)
-    for block, sign in ((a, -1.0), (b, 1.0)):
+    for block, sign in zip(_corner_blocks(contacts), (-1.0, 1.0), strict=True):
         arm = (contacts.point - assembly.centroid[block]) / size[block, None]
-        np.add.at(total, block, sign * np.concatenate([world, cross(arm, world)], axis=1))
+        turning = cross(arm[:, None], world)
+        np.add.at(total, block, sign * np.concatenate([world, turning], axis=2))
         np.add.at(scale, block, strength)
     return total, np.where(scale > 0.0, scale, 1.0)
 
@@ -93,50 +103,74 @@ def check_forces(
     prop : (n, 6) [N, N m], optional
         What props supply to the blocks.
     """
+    moved = None if displacement is None else displacement[:, None]
+    props = None if prop is None else prop[:, None]
+    return _residuals(model, force[:, None], moved, props)[0]
+
+
+def check_several(
+    model: Model, force: Sequence[Floats], displacement: Sequence[Floats]
+) -> list[Residuals]:
+    """:func:`check_forces` of several claims about one model, as one calculation.
+
+    Where the numbers of one are too large, none is proved.
+    """
+    return _residuals(model, np.stack(force, axis=1), np.stack(displacement, axis=1), None)
+
+
+def _residuals(
+    model: Model, force: Floats, displacement: Floats | None, prop: Floats | None
+) -> list[Residuals]:
+    """As :func:`check_forces`, for s claims: forces (k, s, 3), motions and props (n, s, 6)."""
     assembly, contacts = model.assembly, model.contacts
     claimed = [one for one in (force, displacement, prop) if one is not None and one.size]
     if not all(np.abs(one).max() <= LARGEST for one in claimed):
-        return Residuals(equilibrium=np.inf)
+        return [Residuals(equilibrium=np.inf)] * force.shape[1]
     free = ~assembly.fixed
-    total, scale = unbalanced_wrench(model, force)
+    total, scale = _wrenches(model, force)
     if prop is not None:
-        total = total + np.concatenate([prop[:, :3], prop[:, 3:] / assembly.size[:, None]], axis=1)
-    equilibrium = float((lengths(total[free]) / scale[free]).max(initial=0.0))
+        total[..., :3] += prop[..., :3]
+        total[..., 3:] += prop[..., 3:] / assembly.size[:, None, None]
+    equilibrium = _most(lengths(total[free]) / scale[free])
     if not contacts.corner_count:
-        return Residuals(equilibrium=equilibrium)
+        return [Residuals(equilibrium=one) for one in equilibrium]
     a, b = _corner_blocks(contacts)
     local = np.minimum(scale[a], scale[b])
-    normal = force[:, 0]
-    tangential = lengths(force[:, 1:])
-    friction = contacts.friction[contacts.interface]
-    pull, cohesion, shear = contacts.corner_capacity
-    tension = float((np.maximum(0.0, -normal - pull) / local).max())
+    normal = force[..., 0]
+    tangential = lengths(force[..., 1:])
+    friction = contacts.friction[contacts.interface, None]
+    pull, cohesion, shear = (one[:, None] for one in contacts.corner_capacity)
+    tension = _most(np.maximum(0.0, -normal - pull) / local)
     bound = friction * np.maximum(normal, -pull) + cohesion
-    excess = tangential - np.minimum(bound, shear)
-    cone = float((np.maximum(0.0, excess) / local).max())
-    complementarity = alignment = 0.0
-    if displacement is not None:
-        moved = corner_motion(assembly, contacts, displacement)
-        reach = lengths(moved)
-        largest = np.zeros(len(assembly))
-        np.maximum.at(largest, a, reach)
-        np.maximum.at(largest, b, reach)
-        length = np.minimum(largest[a], largest[b])
-        safe = np.where(length > 0.0, length, 1.0)
-        opening = np.maximum(0.0, moved[:, 0]) / safe
-        unpressed = np.clip(1.0 + moved[:, 0] / (PRESSED * safe), 0.0, 1.0)
-        complementarity = float(
-            (np.maximum(0.0, normal) / local * np.maximum(opening, unpressed)).max()
-        )
-        pulled = np.maximum(0.0, -normal) / local * (moved[:, 0] <= 0.0)
-        complementarity = max(complementarity, float(pulled.max()))
-        slide = lengths(moved[:, 1:])
-        still = slide <= 1e-13 * safe
-        direction = moved[:, 1:] / np.where(still, 1.0, slide)[:, None]
-        wrong = lengths(force[:, 1:] + tangential[:, None] * direction) / local
-        wrong = np.where(still, tangential / local, wrong)
-        alignment = float(np.where(tangential > NEGLIGIBLE * local, wrong, 0.0).max())
-    return Residuals(equilibrium, tension, cone, complementarity, alignment)
+    cone = _most(np.maximum(0.0, tangential - np.minimum(bound, shear)) / local)
+    if displacement is None:
+        return [Residuals(*one) for one in zip(equilibrium, tension, cone, strict=True)]
+    moved = corner_motion(assembly, contacts, displacement)
+    reach = lengths(moved)
+    largest = np.zeros((len(assembly), force.shape[1]))
+    np.maximum.at(largest, a, reach)
+    np.maximum.at(largest, b, reach)
+    length = np.minimum(largest[a], largest[b])
+    safe = np.where(length > 0.0, length, 1.0)
+    opening = np.maximum(0.0, moved[..., 0]) / safe
+    unpressed = np.clip(1.0 + moved[..., 0] / (PRESSED * safe), 0.0, 1.0)
+    prestress = np.maximum(0.0, normal) / local * np.maximum(opening, unpressed)
+    pulled = np.maximum(0.0, -normal) / local * (moved[..., 0] <= 0.0)
+    slide = lengths(moved[..., 1:])
+    still = slide <= 1e-13 * safe
+    direction = moved[..., 1:] / np.where(still, 1.0, slide)[..., None]
+    wrong = lengths(force[..., 1:] + tangential[..., None] * direction) / local
+    wrong = np.where(still, tangential / local, wrong)
+    alignment = _most(np.where(tangential > NEGLIGIBLE * local, wrong, 0.0))
+    complementarity = _most(np.maximum(prestress, pulled))
+    found = zip(equilibrium, tension, cone, complementarity, alignment, strict=True)
+    return [Residuals(*one) for one in found]
+
+
+def _most(values: Floats) -> list[float]:
+    """The largest of each column (c, s); 0 if there are no rows."""
+    most: list[float] = values.max(axis=0, initial=0.0).tolist()
+    return most
 
 
 def mechanism_defects(model: Model, motion: Floats) -> tuple[float, float]:
@@ -247,5 +281,8 @@ def _corner_blocks(contacts: Contacts) -> tuple[Ints, Ints]:
 def point_motion(assembly: Assembly, contacts: Contacts, motion: Floats, block: Ints) -> Floats:
     """Displacement (k, 3), world axes, of each corner as a point of the block (k,) given for it."""
     arm = contacts.point - assembly.centroid[block]
-    moving = np.where(assembly.fixed[:, None], 0.0, motion)[block]
-    return moving[:, :3] + cross(moving[:, 3:], arm)
+    fixed = assembly.fixed[:, None]
+    if motion.ndim == 3:
+        arm, fixed = arm[:, None], fixed[:, None]
+    moving = np.where(fixed, 0.0, motion)[block]
+    return moving[..., :3] + cross(moving[..., 3:], arm)

@@ -29,6 +29,9 @@ sparse product takes longer than the product of a small matrix."""
 UNLIMITED = 1e9
 """Capacity of a corner, by the mean load of a block, that counts as none that can be reached."""
 
+SPECK = 1e-4
+"""Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
+
 
 @dataclass(frozen=True, eq=False)
 class Statics:
@@ -137,24 +140,74 @@ class Statics:
         return sparse.csr_matrix((values.ravel(), column.ravel(), start), shape=shape)
 
     def wrench(self, force: Floats) -> Floats:
-        """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks."""
+        """A f: the wrench (n, 6) that corner forces (k, 3) exert on the free blocks.
+
+        Also of several states, (s, n, 6) from (s, k, 3).
+        """
+        flat = force.reshape(*force.shape[:-2], -1)
         if self.full_transposed is not None:
-            return (force.ravel() @ self.full_transposed).reshape(-1, 6)
-        result: Floats = (self.matrix @ force.ravel()).reshape(-1, 6)
-        return result
+            result: Floats = flat @ self.full_transposed
+        else:
+            result = (self.matrix @ flat.T).T
+        return result.reshape(*force.shape[:-2], -1, 6)
 
     def displacement(self, motion: Floats) -> Floats:
-        """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v."""
+        """A^T q: relative displacement (k, 3) of b against a at each corner, local n, u, v.
+
+        Also of several states, (s, k, 3) from (s, n, 6).
+        """
+        flat = motion.reshape(*motion.shape[:-2], -1)
         if self.full_transposed is not None:
-            return (self.full_transposed @ motion.ravel()).reshape(-1, 3)
-        result: Floats = (self.matrix_transposed @ motion.ravel()).reshape(-1, 3)
-        return result
+            result: Floats = flat @ self.full_transposed.T
+        else:
+            result = (self.matrix_transposed @ flat.T).T
+        return result.reshape(*motion.shape[:-2], -1, 3)
 
     @cached_property
     def full_transposed(self) -> Floats | None:
         """A^T (3 k, 6 n) as a full matrix; None where the model is not small."""
         rows, columns = 3 * self.corner_count, 6 * self.free_count
         return self.matrix_transposed.toarray() if rows * columns <= FULL else None
+
+    @cached_property
+    def normal_stiffness(self) -> Floats:
+        """(k,) tributary area, at least 5 % of its interface's mean and a small share of the block.
+
+        Slivers would make the system ill-conditioned; lines and points have no area.
+        """
+        area = self.tributary
+        if not len(area):
+            return area
+        count = np.bincount(self.interface)
+        mean = np.bincount(self.interface, area) / np.maximum(count, 1)
+        return np.maximum(np.maximum(area, 0.05 * mean[self.interface]), SPECK * self.block_area)
+
+    @cached_property
+    def corner_load(self) -> Floats:
+        """Typical force (k,) of a corner: the load of the lighter of its free blocks."""
+        load = lengths(self.load[:, :3]) + lengths(self.load[:, 3:])
+        load = np.append(np.where(load > 0.0, load, 1.0), np.inf)
+        return np.minimum(load[self.block_a], load[self.block_b])
+
+    @cached_property
+    def mass_matrix(self) -> Floats:
+        """Diagonal (n, 6): mass, and mass times radius of gyration squared."""
+        turning = self.mass * self.inertia
+        return np.stack([self.mass] * 3 + [turning] * 3, axis=1)
+
+    @cached_property
+    def touching(self) -> Floats | sparse.csr_matrix:
+        """(n, k): one where a corner belongs to a free block; full where the model is small."""
+        of_corner = [(block, np.flatnonzero(block >= 0)) for block in (self.block_a, self.block_b)]
+        shape = self.free_count, self.corner_count
+        if self.full_transposed is not None:
+            full = np.zeros(shape)
+            for block, corner in of_corner:
+                full[block[corner], corner] = 1.0
+            return full
+        row = np.concatenate([block[corner] for block, corner in of_corner])
+        column = np.concatenate([corner for _, corner in of_corner])
+        return sparse.csr_matrix((np.ones(len(row)), (row, column)), shape=shape)
 
     def unit_wrenches(self, corner: Ints, direction: Floats) -> Entries:
         """Wrenches (6 n, c) of unit forces at some corners (c,).

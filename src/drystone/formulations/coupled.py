@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.formulations.rest.compliance import Compliance, corner_load, normal_stiffness
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import FrictionBound, SlipLength
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.rest_state import RestOptions, RestState
@@ -71,8 +71,8 @@ def equal_overlap(
     mean = float(-(start.force[:, 0] * gap).sum()) / total if total > 0.0 else 1.0
     if not mean > 0.0:
         return EqualOverlap(start, False, 0)
-    spring = mean * normal_stiffness(statics)
-    reach = SlipLength(FrictionBound(statics.friction), slip * corner_load(statics) / spring)
+    spring = mean * statics.normal_stiffness
+    reach = SlipLength(FrictionBound(statics.friction), slip * statics.corner_load / spring)
     # near the end of the path Newton's method on the unrelaxed law needs a point near the state
     options = RestOptions(
         ground=1e-10, tolerance=1e-9, iteration_limit=40, warm_relaxation=1e-2, polish=1e-7

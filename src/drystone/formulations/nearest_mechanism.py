@@ -32,8 +32,6 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import SolverError
 from drystone.base.ragged import Ragged
-from drystone.formulations.rest.compliance import corner_load
-from drystone.formulations.rest.rest_state import mass_matrix
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.solvers.cone_scaling import Scaling, inner, product, quotient, step_lengths
 
@@ -121,11 +119,11 @@ class _Iteration:
         every = [system.statics for system in systems]
         self.blocks = Ragged.from_counts([one.free_count for one in every])
         self.corners = Ragged.from_counts([one.corner_count for one in every])
-        self.mass = np.concatenate([mass_matrix(one) for one in every])
+        self.mass = np.concatenate([one.mass_matrix for one in every])
         self.load = np.concatenate([one.load for one in every])
         self.scale = np.ones((self.corners.rows, 3))
         self.scale[:, 1:] = np.concatenate([one.friction for one in every])[:, None]
-        size = np.concatenate([corner_load(one) for one in every])
+        size = np.concatenate([one.corner_load for one in every])
         self.softness = SOFTNESS / size
         axis = np.array([1.0, 0.0, 0.0])
         self.motion = np.zeros_like(self.load)

@@ -12,13 +12,12 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Clock
 from drystone.checks import check_forces
-from drystone.formulations.rest.compliance import Compliance, normal_stiffness
+from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
-from drystone.solvers.threads import one_blas_thread
 from drystone.stability.problem import Problem
 from drystone.stability.proofs import FORCE_TOLERANCE, first_motion
 from drystone.stability.screening import PATIENT, Screening
@@ -315,7 +314,7 @@ class Attempts(Record):
 
     def _led(self, springs: Compliance, displacement: Floats) -> Candidate | None:
         """The rest state to which one of uniform stiffness leads while the stiffness changes."""
-        base = normal_stiffness(self.problem.statics)
+        base = self.problem.statics.normal_stiffness
         for share in SHARES:
             between = replace(springs, normal=base ** (1.0 - share) * springs.normal**share)
             state = self._rest(between, AT_REST, self.start(between, displacement))
@@ -363,14 +362,3 @@ class Attempts(Record):
         state = find_rest(system, springs, options, start=start, stop=late, falls=falls)
         self.iterations += state.iterations
         return state
-
-
-@one_blas_thread()
-def attempt_sample(
-    problem: Problem, clock: Clock, lead: bool, sample: tuple[Compliance, Sequence[Rest], bool]
-) -> Record:
-    """One try of other stiffnesses, first from similar rest states; the last says: only briefly."""
-    tries = Attempts(problem, clock)
-    springs, rests, briefly = sample
-    tries.attempt_from(springs, rests, lead=lead, briefly=briefly)
-    return Record(*(getattr(tries, each.name) for each in fields(Record)))

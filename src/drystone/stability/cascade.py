@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property, partial
 
@@ -27,8 +27,6 @@ from drystone.stability.attempts import (
     MUCH,
     Attempts,
     Candidate,
-    Rest,
-    attempt_sample,
 )
 from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
@@ -46,11 +44,11 @@ from drystone.stability.proofs import (
     found_mechanism,
     sound_mechanism,
 )
+from drystone.stability.samples import NONE_FOUND, attempt_sample, samples_to_try
 from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
-NONE_FOUND = np.zeros((0, 6))
-"""In place of a rest state that was not found."""
+UNBALANCED = "no contact forces can balance the loads"
 
 SLIDES_FAR = 20.0
 """Slide by overlap, in the rest state with the springs of settlement, from which on the blocks are
@@ -144,16 +142,19 @@ class Cascade:
     @one_blas_thread()
     def _after_free_fall(self) -> Result:
         """The verdict where something presses on every block."""
-        problem = self.problem
-        first = problem.equilibrium_first and 0 not in self.known and not self.attempts.standing
-        if first and not self.clock.late() and self.collapse is not None:
-            return self.answers.unstable("no contact forces can balance the loads", self.collapse)
-        attempts, uniform = self.attempts, self.uniform
+        problem, attempts = self.problem, self.attempts
+        if 0 in self.known:
+            # where a known rest state leads nowhere a mechanism is likely, and is found soon
+            small = problem.statics.full_transposed is not None and problem.statics.dry
+            doubtful = small and self._nearby is None
+        else:
+            doubtful = problem.equilibrium_first and not (attempts.standing or self.clock.late())
+        if doubtful and self.collapse is not None:
+            return self.answers.unstable(UNBALANCED, self.collapse)
+        uniform = self.uniform
         if not uniform.stands and not self.clock.late():
             if self.collapse is not None:
-                return self.answers.unstable(
-                    "no contact forces can balance the loads", self.collapse
-                )
+                return self.answers.unstable(UNBALANCED, self.collapse)
             if not attempts.falling:
                 # no convergence: a smooth law converges more easily
                 smooth = compliance.uniform(problem.statics, slip=SLIP_LENGTH)
@@ -179,18 +180,23 @@ class Cascade:
     def uniform(self) -> Candidate:
         """The answer of uniform contact stiffness."""
         self.answers.report("rest state", 0)
-        springs, attempts = compliance.uniform(self.problem.statics), self.attempts
-        if attempts.standing:
-            return attempts.standing[0]
-        found = None
-        if 0 in self.known and self.problem.statics.dry:
-            found = attempts.nearby(springs, attempts.start(springs, self.known[0]))
-            found = found or self._smooth_nearby(springs)
+        if self._nearby is not None:
+            return self._nearby
         # without friction equilibrium decides
         much = MUCH if self.problem.statics.friction.any() else CLEARLY
-        return found or attempts.attempt(
-            springs, falls=lambda: self.collapse is not None, much=much
-        )
+        springs = compliance.uniform(self.problem.statics)
+        return self.attempts.attempt(springs, falls=lambda: self.collapse is not None, much=much)
+
+    @cached_property
+    def _nearby(self) -> Candidate | None:
+        """The rest state of uniform stiffness near a known one, or one that was found before."""
+        if self.attempts.standing:
+            return self.attempts.standing[0]
+        if 0 not in self.known or not self.problem.statics.dry:
+            return None
+        springs = compliance.uniform(self.problem.statics)
+        found = self.attempts.nearby(springs, self.attempts.start(springs, self.known[0]))
+        return found or self._smooth_nearby(springs)
 
     @property
     def robustly(self) -> bool:
@@ -233,20 +239,12 @@ class Cascade:
         attempts, statics = self.attempts, self.problem.statics
         if attempts.tried > 1 or (uniform.stands and not statics.friction.any()):
             return
-        count, seed = self.options.samples, self.options.seed
-        tangential = self.options.settlement.tangential
-        springs = compliance.samples(statics, count, seed, self.within, tangential=tangential)
-        samples: list[tuple[Compliance, Sequence[Rest], bool]] = []
-        for number, sample in enumerate(springs, start=1):
-            near = self.known.get(number)
-            briefly = near is not None and not len(near)
-            rests = [] if near is None or briefly else [Rest(near, True)]
-            if uniform.stands:
-                rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
-            # a start is scaled as if forces were in proportion to the motion
-            samples.append((sample, rests if statics.dry else (), briefly))
+        if not self.options.samples:
+            return
+        samples = samples_to_try(attempts, self.options, uniform, self.known, self.within)
         self.answers.report("stiffness samples", 2)
-        task = partial(attempt_sample, self.problem, self.clock, self.options.uniform)
+        lead = self.options.uniform
+        task = partial(attempt_sample, self.problem, self.clock, lead)
         tried = self.pool.answers(task, samples, self.clock.late)
         for number, record in enumerate(tried, start=1):
             attempts.add(record)

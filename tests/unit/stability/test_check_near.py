@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from drystone.base.progress import Clock
+from drystone.formulations.rest.compliance import samples
 from drystone.model import Model
 from drystone.models import bridge, leaning_column
 from drystone.sequence.stage.stage_checks import BOTH
@@ -12,8 +14,9 @@ from drystone.sequence.stage.stages import Stage, mask_of
 from drystone.sequence.stage.structure import Structure
 from drystone.settlement import SettlementOptions
 from drystone.stability import check, check_near, try_rest
-from drystone.stability.cascade import NONE_FOUND
+from drystone.stability.attempts import Attempts
 from drystone.stability.problem import Problem
+from drystone.stability.samples import NONE_FOUND, several_nearby
 from drystone.stability.screening import QUICK, SMOOTH
 
 LEANING = Model.of(leaning_column(), friction=0.6)
@@ -69,6 +72,26 @@ def test_a_stiffness_is_looked_for_again_where_following_the_blocks_does_not_dec
     assert found.stable
     assert found.samples.standing == found.samples.tried == 5
     assert all(len(motion) for motion in rests.values())
+
+
+def test_several_stiffnesses_at_once_are_those_one_by_one():
+    problem = Problem.build(LEANING)
+    rests = known(LEANING)
+    springs = list(samples(problem.statics, 4, 0, tangential=0.2))[1:]
+    near = [*(1.01 * rests[i] for i in (2, 3)), np.ones_like(rests[0])]
+    tries = Attempts(problem, Clock(np.inf))
+    together = several_nearby(tries, springs, near)
+    alone = [
+        tries.nearby(one, tries.start(one, motion))
+        for one, motion in zip(springs, near, strict=True)
+    ]
+    assert [one is None for one in together] == [one is None for one in alone]
+    assert 0 < sum(one is not None for one in together) < 3
+    for one, other in zip(together, alone, strict=True):
+        if one is not None and other is not None:
+            scale = np.abs(other.force).max()
+            np.testing.assert_allclose(one.force, other.force, atol=1e-8 * scale)
+            assert one.residuals.largest < 1e-8
 
 
 def test_a_problem_may_be_given_in_place_of_its_model():

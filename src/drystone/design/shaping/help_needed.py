@@ -38,7 +38,7 @@ from drystone.design.surgery.changed_model import acceleration_of
 from drystone.formulations.equilibrium import project_on_mechanisms
 from drystone.formulations.rest.compliance import Compliance, uniform
 from drystone.formulations.rest.interior_point import find_rest
-from drystone.formulations.rest.rest_state import RestOptions, RestState, mass_matrix
+from drystone.formulations.rest.rest_state import RestOptions, RestState
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
 from drystone.stability.problem import Problem
@@ -144,7 +144,7 @@ class Form:
         system = TangentSystem(statics, self.model.assembly.centroid[statics.free])
         options = RestOptions(ground=self.ground, tolerance=1e-11)
         state = find_rest(system, self.springs, options)
-        weight = self.ground * mass_matrix(statics)
+        weight = self.ground * statics.mass_matrix
         carried = weight * state.motion
         whole = float((statics.load**2).sum())
         value = float((carried**2).sum() + (state.tension**2).sum()) / whole

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, lengths
 from drystone.formulations.rest.friction import FrictionBound, FrictionLaw, SlipLength, StickSlip
 from drystone.statics import Statics
 
 COHESIVE_FRICTION = 0.1
 """Least friction coefficient in the slip length of cohesive joints: it keeps the length finite."""
 
-SPECK = 1e-4
-"""Least area of a corner by the squared size of its block: 0.2 % of what a cube's corner has."""
-
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """Springs at the corners.
+    """Springs at the corners. Arrays may have a first axis more, for several states at once.
 
     Attributes
     ----------
@@ -51,6 +48,20 @@ class Compliance:
         share = self.tension / np.where(size > 0.0, size, 1.0)
         return elastic * share, self.normal * share**3
 
+    @classmethod
+    def stacked(cls, several: Sequence[Compliance]) -> Compliance:
+        """Springs of one model with laws of one kind, side by side: arrays (s, k)."""
+        first, normal = several[0], np.stack([one.normal for one in several])
+        laws = [one.friction for one in several]
+        law: FrictionLaw = laws[0]
+        if isinstance(law, SlipLength):
+            slips = [one.slip for one in laws if isinstance(one, SlipLength)]
+            law = SlipLength(law.bound, np.stack(slips))
+        else:
+            tangential = [one.stiffness for one in laws if isinstance(one, StickSlip)]
+            law = StickSlip(law.bound, np.stack(tangential))
+        return replace(first, normal=normal, friction=law)
+
 
 _NOTHING = np.zeros(1)
 
@@ -72,7 +83,7 @@ def uniform(
     glue
         Stiffness against opening, by kn.
     """
-    normal = normal_stiffness(statics)
+    normal = statics.normal_stiffness
     law: FrictionLaw = StickSlip(_bound(statics), tangential * normal)
     if slip is not None:
         law = SlipLength(_bound(statics), slip * _slip_load(statics) / normal)
@@ -103,7 +114,7 @@ def samples(
         interface has the stiffness that it has there, so that all parts of one structure agree.
     """
     rng = np.random.default_rng(seed)
-    base = normal_stiffness(statics)
+    base = statics.normal_stiffness
     load, bound, tension = _slip_load(statics), _bound(statics), _tension(statics)
     number, joints = within or (None, int(statics.interface.max(initial=-1)) + 1)
     place = statics.interface if number is None else number[statics.interface]
@@ -122,7 +133,7 @@ def samples(
 
 def is_even(statics: Statics, springs: Compliance) -> bool:
     """Whether the normal stiffness is the uniform one."""
-    return np.array_equal(springs.normal, normal_stiffness(statics))
+    return np.array_equal(springs.normal, statics.normal_stiffness)
 
 
 def _bound(statics: Statics) -> FrictionBound:
@@ -136,29 +147,9 @@ def _tension(statics: Statics) -> Floats | None:
 def _slip_load(statics: Statics) -> Floats:
     """The force (k,) by which slip lengths are measured: a joint's cohesion counts as load."""
     divisor = np.maximum(statics.friction, COHESIVE_FRICTION)
-    return corner_load(statics) + np.minimum(statics.cohesion, statics.shear) / divisor
-
-
-def normal_stiffness(statics: Statics) -> Floats:
-    """Tributary area, at least 5 % of the interface's mean and a small share of the smaller block.
-
-    Slivers would make the system ill-conditioned; lines and points have no area.
-    """
-    area = statics.tributary
-    if not len(area):
-        return area
-    count = np.bincount(statics.interface)
-    mean = np.bincount(statics.interface, area) / np.maximum(count, 1)
-    return np.maximum(np.maximum(area, 0.05 * mean[statics.interface]), SPECK * statics.block_area)
-
-
-def corner_load(statics: Statics) -> Floats:
-    """Typical force (k,) of a corner: the load of the lighter of its free blocks."""
-    load = wrench_size(statics.load)
-    load = np.append(np.where(load > 0.0, load, 1.0), np.inf)
-    return np.minimum(load[statics.block_a], load[statics.block_b])
+    return statics.corner_load + np.minimum(statics.cohesion, statics.shear) / divisor
 
 
 def wrench_size(wrench: Floats) -> Floats:
-    """(n,) length of the force plus length of the moment of scaled wrenches (n, 6)."""
-    return np.linalg.norm(wrench[:, :3], axis=1) + np.linalg.norm(wrench[:, 3:], axis=1)
+    """(..., n) length of the force plus length of the moment of scaled wrenches (..., n, 6)."""
+    return lengths(wrench[..., :3]) + lengths(wrench[..., 3:])

@@ -84,15 +84,15 @@ class SlipLength:
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
-        reach = np.sqrt(self.slip**2 + slide[:, 0] ** 2 + slide[:, 1] ** 2)
+        reach = np.sqrt(self.slip**2 + slide[..., 0] ** 2 + slide[..., 1] ** 2)
         bound, growth = self.bound(normal)
         stiffness = bound / reach
 
         def slope() -> tuple[Floats, Floats]:
-            direction = slide / reach[:, None]
-            return _across(stiffness, stiffness, direction), growth[:, None] * direction
+            direction = slide / reach[..., None]
+            return _across(stiffness, stiffness, direction), growth[..., None] * direction
 
-        return FrictionResponse(stiffness[:, None] * slide, slope)
+        return FrictionResponse(stiffness[..., None] * slide, slope)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,30 +112,30 @@ class StickSlip:
 
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
-        length = np.sqrt(slide[:, 0] ** 2 + slide[:, 1] ** 2)
+        length = np.sqrt(slide[..., 0] ** 2 + slide[..., 1] ** 2)
         bound, growth = self.bound(normal)
         slips = self.stiffness * length > bound
         safe = np.where(length > 0.0, length, 1.0)
         secant = np.where(slips, bound / safe, self.stiffness)
 
         def slope() -> tuple[Floats, Floats]:
-            direction = slide / safe[:, None]
+            direction = slide / safe[..., None]
             return (
                 _across(secant, secant * slips, direction),
-                (slips * growth)[:, None] * direction,
+                (slips * growth)[..., None] * direction,
             )
 
-        return FrictionResponse(secant[:, None] * slide, slope)
+        return FrictionResponse(secant[..., None] * slide, slope)
 
 
 def _across(stiffness: Floats, along: Floats, direction: Floats) -> Floats:
     """(k, 2, 2) stiffness (k,) in the plane, less some (k,) along a unit direction (k, 2)."""
-    x, y = direction[:, 0], direction[:, 1]
+    x, y = direction[..., 0], direction[..., 1]
     lost = along * x
-    out = np.empty((len(stiffness), 2, 2))
-    out[:, 0, 0] = stiffness - lost * x
-    out[:, 0, 1] = out[:, 1, 0] = -lost * y
-    out[:, 1, 1] = stiffness - along * y * y
+    out = np.empty((*stiffness.shape, 2, 2))
+    out[..., 0, 0] = stiffness - lost * x
+    out[..., 0, 1] = out[..., 1, 0] = -lost * y
+    out[..., 1, 1] = stiffness - along * y * y
     return out
 
 

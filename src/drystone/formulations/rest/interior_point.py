@@ -28,7 +28,7 @@ import numpy as np
 
 from drystone.base.arrays import Floats
 from drystone.base.errors import SolverError
-from drystone.formulations.rest.compliance import Compliance, corner_load, wrench_size
+from drystone.formulations.rest.compliance import Compliance, wrench_size
 from drystone.formulations.rest.friction import FrictionResponse
 from drystone.formulations.rest.nearby import descend
 from drystone.formulations.rest.rest_state import (
@@ -36,7 +36,6 @@ from drystone.formulations.rest.rest_state import (
     RestState,
     Start,
     block_scale,
-    mass_matrix,
 )
 from drystone.formulations.rest.tangent import TangentSystem
 
@@ -115,8 +114,8 @@ class _Path:
         self.glue = compliance.glue * compliance.normal
         self.options = options
         self.steps = 0
-        self.ground = options.ground * mass_matrix(statics)
-        self.unit = corner_load(statics) ** 2 / self.kn
+        self.ground = options.ground * statics.mass_matrix
+        self.unit = statics.corner_load**2 / self.kn
         size = wrench_size(statics.load)
         self.row_scale = np.where(size > 0.0, size, 1.0)[:, None]
 

@@ -21,7 +21,6 @@ from drystone.formulations.rest.rest_state import (
     RestState,
     Start,
     block_scale,
-    mass_matrix,
 )
 from drystone.formulations.rest.tangent import TangentSystem
 
@@ -67,6 +66,18 @@ def find_rest_nearby(
         return descend(system, compliance, options, start.motion, stop)[0]
 
 
+def find_rests_nearby(
+    system: TangentSystem,
+    compliance: Compliance,
+    options: RestOptions,
+    start: Start,
+    stop: Callable[[], bool] | None = None,
+) -> list[RestState | None]:
+    """:func:`find_rest_nearby` for springs (s, k) from motions (s, n, 6), as one calculation."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return _descend_together(system, compliance, options, start.motion, stop)[0]
+
+
 def descend(
     system: TangentSystem,
     compliance: Compliance,
@@ -75,37 +86,61 @@ def descend(
     stop: Callable[[], bool] | None = None,
 ) -> tuple[RestState | None, int]:
     """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps."""
+    together = Compliance.stacked([compliance])
+    found, steps = _descend_together(system, together, options, motion[None], stop)
+    return found[0], steps
+
+
+def _descend_together(
+    system: TangentSystem,
+    compliance: Compliance,
+    options: RestOptions,
+    start: Floats,
+    stop: Callable[[], bool] | None,
+) -> tuple[list[RestState | None], int]:
     statics, kn = system.statics, compliance.normal
     glue = compliance.glue * kn
-    weight = options.ground * mass_matrix(statics)
-    tangent = np.zeros((statics.corner_count, 3, 3))
-    best, since, steps = np.inf, 0, 0
-    while since < STALL and not (stop is not None and stop()):
+    weight = options.ground * statics.mass_matrix
+    tangent = np.zeros((*kn.shape, 3, 3))
+    motion = start.copy()
+    count = len(motion)
+    found: list[RestState | None] = [None] * count
+    left = list(range(count))
+    best, since, steps = [np.inf] * count, [0] * count, 0
+    while left and not (stop is not None and stop()):
         moved = statics.displacement(motion)
-        gap = moved[:, 0] + compliance.overlap
+        gap = moved[..., 0] + compliance.overlap
         normal = kn * np.maximum(0.0, -gap)
         held, slope = compliance.pull(np.maximum(0.0, gap))
         bearing = normal - held
         pull = glue * np.maximum(0.0, gap)
-        friction = compliance.friction(bearing, moved[:, 1:])
-        force = np.concatenate([(bearing - pull)[:, None], -friction.force], axis=1)
+        friction = compliance.friction(bearing, moved[..., 1:])
+        force = np.concatenate([(bearing - pull)[..., None], -friction.force], axis=-1)
         ground = weight * motion
         rest = statics.wrench(force) + statics.load - ground
-        share = float((wrench_size(rest) / block_scale(statics, force)).max(initial=0.0))
-        if share <= options.tolerance:
-            return RestState(motion, normal, force, pull, ground, share, True, steps), steps
-        if steps and share > (HOPELESS if steps > 1 else LOST):
-            return None, steps
-        # the first step often makes it worse: progress counts from there
-        since = 0 if steps < 2 or share < 0.5 * best else since + 1
-        best = share if steps < 2 else min(best, share)
+        shares = wrench_size(rest) / block_scale(statics, force)
+        for i in tuple(left):
+            share = float(shares[i].max(initial=0.0))
+            if share <= options.tolerance:
+                state = motion[i].copy(), normal[i], force[i], pull[i], ground[i]
+                found[i] = RestState(*state, share, True, steps)
+            # the first step often makes it worse: progress counts from there
+            since[i] = 0 if steps < 2 or share < 0.5 * best[i] else since[i] + 1
+            best[i] = share if steps < 2 else min(best[i], share)
+            lost = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
+            if found[i] is not None or lost:
+                left.remove(i)
+        if not left:
+            break
         pressed = gap < 0.0
-        tangent[:, 0, 0] = np.where(pressed, kn, glue + slope)
-        tangent[:, 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[:, None]
-        tangent[:, 1:, 1:] = friction.by_slide
-        try:
-            motion = motion + system.factorise(tangent, weight)(rest)
-        except SolverError:
-            return None, steps
+        tangent[..., 0, 0] = np.where(pressed, kn, glue + slope)
+        tangent[..., 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[..., None]
+        tangent[..., 1:, 1:] = friction.by_slide
+        for i in tuple(left):
+            try:
+                motion[i] += system.factorise(tangent[i], weight)(rest[i])
+            except SolverError:
+                left.remove(i)
         steps += 1
-    return None, steps
+        left = [i for i in left if since[i] < STALL]
+    return found, steps

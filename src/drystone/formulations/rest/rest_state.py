@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, lengths
 from drystone.formulations.rest.compliance import Compliance, wrench_size
 from drystone.formulations.rest.tangent import TangentSystem
 from drystone.statics import Statics
@@ -100,31 +100,26 @@ class Start:
 def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) -> Start:
     """A start with the shape of a motion (n, 6), such as the rest state of a similar model.
 
+    Also several, (s, n, 6), for springs (s, k).
+
     Without an initial overlap the contact law is homogeneous of degree one: the motion is scaled so
     that its forces fit the loads best.
     """
     statics = system.statics
     moved = statics.displacement(motion)
-    normal = compliance.normal * np.maximum(0.0, -moved[:, 0])
-    force = np.concatenate([normal[:, None], -compliance.friction(normal, moved[:, 1:]).force], 1)
+    normal = compliance.normal * np.maximum(0.0, -moved[..., 0])
+    slide = compliance.friction(normal, moved[..., 1:]).force
+    force = np.concatenate([normal[..., None], -slide], axis=-1)
     scale = np.maximum(wrench_size(statics.load), np.finfo(float).tiny)[:, None]
     carried = statics.wrench(force) / scale
-    size = float((carried**2).sum())
-    fit = -float((carried * (statics.load / scale)).sum()) / size if size > 0.0 else 0.0
-    return Start(max(fit, 0.0) * motion, max(fit, 0.0) * normal)
-
-
-def mass_matrix(statics: Statics) -> Floats:
-    """Diagonal (n, 6) of the ground spring: mass, and mass times radius of gyration squared."""
-    turning = statics.mass * statics.inertia
-    return np.stack([statics.mass] * 3 + [turning] * 3, axis=1)
+    size = (carried**2).sum(axis=(-2, -1))
+    fit = -(carried * (statics.load / scale)).sum(axis=(-2, -1)) / np.where(size > 0.0, size, 1.0)
+    fit = np.maximum(fit, 0.0)
+    return Start(fit[..., None, None] * motion, fit[..., None] * normal)
 
 
 def block_scale(statics: Statics, force: Floats) -> Floats:
-    """Size (n,) of the forces on each block: its load and its corner forces."""
-    size = np.linalg.norm(force, axis=1)
-    total = wrench_size(statics.load)
-    for block in (statics.block_a, statics.block_b):
-        here = block >= 0
-        total = total + np.bincount(block[here], size[here], minlength=statics.free_count)
+    """Size (..., n) of the forces on each block: its load and its corner forces (..., k, 3)."""
+    at_corners = (statics.touching @ lengths(force).T).T
+    total: Floats = wrench_size(statics.load) + at_corners
     return np.where(total > 0.0, total, 1.0)

@@ -1,0 +1,127 @@
+"""Rest states for other contact stiffnesses than the uniform one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import NamedTuple
+
+import numpy as np
+
+from drystone.base.arrays import Floats, Ints
+from drystone.base.progress import Clock
+from drystone.checks import check_several
+from drystone.formulations.rest import compliance
+from drystone.formulations.rest.compliance import Compliance
+from drystone.formulations.rest.friction import SlipLength
+from drystone.formulations.rest.nearby import find_rests_nearby
+from drystone.formulations.rest.rest_state import start_from
+from drystone.solvers.threads import one_blas_thread
+from drystone.stability.attempts import AT_REST, Attempts, Candidate, Record, Rest
+from drystone.stability.check_options import CheckOptions
+from drystone.stability.problem import Problem
+
+NONE_FOUND = np.zeros((0, 6))
+"""In place of a rest state that was looked for in vain."""
+
+
+class Sample(NamedTuple):
+    """A stiffness to try.
+
+    Attributes
+    ----------
+    springs
+    rests
+        Similar rest states.
+    briefly
+        Whether to try from those only.
+    found
+        The rest state, where it is known.
+    """
+
+    springs: Compliance
+    rests: Sequence[Rest]
+    briefly: bool = False
+    found: Candidate | None = None
+
+
+def samples_to_try(
+    attempts: Attempts,
+    options: CheckOptions,
+    uniform: Candidate,
+    known: Mapping[int, Floats],
+    within: tuple[Ints, int] | None,
+) -> list[Sample]:
+    """The samples of the stiffness; smooth ones near known rest states are tried here, at once.
+
+    Parameters
+    ----------
+    attempts, options
+    uniform
+        The answer of uniform stiffness.
+    known, within
+        As for :class:`drystone.stability.cascade.Cascade`.
+    """
+    statics = attempts.problem.statics
+    tangential = options.settlement.tangential
+    springs = compliance.samples(
+        statics, options.samples, options.seed, within, tangential=tangential
+    )
+    out = []
+    for number, sample in enumerate(springs, start=1):
+        near = known.get(number)
+        missed = near is not None and not len(near)
+        rests = [] if near is None or missed else [Rest(near, True)]
+        if uniform.stands:
+            rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
+        # a start is scaled as if forces were in proportion to the motion
+        out.append(Sample(sample, rests if statics.dry else [], missed))
+    first = [
+        i
+        for i, one in enumerate(out)
+        if len(one.rests) > 1 and isinstance(one.springs.friction, SlipLength)
+    ]
+    if len(first) > 1:
+        starts = [out[i].rests[0].displacement for i in first]
+        found = several_nearby(attempts, [out[i].springs for i in first], starts)
+        for i, one in zip(first, found, strict=True):
+            out[i] = out[i]._replace(rests=out[i].rests[1:], found=one)
+    return out
+
+
+def several_nearby(
+    attempts: Attempts, springs: Sequence[Compliance], displacements: Sequence[Floats]
+) -> list[Candidate | None]:
+    """As :meth:`Attempts.nearby` of springs with one kind of friction law, as one calculation.
+
+    What is found is not counted.
+    """
+    problem, clock = attempts.problem, attempts.clock
+    statics = problem.statics
+    each = [statics.scaled_motion(one, statics.mean_length) for one in displacements]
+    together = Compliance.stacked(springs)
+    start = start_from(problem.system, together, np.stack(each))
+    states = find_rests_nearby(problem.system, together, AT_REST, start, clock.late)
+    began = clock.elapsed_s
+    found = {i: state for i, state in enumerate(states) if state is not None}
+    forces = [problem.force(state.force) for state in found.values()]
+    moved = [problem.displacement(state.motion) for state in found.values()]
+    out: list[Candidate | None] = [None] * len(states)
+    residuals = check_several(problem.model, forces, moved) if found else []
+    for i, force, motion, left in zip(found, forces, moved, residuals, strict=True):
+        candidate = Candidate(force, motion, left)
+        out[i] = candidate if candidate.stands else None
+        attempts.iterations += found[i].iterations
+    attempts.checking_s += clock.elapsed_s - began
+    return out
+
+
+@one_blas_thread()
+def attempt_sample(problem: Problem, clock: Clock, lead: bool, sample: Sample) -> Record:
+    """One try of other stiffnesses, first from similar rest states."""
+    if sample.found is not None:
+        return Record([sample.found], tried=1)
+    tries = Attempts(problem, clock)
+    springs, rests, briefly, _ = sample
+    tries.attempt_from(springs, rests, lead=lead, briefly=briefly)
+    return Record(*(getattr(tries, each.name) for each in fields(Record)))
