@@ -22,7 +22,7 @@ from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
 
 NONE_FOUND = np.zeros((0, 6))
-"""In place of a rest state that was looked for in vain."""
+"""In place of a rest state that was not found."""
 
 
 class Sample(NamedTuple):
