@@ -255,7 +255,6 @@ class Attempts(Record):
         rests: Sequence[Rest],
         *,
         lead: bool = False,
-        screening: Screening = PATIENT,
         briefly: bool = False,
     ) -> Candidate:
         """As :meth:`attempt`, first from similar rest states.
@@ -282,7 +281,7 @@ class Attempts(Record):
                 self.tried += 1
                 return self.examine(state.motion, state.force)
         afresh = Attempts(self.problem, self.clock)
-        found = afresh.attempt(springs, screening)
+        found = afresh.attempt(springs)
         if lead and rests and not (found.stands or rests[-1].same):
             led = self._led(springs, rests[-1].displacement)
             if led is not None:

@@ -46,7 +46,7 @@ from drystone.stability.proofs import (
     sound_mechanism,
 )
 from drystone.stability.samples import NONE_FOUND, attempt_sample, samples_to_try
-from drystone.stability.screening import PATIENT, QUICK, SLIP_LENGTH, Screening
+from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
 
 UNBALANCED = "no contact forces can balance the loads"
@@ -66,8 +66,8 @@ class Cascade:
     problem, options, progress, clock, executor
     known : (n, 6) [m, rad] each
         Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
-        one. The same stiffness is tried from there first. Empty: none was found; it is then looked
-        for briefly where settlement decides.
+        one. The same stiffness is tried from there first. Empty: none was found. Then it is looked
+        for briefly, and again where following the blocks does not show that they rest.
     within
         Numbers (m,) of the interfaces in a larger model, and how many interfaces that has: the
         stiffness of each interface is then drawn as it is there.
@@ -145,7 +145,9 @@ class Cascade:
         """The verdict where something presses on every block."""
         problem, attempts = self.problem, self.attempts
         if 0 in self.known:
-            doubtful = problem.statics.dry and self._nearby is None
+            # where a known rest state leads nowhere a mechanism is likely, and is found soon
+            small = problem.statics.full_transposed is not None and problem.statics.dry
+            doubtful = small and self._nearby is None
         else:
             doubtful = problem.equilibrium_first and not (attempts.standing or self.clock.late())
         if doubtful and self.collapse is not None:
@@ -165,8 +167,7 @@ class Cascade:
         # settlement and the search know dry joints only
         follows = self.options.settle and problem.statics.dry
         if not follows or uniform.stands:  # otherwise the stiffness decides, whatever others do
-            # where settlement decides in the end, a rest state is not looked for at length before
-            self._other_stiffnesses(uniform, QUICK if self._quickly else PATIENT)
+            self._other_stiffnesses(uniform)
         decided = not follows or self.robustly
         if attempts.standing and (decided or self.clock.late()):
             return self.answers.stable(uniform)
@@ -175,11 +176,6 @@ class Cascade:
         self.answers.report("search", 2 + self.options.samples)
         found = self._search()
         return self.answers.first_motion() if found is None else found
-
-    @property
-    def _quickly(self) -> bool:
-        """Whether other stiffnesses are tried quickly, and again if the blocks do not rest."""
-        return self.options.uniform and self.options.settle and self.problem.statics.dry
 
     @cached_property
     def uniform(self) -> Candidate:
@@ -235,7 +231,7 @@ class Cascade:
         attempts.standing.append(found)
         return found
 
-    def _other_stiffnesses(self, uniform: Candidate, screening: Screening = PATIENT) -> None:
+    def _other_stiffnesses(self, uniform: Candidate) -> None:
         """Rest states for the samples of the stiffness, once.
 
         Without friction the motion of a joint is normal to its limits. Then all stiffnesses give
@@ -246,13 +242,10 @@ class Cascade:
             return
         if not self.options.samples:
             return
-        patient = screening.patient
-        samples = samples_to_try(
-            attempts, self.options, uniform, self.known, self.within, patient=patient
-        )
+        samples = samples_to_try(attempts, self.options, uniform, self.known, self.within)
         self.answers.report("stiffness samples", 2)
         lead = self.options.uniform
-        task = partial(attempt_sample, self.problem, self.clock, lead, screening)
+        task = partial(attempt_sample, self.problem, self.clock, lead)
         tried = self.pool.answers(task, samples, self.clock.late)
         for number, record in enumerate(tried, start=1):
             attempts.add(record)
@@ -338,7 +331,9 @@ class Cascade:
     def _followed(self, uniform: Candidate) -> Result:
         """The verdict of finite steps, where the contact stiffness decides."""
         found = self._follow()
-        if self._quickly and uniform.stands and found.outcome is not Outcome.RESTS:
+        doubted = [number for number, near in self.known.items() if not len(near)]
+        if doubted and found.outcome is not Outcome.RESTS and uniform.stands:
+            self.known = {n: near for n, near in self.known.items() if n not in doubted}
             del self.attempts.standing[1:]
             self.attempts.tried = 1
             self._other_stiffnesses(uniform)

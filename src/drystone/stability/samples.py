@@ -13,13 +13,13 @@ from drystone.base.progress import Clock
 from drystone.checks import check_several
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
+from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.nearby import find_rests_nearby
 from drystone.formulations.rest.rest_state import start_from
 from drystone.solvers.threads import one_blas_thread
 from drystone.stability.attempts import AT_REST, Attempts, Candidate, Record, Rest
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
-from drystone.stability.screening import Screening
 
 NONE_FOUND = np.zeros((0, 6))
 """In place of a rest state that was not found."""
@@ -51,10 +51,8 @@ def samples_to_try(
     uniform: Candidate,
     known: Mapping[int, Floats],
     within: tuple[Ints, int] | None,
-    *,
-    patient: bool,
 ) -> list[Sample]:
-    """The samples of the stiffness; those near known rest states are tried here, all at once.
+    """The samples of the stiffness; smooth ones near known rest states are tried here, at once.
 
     Parameters
     ----------
@@ -63,8 +61,6 @@ def samples_to_try(
         The answer of uniform stiffness.
     known, within
         As for :class:`drystone.stability.cascade.Cascade`.
-    patient
-        Whether a stiffness without a known rest state is tried as long as others.
     """
     statics = attempts.problem.statics
     tangential = options.settlement.tangential
@@ -79,13 +75,16 @@ def samples_to_try(
         if uniform.stands:
             rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
         # a start is scaled as if forces were in proportion to the motion
-        out.append(Sample(sample, rests if statics.dry else [], missed and not patient))
-    first = [i for i, one in enumerate(out) if len(one.rests) > 1 and one.rests[0].same]
-    for law in dict.fromkeys(type(out[i].springs.friction) for i in first):
-        alike = [i for i in first if type(out[i].springs.friction) is law]
-        starts = [out[i].rests[0].displacement for i in alike]
-        found = several_nearby(attempts, [out[i].springs for i in alike], starts)
-        for i, one in zip(alike, found, strict=True):
+        out.append(Sample(sample, rests if statics.dry else [], missed))
+    first = [
+        i
+        for i, one in enumerate(out)
+        if len(one.rests) > 1 and isinstance(one.springs.friction, SlipLength)
+    ]
+    if len(first) > 1:
+        starts = [out[i].rests[0].displacement for i in first]
+        found = several_nearby(attempts, [out[i].springs for i in first], starts)
+        for i, one in zip(first, found, strict=True):
             out[i] = out[i]._replace(rests=out[i].rests[1:], found=one)
     return out
 
@@ -118,13 +117,11 @@ def several_nearby(
 
 
 @one_blas_thread()
-def attempt_sample(
-    problem: Problem, clock: Clock, lead: bool, screening: Screening, sample: Sample
-) -> Record:
+def attempt_sample(problem: Problem, clock: Clock, lead: bool, sample: Sample) -> Record:
     """One try of other stiffnesses, first from similar rest states."""
     if sample.found is not None:
         return Record([sample.found], tried=1)
     tries = Attempts(problem, clock)
     springs, rests, briefly, _ = sample
-    tries.attempt_from(springs, rests, lead=lead, screening=screening, briefly=briefly)
+    tries.attempt_from(springs, rests, lead=lead, briefly=briefly)
     return Record(*(getattr(tries, each.name) for each in fields(Record)))

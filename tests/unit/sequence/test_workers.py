@@ -3,6 +3,7 @@
 import functools
 import json
 import os
+import pickle
 import subprocess
 import sys
 import time
@@ -26,6 +27,10 @@ from drystone.sequence import (
     check_once,
     plan,
 )
+from drystone.sequence.stage.stages import Stage
+from drystone.sequence.stage.structure import Structure
+from drystone.stability.problem import Problem
+from drystone.stability.screening import QUICK
 
 
 def arch_plan(**arguments: object) -> Plan:
@@ -74,6 +79,23 @@ def planned_in_haste(**options: object) -> Plan:
     assembly = arch(0.3, 9)
     contacts = find_contacts(assembly, friction=0.4).contacts
     return plan(Model(assembly, contacts), options=PlanOptions(patience=8.0), **options)  # type: ignore[arg-type]
+
+
+def test_a_part_is_built_once_and_does_not_travel(monkeypatch):
+    structure = Structure(Model.of(arch(0.3, 7), friction=0.6))
+    built = []
+    build = Problem.build
+    monkeypatch.setattr(Problem, "build", lambda model: built.append(model) or build(model))
+    whole = Stage(structure.everything)
+    assert structure.solve(whole._replace(screening=QUICK)).stands
+    assert structure.solve(whole).stands
+    assert len(built) == 1
+    assert pickle.loads(pickle.dumps(structure)).solve(whole).stands
+    assert len(built) == 2
+    monkeypatch.setattr("drystone.sequence.stage.structure.KEPT", 0)
+    for block in structure.assembly.free.tolist()[-2:]:
+        structure.solve(Stage(structure.everything, 1 << block))
+    assert len(structure._kept) == 1
 
 
 def test_what_workers_look_at_in_vain_does_not_cost_patience():

@@ -77,8 +77,8 @@ def test_a_stiffness_is_looked_for_again_where_following_the_blocks_does_not_dec
 def test_several_stiffnesses_at_once_are_those_one_by_one():
     problem = Problem.build(LEANING)
     rests = known(LEANING)
-    springs = list(samples(problem.statics, 5, 0, tangential=0.2))[1:]  # of one kind of friction
-    near = [rests[0], *(1.01 * rests[i] for i in (3, 4)), np.ones_like(rests[0])]
+    springs = list(samples(problem.statics, 4, 0, tangential=0.2))[1:]
+    near = [*(1.01 * rests[i] for i in (2, 3)), np.ones_like(rests[0])]
     tries = Attempts(problem, Clock(np.inf))
     together = several_nearby(tries, springs, near)
     alone = [
@@ -86,7 +86,7 @@ def test_several_stiffnesses_at_once_are_those_one_by_one():
         for one, motion in zip(springs, near, strict=True)
     ]
     assert [one is None for one in together] == [one is None for one in alone]
-    assert 1 < sum(one is not None for one in together) < 4
+    assert 0 < sum(one is not None for one in together) < 3
     for one, other in zip(together, alone, strict=True):
         if one is not None and other is not None:
             scale = np.abs(other.force).max()

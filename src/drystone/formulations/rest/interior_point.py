@@ -182,8 +182,7 @@ class _Path:
 
         Near the end of the path few corners still change between closed and open.
         """
-        springs, motion = Compliance.stacked([self.compliance]), point.motion[None]
-        (state,), steps = descend(self.system, springs, self.options, motion, stop)
+        state, steps = descend(self.system, self.compliance, self.options, point.motion, stop)
         self.steps += steps
         return None if state is None else replace(state, iterations=self.steps)
 

@@ -63,8 +63,8 @@ def find_rest_nearby(
     RestState
         Converged; None if the method does not converge, which proves nothing.
     """
-    several = Start(start.motion[None], start.normal[None])
-    return find_rests_nearby(system, Compliance.stacked([compliance]), options, several, stop)[0]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return descend(system, compliance, options, start.motion, stop)[0]
 
 
 def find_rests_nearby(
@@ -76,7 +76,7 @@ def find_rests_nearby(
 ) -> list[RestState | None]:
     """:func:`find_rest_nearby` for springs (s, k) from motions (s, n, 6), as one calculation."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        return descend(system, compliance, options, start.motion, stop)[0]
+        return _descend_together(system, compliance, options, start.motion, stop)[0]
 
 
 def descend(
@@ -85,13 +85,25 @@ def descend(
     options: RestOptions,
     motion: Floats,
     stop: Callable[[], bool] | None = None,
+) -> tuple[RestState | None, int]:
+    """As :func:`find_rest_nearby`, from a motion (n, 6), with the number of Newton steps."""
+    together = Compliance.stacked([compliance])
+    found, steps = _descend_together(system, together, options, motion[None], stop)
+    return found[0], steps
+
+
+def _descend_together(
+    system: TangentSystem,
+    compliance: Compliance,
+    options: RestOptions,
+    start: Floats,
+    stop: Callable[[], bool] | None,
 ) -> tuple[list[RestState | None], int]:
-    """As :func:`find_rests_nearby`, with the largest number of Newton steps."""
     statics, kn = system.statics, compliance.normal
     glue = compliance.glue * kn
     weight = options.ground * statics.mass_matrix
     tangent = np.zeros((*kn.shape, 3, 3))
-    motion = motion.copy()
+    motion = start.copy()
     count = len(motion)
     found: list[RestState | None] = [None] * count
     left = list(range(count))
@@ -113,11 +125,11 @@ def descend(
             if share <= options.tolerance:
                 state = motion[i].copy(), normal[i], force[i], pull[i], ground[i]
                 found[i] = RestState(*state, share, True, steps)
-            hopeless = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
             # the first step often makes it worse: progress counts from there
             since[i] = 0 if steps < 2 or share < 0.5 * best[i] else since[i] + 1
             best[i] = share if steps < 2 else min(best[i], share)
-            if found[i] or since[i] >= STALL or hopeless:
+            lost = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
+            if found[i] is not None or lost:
                 left.remove(i)
         if not left:
             break
@@ -131,4 +143,5 @@ def descend(
             except SolverError:
                 left.remove(i)
         steps += 1
+        left = [i for i in left if since[i] < STALL]
     return found, steps

@@ -33,7 +33,7 @@ from drystone.sequence.search.states import NO_HELP, Cost, FoundOrder, Node, Sea
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening
-from drystone.stability.screening import FEW_BLOCKS, PATIENT, SLIP_LENGTH
+from drystone.stability.screening import FEW_BLOCKS, MANY_BLOCKS, PATIENT, SLIP_LENGTH
 
 LOOK = 0.1
 """Cost of a state that is decided without a check, in checks. Such a state takes about a tenth of
@@ -49,8 +49,12 @@ RINGS = 2
 and domes: with one ring 6 of 43 that stand find no rest state, with two none; of 37 that fall, 31
 are found with two rings, in a third to a half of the time of a check."""
 
-NEAR = replace(PATIENT, patient=False).with_slip_lengths(None, SLIP_LENGTH)
+NEAR = PATIENT.with_slip_lengths(None, SLIP_LENGTH)
 """Screening of a neighbourhood: both friction laws of a check."""
+
+NEAR_QUICKLY = replace(NEAR, name="quick neighbourhood", patient=False)
+"""The same in models of up to MANY_BLOCKS, without weaker ground springs. Measured on vaults and a
+dome at five friction coefficients: the same plans in two thirds of the time of these screenings."""
 
 
 class OrderSearch:
@@ -217,7 +221,8 @@ class OrderSearch:
         held = self.widened(moving) & node.placed & ~moving
         if self.few or not moving or not held & ~node.props:
             return None
-        return self.evaluator.answer(Stage(moving | held, held, NEAR))
+        quickly = self.model.largest[0] <= MANY_BLOCKS
+        return self.evaluator.answer(Stage(moving | held, held, NEAR_QUICKLY if quickly else NEAR))
 
     def stage(self, node: Node, level: Screening | None) -> Stage:
         """The stage to check; the search starts from the stage before the last removal."""

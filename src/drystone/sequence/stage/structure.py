@@ -231,8 +231,12 @@ class Structure(OfModel, OneLine):
         found = kept.pop(key, None) or self._made(placed, held)
         if found is not None:
             kept[key] = found
-            while len(kept) > 1 and sum(one.corners for one in kept.values()) > KEPT:
-                del kept[next(iter(kept))]
+            # a copy at once: threads of an executor may share the structure
+            before = list(kept.items())
+            corners = np.cumsum([one.corners for _, one in before[::-1]])[::-1]
+            for (old, _), behind in zip(before[:-1], corners[:-1].tolist(), strict=True):
+                if behind > KEPT:
+                    kept.pop(old, None)
         return found
 
     def _made(self, placed: int, held: int) -> _Part | None:
