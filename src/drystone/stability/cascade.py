@@ -45,9 +45,9 @@ from drystone.stability.proofs import (
     found_mechanism,
     sound_mechanism,
 )
-from drystone.stability.samples import NONE_FOUND, attempt_sample, samples_to_try
 from drystone.stability.screening import QUICK, SLIP_LENGTH
 from drystone.stability.search_starts import SLIDE_LIMIT, StateSearch
+from drystone.stability.stiffness_samples import NONE_FOUND, attempt_sample, samples_to_try
 
 UNBALANCED = "no contact forces can balance the loads"
 

@@ -16,8 +16,8 @@ from drystone.settlement import SettlementOptions
 from drystone.stability import check, check_near, try_rest
 from drystone.stability.attempts import Attempts
 from drystone.stability.problem import Problem
-from drystone.stability.samples import NONE_FOUND, several_nearby
 from drystone.stability.screening import QUICK, SMOOTH
+from drystone.stability.stiffness_samples import NONE_FOUND, several_nearby
 
 LEANING = Model.of(leaning_column(), friction=0.6)
 HARD = 2

@@ -23,7 +23,7 @@ from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Stage, StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import PATIENT
-from drystone.stability.samples import NONE_FOUND
+from drystone.stability.stiffness_samples import NONE_FOUND
 
 SAVE_EVERY_S = 10.0
 """Time between two writes of the checkpoint: an interruption loses at most this."""
