@@ -98,7 +98,9 @@ def path_of(
         overlap *= STIFFER
     if progress is not None:
         progress(stage, 100, 100)
-    return judged(model, apart, carrier, first, motion is not None, chosen, clock, bodies, track)
+    return path_after(
+        model, apart, carrier, first, motion is not None, chosen, clock, bodies, track
+    )
 
 
 def follower_of(
@@ -130,7 +132,7 @@ def too_soft(track: Track, overlap: float) -> bool:
     return track.ended in ("falls", "leaves") and track.squeezed and overlap > STIFFEST
 
 
-def judged(
+def path_after(
     model: Model,
     apart: Apart,
     carrier: Carrier,
@@ -227,7 +229,7 @@ __all__ = [
     "block_motions",
     "carriers_of",
     "follower_of",
-    "judged",
+    "path_after",
     "path_of",
     "scaled_motion",
     "support_motion",

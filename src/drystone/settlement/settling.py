@@ -29,7 +29,7 @@ from drystone.settlement.path import (
     STIFFER,
     carriers_of,
     follower_of,
-    judged,
+    path_after,
     path_of,
     support_motion,
     too_soft,
@@ -270,7 +270,7 @@ def _side_by_side(
             )
         else:
             bodies = one.bodies
-            paths[number] = judged(
+            paths[number] = path_after(
                 model, apart, carrier, first, False, chosen, clock, bodies, track
             )
     return [paths[number] for number in range(len(models))]

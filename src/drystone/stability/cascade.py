@@ -149,7 +149,8 @@ class Cascade:
             small = problem.statics.full_transposed is not None and problem.statics.dry
             doubtful = small and self._nearby is None
         else:
-            doubtful = problem.equilibrium_first and not (attempts.standing or self.clock.late())
+            # a fall then has the wrenches of the mechanism, not those of a state on the ground
+            doubtful = self.nearest is not None and not attempts.standing
         if doubtful and self.collapse is not None:
             return self.answers.unstable(UNBALANCED, self.collapse)
         uniform = self.uniform

@@ -25,7 +25,7 @@ NONE_FOUND = np.zeros((0, 6))
 """In place of a rest state that was not found."""
 
 
-class Sample(NamedTuple):
+class StiffnessSample(NamedTuple):
     """A stiffness to try.
 
     Attributes
@@ -51,7 +51,7 @@ def samples_to_try(
     uniform: Candidate,
     known: Mapping[int, Floats],
     within: tuple[Ints, int] | None,
-) -> list[Sample]:
+) -> list[StiffnessSample]:
     """The samples of the stiffness; smooth ones near known rest states are tried here, at once.
 
     Parameters
@@ -75,7 +75,7 @@ def samples_to_try(
         if uniform.stands:
             rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
         # a start is scaled as if forces were in proportion to the motion
-        out.append(Sample(sample, rests if statics.dry else [], missed))
+        out.append(StiffnessSample(sample, rests if statics.dry else [], missed))
     first = [
         i
         for i, one in enumerate(out)
@@ -117,7 +117,7 @@ def several_nearby(
 
 
 @one_blas_thread()
-def attempt_sample(problem: Problem, clock: Clock, lead: bool, sample: Sample) -> Record:
+def attempt_sample(problem: Problem, clock: Clock, lead: bool, sample: StiffnessSample) -> Record:
     """One try of other stiffnesses, first from similar rest states."""
     if sample.found is not None:
         return Record([sample.found], tried=1)

@@ -32,7 +32,6 @@ HOPELESS = 0.25
 """Largest unbalanced share after two steps with which the method continues. Measured: of 332
 converging runs one is lost; the others stop after 2.7 steps instead of 4.1."""
 
-
 LOST = 0.999
 """The same after one step. At 1 no force acts on some block; no run is known that came back."""
 

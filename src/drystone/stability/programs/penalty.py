@@ -129,7 +129,9 @@ def solve_cra_penalty(
             time_s={"solve": clock.elapsed_s},
         )
     share = problem.ground_share(leaning.ground)
-    prop = dry.prop if dry.prop is not None else -problem.wrench(leaning.ground)
+    prop = dry.prop
+    if prop is None or leaning.converged:  # that of the mechanism also presses blocks together
+        prop = -problem.wrench(leaning.ground)
     needy = dry.falling or tuple(int(i) for i in statics.free[share > FALLING_SHARE * share.max()])
     strength = np.linalg.norm(prop[:, :3], axis=1)
     order = tuple(sorted(needy, key=lambda i: -strength[i]))
