@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Unpack
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import DrystoneError
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import checked_call
+from drystone.formulations.nearest_mechanism import NearestMechanism, nearest_mechanisms
 from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.solvers.threads import one_blas_thread
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
@@ -183,6 +186,38 @@ def could_hold(
     chosen = replace(CheckOptions.of(options), settle=False, search=True)
     problem = Problem.build(supported_model(given, **how))
     return Cascade(problem, chosen, progress, Clock(time_limit_s, stop), executor).run()
+
+
+@one_blas_thread()
+def check_side_by_side(
+    models: Sequence[Model], options: CheckOptions
+) -> list[Result | DrystoneError]:
+    """The result of :func:`drystone.check` of each model, or why it has none."""
+    clock = Clock(float("inf"))
+    problems: list[Problem | DrystoneError] = []
+    for model in models:
+        try:
+            problems.append(Problem.build(model))
+        except DrystoneError as error:
+            problems.append(error)
+    nearest = _nearest([one for one in problems if isinstance(one, Problem)])
+    shared_s = clock.elapsed_s / max(len(models), 1)
+    found: list[Result | DrystoneError] = []
+    for problem in problems:
+        if isinstance(problem, Problem):
+            own = Clock(float("inf"))
+            own.began -= shared_s
+            found.append(Cascade(problem, options, None, own, nearest=nearest.get(problem)).run())
+        else:
+            found.append(problem)
+    return found
+
+
+def _nearest(problems: Sequence[Problem]) -> dict[Problem, NearestMechanism]:
+    """The nearest mechanisms of the models that are asked for them first."""
+    asked = [one for one in problems if one.statics.free_count and one.equilibrium_first]
+    found = nearest_mechanisms([one.system for one in asked]) if asked else []
+    return dict(zip(asked, found, strict=True))
 
 
 __all__ = ["CheckOptions", "check", "check_near", "could_hold", "stands_robustly", "verdict_alone"]

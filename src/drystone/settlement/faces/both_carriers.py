@@ -2,7 +2,7 @@
 
 A corner at such an end goes with the block that carries it. The two choices put the corner in
 places that differ by how far one face has slid over the other, along the normal of the end. Where
-that is hardly anything while the corner presses, both choices lead to the same motion: a wall that
+that is tiny while the corner presses, both choices lead to the same motion: a wall that
 topples hinges on its edges, and hardly slides.
 """
 

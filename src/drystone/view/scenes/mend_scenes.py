@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
 
+from drystone.base.arrays import Bools, Floats
+from drystone.base.errors import counted
 from drystone.design.causes.diagnosed import Diagnosis
+from drystone.design.surgery.changed_model import ties_of
 from drystone.geometry.body.polyhedron import edges_of
+from drystone.joint_capacity import JointCapacity
 from drystone.model import Model
 from drystone.results import Result
-from drystone.view.scenes.change_marks import added_blocks, change_layers
 from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene
 from drystone.view.scenes.staging import result_scene, stage_of
 from drystone.view.style.palette import State
+
+EQUAL = 1e-6
+"""Strengths, coefficients and weights that differ by less than this share are equal: rounding."""
+
+WIDE = 3.0
+"""Width of marked joints and of ties, relative to the usual lines; chosen by eye."""
 
 
 def diagnosis_scene(found: Diagnosis, source: str = "") -> Scene:
@@ -80,6 +90,101 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
     if change:
         facts["Changed"] = change
     return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", facts)
+
+
+def added_blocks(before: Model, after: Model) -> Bools:
+    """The blocks (n,) of the model after whose names the model before has not."""
+    return np.array([name not in before.assembly for name in after.assembly.names], dtype=bool)
+
+
+def change_layers(before: Model, after: Model) -> tuple[Layer, ...]:
+    """Glued and rougher joints, ties and weights that the model after has, and the other has not.
+
+    Joints are compared by the names of their blocks.
+
+    Examples
+    --------
+    >>> from drystone.models import tower
+    >>> dry = Model.of(tower(3), friction=0.6)
+    >>> glued = dry.with_capacity(JointCapacity.of(dry.contacts, tension=[0.0, 50.0]))
+    >>> [layer.label for layer in change_layers(dry, glued)]
+    ['1 glued joint']
+    """
+    contacts, joint, tie = after.contacts, _joints(after), ties_of(after)
+    strength = _largest(before, _strength(before))
+    friction = _largest(before, np.asarray(before.contacts.friction))
+    ties = {_joints(before)[k] for k in np.flatnonzero(ties_of(before))}
+    edges: dict[str, list[tuple[Floats, Floats]]] = defaultdict(list)
+    marked: dict[str, set[tuple[str, ...]]] = defaultdict(set)
+    for k, (pair, force) in enumerate(zip(joint, _strength(after), strict=True)):
+        points = contacts.polygon(k)
+        key = ""
+        if tie[k]:
+            if pair not in ties:
+                key = "ties"
+                points = after.assembly.centroid[[contacts.block_a[k], contacts.block_b[k]]]
+        elif force > (1.0 + EQUAL) * strength.get(pair, 0.0):
+            key = "glued"
+        elif contacts.friction[k] > (1.0 + EQUAL) * friction.get(pair, np.inf):
+            key = "rougher"
+        if key:
+            edges[key].append((points, np.roll(points, -1, axis=0) - points))
+            marked[key].add(pair)
+    made = []
+    for key, what, colour in (
+        ("glued", "glued joint", "added"),
+        ("rougher", "rougher joint", "kern"),
+        ("ties", "tie", "added"),
+    ):
+        if edges[key]:
+            start, along = (np.concatenate(one) for one in zip(*edges[key], strict=True))
+            label = counted(len(marked[key]), what)
+            made.append(Layer(key, label, LayerKind.LINES, colour, start, along, width=WIDE))
+    return (*made, *_weights(before, after))
+
+
+def _joints(model: Model) -> list[tuple[str, ...]]:
+    """The names of the two blocks of each interface."""
+    names, contacts = model.assembly.names, model.contacts
+    pairs = zip(contacts.block_a.tolist(), contacts.block_b.tolist(), strict=True)
+    return [tuple(sorted((names[a], names[b]))) for a, b in pairs]
+
+
+def _strength(model: Model) -> Floats:
+    """Pull and cohesion (m,) [N] of each interface, added up."""
+    capacity = model.contacts.capacity or JointCapacity.of(model.contacts)
+    total: Floats = capacity.tension + capacity.cohesion
+    return total
+
+
+def _largest(model: Model, value: Floats) -> dict[tuple[str, ...], float]:
+    """The largest of the values (m,) of the interfaces of each joint."""
+    out: dict[tuple[str, ...], float] = {}
+    for pair, one in zip(_joints(model), value.tolist(), strict=True):
+        out[pair] = max(one, out.get(pair, 0.0))
+    return out
+
+
+def _weights(before: Model, after: Model) -> tuple[Layer, ...]:
+    """The forces on blocks that did not change themselves and carry more."""
+    old = {name: i for i, name in enumerate(before.assembly.names)}
+    block, more = [], []
+    for i, (name, one) in enumerate(zip(after.assembly.names, after.assembly.blocks, strict=True)):
+        if name not in old or before.assembly.blocks[old[name]] is not one:
+            continue
+        force, was = after.load.wrench[i, :3], before.load.wrench[old[name], :3]
+        if np.linalg.norm(force - was) > EQUAL * np.linalg.norm(was):
+            block.append(i)
+            more.append(force - was)
+    if not block:
+        return ()
+    return (
+        Layer(
+            "weights", counted(len(block), "added weight"), LayerKind.ARROWS, "added",
+            after.assembly.centroid[block], np.array(more), block=np.array(block),
+            single=True, width=2.0, group="help",
+        ),
+    )  # fmt: skip
 
 
 __all__ = ["diagnosis_scene", "mended_scene"]
