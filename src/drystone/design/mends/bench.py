@@ -159,15 +159,15 @@ class Bench:
             raise Stopped
         return stands
 
-    def holds(self, model: Model) -> Result:
-        """The check of a model at the margin.
+    def holds(self, model: Model, margin: DesignMargin | None = None) -> Result:
+        """The check of a model at the margin, or at another one.
 
         Raises
         ------
         Stopped
             As above.
         """
-        result = self.margin.holds(model, self.stop)
+        result = (margin or self.margin).holds(model, self.stop)
         if result.stopped:
             raise Stopped
         return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Unpack
 
@@ -32,6 +32,10 @@ JOINT, ADDED, VOLUME, FRICTION = 1.0, 2.0, 10.0, 5.0
 """Costs: of a changed joint, of an added part, of a change of the whole volume of a region, and of
 an increase of a friction coefficient by 1. Chosen: to change a joint costs less than an additional
 part, and a tenth of the volume costs as much as a joint."""
+
+SETTLED = 2.0
+"""Cost of standing only after settling, where standing for all contact stiffnesses is asked for and
+no value gives it. As much as an additional part: a mend that does is preferred."""
 
 
 @dataclass(frozen=True)
@@ -377,7 +381,30 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
             low = top
         return None
 
+    def settled(value: float) -> tuple[Model, Result] | None:
+        """As ``checked``, where standing after settling is enough."""
+        both = changed_whole(value)
+        if both is None:
+            return None
+        margin = replace(bench.margin, robust=False)
+        result = bench.holds(both[1], margin)
+        why[value] = result.message
+        return (both[0], result) if margin.meets(result) else None
+
+    def least_settled(low: float) -> tuple[float, tuple[Model, Result]] | None:
+        """A value above one that falls with which the structure stands after settling."""
+        found, high = None, low
+        while found is None and high + candidate.close < candidate.most:
+            low, high = high, min(2.0 * high + candidate.close, candidate.most)
+            found = settled(high)
+        if found is None:
+            return None
+        middle = 0.5 * (low + high)
+        better = settled(middle)
+        return (high, found) if better is None else (middle, better)
+
     value: float | None = candidate.value
+    cost = 0.0
     # cheap first: what falls with uniform stiffness does not stand for all
     if sieved and not stands(candidate.value, quick=True):
         value = larger(candidate.value, quick=True)
@@ -385,6 +412,11 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
     if answer is None and value is not None:
         value = larger(value, quick=False)
         answer = None if value is None else checked(value)
+    if answer is None and bench.margin.robust and not sieved:
+        settling = least_settled(candidate.value)
+        if settling is not None:
+            value, answer = settling
+            cost = SETTLED
     if answer is None or value is None:
         if candidate.value not in why:
             sieved = False
@@ -403,7 +435,7 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
     region = bench.region
     volume = volume_changed(model, made)
     whole = float(model.assembly.volume[list(region.blocks)].sum())
-    cost = JOINT * candidate.joints + ADDED * candidate.added + VOLUME * volume / whole
+    cost += JOINT * candidate.joints + ADDED * candidate.added + VOLUME * volume / whole
     if candidate.kind == "friction":
         gained = np.asarray(made.contacts.friction) - np.asarray(model.contacts.friction)
         cost += FRICTION * float(gained.sum())
