@@ -18,7 +18,6 @@ from drystone import Model, check, read, write
 from drystone.design import DesignMargin, SharpenOptions, sharpen
 from drystone.design.wedges.plane_joints import PlaneJoints
 from drystone.models import arch
-from drystone.stability import CheckOptions
 
 HEAD = (
     "| voussoirs | thickness / radius | friction | rounds | wedges | sharpest | sum | needed | "
@@ -44,7 +43,7 @@ def row(voussoirs: int, ratio: float, friction: float, models: Path | None = Non
         for value in (max(found.sharpness[k] - close, 0.0), 0.0):
             less = np.array(found.sharpness)
             less[k] = value
-            result = check(joints.wedged(less), options=CheckOptions(settle=False))
+            result = check(joints.wedged(less))
             falls &= not DesignMargin().meets(result)
         needed += falls
     angle = found.sharpness

@@ -294,7 +294,7 @@ def extras() -> str:
         "",
         "Published: the program of the source on six cores. Ours: CPU seconds of one thread",
         "without the contact search, on the machine of the table above. The Armadillo vault",
-        "(399 blocks, 1014 interfaces, 2424 s) takes 1.4 s, see [speed](speed.md). The leaning",
+        "(399 blocks, 1014 interfaces, 2424 s) takes 0.83 s, see [speed](speed.md). The leaning",
         "tower (8 blocks, 11 interfaces, 2.43 s) has no published dimensions.",
         "",
         *times_table(),
