@@ -53,7 +53,7 @@ NEAR = PATIENT.with_slip_lengths(None, SLIP_LENGTH)
 """Screening of a neighbourhood: both friction laws of a check."""
 
 NEAR_QUICKLY = replace(NEAR, name="quick neighbourhood", patient=False)
-"""The same in models of up to MANY_BLOCKS, from the rest state before the removal and without weaker
+"""The same in models of up to MANY_BLOCKS, begun at the rest state before, without weaker
 ground springs. Measured on vaults and a dome at five friction coefficients: the same plans in half
 of the time of these screenings."""
 
