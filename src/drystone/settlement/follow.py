@@ -71,8 +71,14 @@ SLOW_STEPS = 1000
 followed no farther: stones of 1/700 of the next one's size allow only tiny increments."""
 FRAMES = 240
 """Positions kept of a path; of more, every other one is left out."""
+STIFFEST = 1e-9
+"""Smallest overlap: below it gaps are lost in rounding."""
+SOFT_AT, SOFT_AT_MANY = 0.05, 0.02
+"""Displacement of a block relative to its size where it is decided whether springs are too soft; of
+many blocks. It is the same however far they are followed, so that :func:`drystone.check` and
+:func:`drystone.settle` give one answer."""
 FADING = 0.5
-"""Share of the load that the contacts do not carry where a block leaves, by that at half of the
+"""Of many blocks: share of the load that the contacts do not carry there, by that at half of the
 way, below which springs were too soft: it was about to come to rest. Measured on the Armadillo
 vault: 0.29 at 21 degrees, where it rests on stiffer springs, 0.74 at 24 and 0.85 at 27."""
 SQUEEZED, GROWN = 20.0, 1.5
@@ -91,7 +97,9 @@ class Track:
 
     Attributes
     ----------
-    ended : ``rests``, ``falls``, ``leaves``, ``lost`` (no increment could be solved) or ``stopped``
+    ended : ``rests``, ``falls``, ``leaves``, ``soft``, ``lost`` or ``stopped``
+        ``soft``: forces far above the loads grew, so stiffer springs are to be tried. ``lost``: no
+        increment could be solved.
     frames
         Poses from first to last.
     placed, response
@@ -101,8 +109,6 @@ class Track:
         Of the load that the contacts do not carry at the end.
     met : (k,)
         Whether a corner has ever pressed.
-    squeezed
-        Whether forces far above the loads grew meanwhile: the springs were too soft.
     steps, iterations
     """
 
@@ -113,7 +119,6 @@ class Track:
     travel: Floats
     share: float
     met: Bools
-    squeezed: bool
     steps: int
     iterations: int
 
@@ -158,8 +163,10 @@ class Follower(Increments):
         self.smallest = float(bodies.size[bodies.free].min(initial=np.inf))
         self.travel = np.zeros(len(bodies.free))
         self.farthest = 0.0
+        self.soft_at = min(fall, left_at, SOFT_AT_MANY if self.rough else SOFT_AT)
         self.half_way: Floats | None = None
         self.half_share = 0.0
+        self.asked = False
         self.guess: tuple[Floats, float] | None = None
         self.steps = self.beyond = 0
         self.left_steps = step_limit
@@ -181,6 +188,8 @@ class Follower(Increments):
         """As :meth:`run`."""
         # blocks that follow their supports go far without falling
         self.left_steps = LEFT_STEPS if supports is None else self.step_limit
+        if supports is not None:
+            self.soft_at = self.fall
         ended = yield from self._loaded(earlier)
         if ended == "rests":
             ended = yield from self._to_rest()
@@ -233,6 +242,8 @@ class Follower(Increments):
             rests = self.share < AT_REST and longest < STILL * bodies.overlap
             if rests or (roughly and self.share < ROUGHLY):
                 return "rests"
+            if self._too_soft():
+                return "soft"
             if self.farthest > self.fall:
                 return "falls"
             if self.farthest > self.left_at:
@@ -281,7 +292,7 @@ class Follower(Increments):
         self.met = self.met | found.response.pressed
         self.pose, self.placed, self.travel = yield Place(self.pose, found.motion)
         self.farthest = float(self.travel.max(initial=0.0))
-        if self.half_way is None and self.farthest >= 0.5 * min(self.fall, self.left_at):
+        if self.half_way is None and self.farthest >= 0.5 * self.soft_at:
             self.half_way, self.half_share = self.placed.gap, self.share
         self.steps += 1
         self.beyond += self.farthest > FAR
@@ -301,7 +312,15 @@ class Follower(Increments):
         stretched = min(self.stretch * (LONG_STEP if clear else self.many * STEP), LONGEST)
         return self.pace * self.smallest * stretched
 
+    def _too_soft(self) -> bool:
+        """Whether stiffer springs are to be tried; asked once, at a given displacement."""
+        if self.farthest <= self.soft_at or self.asked or self.bodies.overlap <= STIFFEST:
+            return False
+        self.asked = True
+        return self._squeezed() or bool(self.rough and self.share < FADING * self.half_share)
+
     def _squeezed(self) -> bool:
+        """Whether forces far above the loads have grown."""
         bodies, gap = self.bodies, self.placed.gap
         before = gap if self.half_way is None else GROWN * self.half_way
         grown = (gap < -SQUEEZED * bodies.overlap) & (gap <= before)
@@ -339,7 +358,6 @@ class Follower(Increments):
             self.travel,
             self.share,
             self.met,
-            self._squeezed() or (ended == "leaves" and self.share < FADING * self.half_share),
             self.steps,
             self.iterations,
         )

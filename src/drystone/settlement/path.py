@@ -23,9 +23,8 @@ from drystone.settlement.proof import PROVEN, rest_residuals
 from drystone.settlement.settlement_types import Outcome, SettlementOptions, SettlementPath
 from drystone.settlement.springs import BlockPositions, rotation_vectors
 
-STIFFER, STIFFEST = 1e-2, 1e-9
-"""Overlap of the next try by the last where springs are too soft, and the smallest: below it gaps
-are lost in rounding."""
+STIFFER = 1e-2
+"""Overlap of the next try by the last where springs are too soft."""
 STIFF_STEPS = 400
 """Increments on stiffer springs after which a verdict is undecided. On the Armadillo vault those
 that rest take 230; on stiffer springs a block takes a hundred times as many steps to leave."""
@@ -93,7 +92,7 @@ def path_of(
             None if motion is None else scaled_motion(bodies, motion),
             earlier_loads(bodies, chosen.loading),
         )
-        if not too_soft(track, overlap):
+        if track.ended != "soft":
             break
         overlap *= STIFFER
     if progress is not None:
@@ -125,11 +124,6 @@ def follower_of(
         tell=tell,
         left_at=left_at,
     )
-
-
-def too_soft(track: Track, overlap: float) -> bool:
-    """Whether it fell on springs that were squeezed, and stiffer ones are to be tried."""
-    return track.ended in ("falls", "leaves") and track.squeezed and overlap > STIFFEST
 
 
 def path_after(
@@ -233,5 +227,4 @@ __all__ = [
     "path_of",
     "scaled_motion",
     "support_motion",
-    "too_soft",
 ]

@@ -32,7 +32,6 @@ from drystone.settlement.path import (
     path_after,
     path_of,
     support_motion,
-    too_soft,
 )
 from drystone.settlement.settlement_types import (
     Outcome,
@@ -263,7 +262,7 @@ def _side_by_side(
     )
     for (number, apart, one), track in zip(runs, tracks, strict=True):
         model, _, carrier, first = models[number]
-        if too_soft(track, chosen.overlap):
+        if track.ended == "soft":
             stiffer = STIFFER * chosen.overlap
             paths[number] = path_of(
                 model, apart, carrier, first, None, chosen, clock, overlap=stiffer

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check
+from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check, settle
 from drystone.geometry.frames import rotation_about
 from drystone.models import concave, cube_curve, h_model, wedge
 from drystone.models.solids import prism
@@ -197,6 +197,15 @@ def test_a_rest_state_that_slides_far_is_followed() -> None:
     assert not stands_for_all(model)
     found = check(model)
     assert found.verdict is Verdict.UNSTABLE
+    assert found.samples.standing == found.samples.tried
+    # how far a fall is followed does not change what is found
+    assert settle(model).outcome is Outcome.FALLS
+    # one that comes to rest stands for a search as well
+    rests = tilted(cube_curve("short"), (-1.0, 0.0, 0.0), 72.3)
+    assert stands_robustly(rests).verdict is Verdict.UNDECIDED
+    assert stands_for_all(rests)
+    found = check(rests)
+    assert found.stable
     assert found.samples.standing == found.samples.tried
     # one that comes to rest is as certain as any other
     near = check(tilted(wedge("a"), X, 59.1))
