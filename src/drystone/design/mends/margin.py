@@ -10,7 +10,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.design.causes.prop_forces import stands_near
+from drystone.design.causes.prop_forces import stands_evenly, stands_near
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
@@ -118,7 +118,7 @@ class DesignMargin(Options):
                 for case, rests in zip(cases, near, strict=True)
             )
         if quick:
-            return all(stands_for_all(case, samples=0, stop=stop) for case in cases)
+            return all(stands_evenly(case, stop) for case in cases)
         if self.robust:
             return all(stands_for_all(case, stop=stop) for case in cases)
         return all(check(case, stop=stop).stable for case in cases)

@@ -56,7 +56,7 @@ GROUND = 1e-6
 at most, of one that is 5 % too thin 0.019."""
 
 LIGHT = 1e-12
-"""Share of the mean square load of blocks that is added to that of each, for blocks without load."""
+"""Share of the mean square load of all blocks that is added to that of each: some have no load."""
 
 
 @dataclass(frozen=True, eq=False)
