@@ -35,8 +35,8 @@ class DesignMargin(Options):
         It must stand with this share of the friction of each joint.
     robust
         It must stand for all contact stiffnesses of the check. Without this, STABLE is enough,
-        also after settling. A mend of a small model that holds only after settling is told too,
-        at a higher cost, where no value of it stands for all.
+        also after settling. A mend that holds only after settling is told too, at a higher
+        cost, where no value of it stands for all.
     """
 
     tilt: float = 0.0
