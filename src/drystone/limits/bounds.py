@@ -126,7 +126,8 @@ def tilt_bound(
     """
     if not family.is_planar():
         return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop)
-    angle, solution = float("inf"), None
+    angle = float("inf")
+    solution: FactorSolution | None = None
     for quarter in np.arange(0.0, upper, 90.0).tolist():
         solution = _largest(family(quarter), family.turned(quarter + 90.0), cone, stop)
         if solution.factor < np.inf:
