@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 import drystone
-from drystone import InputError
+from drystone import InputError, design
 from drystone.cli import main
+from drystone.cli.base.waiting import UNDER_WAY
 from drystone.design import BuildableOptions, BuildNeeds, make_buildable
 from drystone.design.building.buildable_search import (
     course_of,
@@ -80,6 +81,24 @@ def test_a_layout_that_cannot_be_built_is_told_with_its_reason() -> None:
         )
     with pytest.raises(InputError, match="stopped"):
         make_buildable(barrel_vault(6.0, 6.0), Layout(courses=5, blocks=2), stop=lambda: True)
+
+
+def test_a_search_that_is_stopped_before_its_first_plan_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = ShellBody(thickness=0.4)
+
+    def interrupted(*given: object, **how: object) -> None:
+        work = UNDER_WAY.get()
+        assert work is not None
+        work.interrupted = True
+        make_buildable(barrel_vault(4.0, 2.0, 2.0), Layout(courses=3), body, stop=lambda: True)
+
+    with pytest.raises(InputError, match="stopped before its first plan; give it time"):
+        make_buildable(barrel_vault(4.0, 2.0, 2.0), Layout(courses=3), body, time_limit_s=0.0)
+    monkeypatch.setattr(design, "make_buildable", interrupted)
+    assert main(["shell", "barrel", "--courses", "3", "--buildable"]) == 130
+    assert "interrupted; nothing was written" in capsys.readouterr().err
 
 
 def test_the_command_takes_a_wedge_for_each_course(

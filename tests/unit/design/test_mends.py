@@ -350,6 +350,8 @@ def test_a_file_that_no_mend_has_changed_is_not_written(
         (["--margin", "wind=3"], "is no margin"),
         (["--margin", "load=1.1", "--margin", "load=1.2"], "given twice"),
         (["--only", "prop", "--apply", "7"], "there is no mend 7"),
+        (["--apply", "0"], "--apply: is 0; give 1 or more"),
+        (["--pages", f"{__file__}/pages"], "is no folder; name another folder"),
     ],
 )
 def test_the_command_refuses_what_contradicts_itself(

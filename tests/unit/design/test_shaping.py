@@ -379,6 +379,7 @@ def test_what_stands_already_is_told_and_what_falls_is_not_made_lighter() -> Non
     assert "stands already" in shape(model, moves).message
     falls = Model.of(arch(0.08, 8), friction=0.8)
     thin = thickening(falls, (0.0, 0.0, 0.0), 0.01)
+    assert "1 move of 1 as large as allowed: larger ones may help" in shape(falls, thin).message
     with pytest.raises(InputError, match="does not stand as it is"):
         shape(falls, thin, options=ShapeOptions(aim="volume"))
 
@@ -402,6 +403,8 @@ def test_moves_that_make_no_sense_are_refused() -> None:
     every = list(model.assembly.names)
     with pytest.raises(InputError, match="may move: the blocks brick-0, brick-1, brick-2 stay"):
         free_vertices(model, 0.1, keep=every)
+    with pytest.raises(InputError, match="the blocks brick-0, brick-1, brick-2 stay"):
+        free_vertices(model, 0.1, keep="brick-*")
     with pytest.raises(InputError, match="is no prism along y"):
         free_vertices(Model.of(dome(slices=4, rings=2), friction=0.5), 0.1)
     with pytest.raises(InputError, match="not its own image in another sector"):

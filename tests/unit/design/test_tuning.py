@@ -83,6 +83,8 @@ def test_a_search_that_was_ended_goes_on_to_the_same_answer(tmp_path: Path) -> N
     whole = tune(STACK, [edge], store=store, options=options)
     once = tune(STACK, [edge], options=options)
     assert [one.values for one in whole.trials] == [one.values for one in once.trials]
+    with pytest.raises(InputError, match="cannot be used: No such file or directory"):
+        tune(STACK, [edge], store=tmp_path / "nowhere" / "search.log", options=options)
     with pytest.raises(InputError, match="has the trials of another search"):
         tune(STACK, [Parameter("edge", 0.5, 3.0)], store=store, options=options)
     with pytest.raises(InputError, match="has the trials of another search"):

@@ -142,6 +142,21 @@ def output_path(text: str, suffixes: Sequence[str]) -> Path:
     return path
 
 
+def folder_path(text: str) -> Path:
+    """The path of a folder, which may be made with those above it.
+
+    Raises
+    ------
+    InputError
+        Something of that name, or on the way to it, is no folder.
+    """
+    path = Path(text)
+    there = next(one for one in (path, *path.absolute().parents) if one.exists())
+    if not there.is_dir():
+        raise InputError(f"'{there}' is no folder", remedy="name another folder")
+    return path
+
+
 def _either(words: Sequence[str]) -> str:
     first = ", ".join(words[:-1])
     return f"{first} or {words[-1]}" if first else words[-1]
@@ -172,6 +187,7 @@ def _section(text: str) -> str:
 
 
 TEXT = OptionKind("TEXT", str)
+FOLDER = OptionKind("FOLDER", folder_path)
 SECTION = OptionKind("AXIS[=METRES]", _section)
 FILE = OptionKind("FILE", str)
 POSITIVE = number(above=0.0)

@@ -88,13 +88,18 @@ def find_buildable(
     given: dict[str, Any] = {} if friction is None else {"friction": friction}
     waiting.stage("build", "searching what can be built")
     with waiting.keywords(time_limit) as common:
-        return design.make_buildable(
-            shape,
-            layouts_to_try(layout, asked),
-            body,
-            options=design.BuildableOptions(wedges=wedges, **given),
-            **common,
-        )
+        try:
+            return design.make_buildable(
+                shape,
+                layouts_to_try(layout, asked),
+                body,
+                options=design.BuildableOptions(wedges=wedges, **given),
+                **common,
+            )
+        except InputError:
+            if waiting.interrupted:  # before the first plan
+                raise KeyboardInterrupt from None
+            raise
 
 
 def show_buildable(data: dict[str, Any], screen: Screen) -> None:

@@ -77,18 +77,21 @@ def mend(
     ] = (),
     margin: Margin = (),
     apply: Annotated[
-        int | None, Option("Number of the mend to make, as in the list.", OUTPUT, expert=True)
+        int | None,
+        Option(
+            "Number of the mend to make, as in the list.", OUTPUT, kind=kinds.whole(1), expert=True
+        ),
     ] = None,
     out: Annotated[
         Path | None,
         Option("Write the mended model.", OUTPUT, kind=kinds.target(".json")),
     ] = None,
     pages: Annotated[
-        str | None,
+        Path | None,
         Option(
             "Folder for a page of each mend: the mended model, with edges of what it was.",
             OUTPUT,
-            metavar="FOLDER",
+            kind=kinds.FOLDER,
             expert=True,
         ),
     ] = None,
@@ -156,7 +159,7 @@ def mend(
         )
         code = verdict.exit_code(result, strict=False)
     if pages is not None:
-        files = partial(_with_pages, files, mends, Path(pages), subject.model)
+        files = partial(_with_pages, files, mends, pages, subject.model)
     return Answer(data, partial(_show, data), code, model.notes, files)
 
 

@@ -115,16 +115,21 @@ def parameter_range(text: str, known: families.Parameters) -> Parameter:
         raise InputError(f"'{text}' is not NAME=LOW:HIGH", where="--vary")
     families.refuse_unknown(name, known, "--vary")
     low, colon, high = bounds.partition(":")
+    try:
+        values = [
+            families.setting(f"{name}={one}", known)[1]
+            for one in ((low, high) if colon else bounds.split(","))
+        ]
+    except InputError as error:
+        raise error.located("--vary") from error
     if not colon:
-        values = tuple(families.setting(f"{name}={one}", known)[1] for one in bounds.split(","))
-        return Parameter(name, choices=values)
-    ends = [families.setting(f"{name}={end}", known)[1] for end in (low, high)]
-    if not all(isinstance(end, int | float) for end in ends):
+        return Parameter(name, choices=tuple(values))
+    if not all(isinstance(end, int | float) for end in values):
         raise InputError(
             f"{name} has no bounds", where="--vary", remedy="give values separated by commas"
         )
-    whole = all(isinstance(end, int) for end in ends)
-    return Parameter(name, float(ends[0]), float(ends[1]), whole=whole)
+    whole = all(isinstance(end, int) for end in values)
+    return Parameter(name, float(values[0]), float(values[1]), whole=whole)
 
 
 UNITS = {"volume": " m3", "height": " m", "reach": " m"}

@@ -83,7 +83,11 @@ def shape(
     ] = 1,
     keep: Annotated[
         tuple[str, ...],
-        Option("Block whose vertices stay. Can be given several times.", metavar="BLOCK"),
+        Option(
+            "Blocks whose vertices stay: names and patterns, separated by commas, as for "
+            "--supports. Can be given several times.",
+            metavar="BLOCK",
+        ),
     ] = (),
     keep_side: Annotated[
         str | None,

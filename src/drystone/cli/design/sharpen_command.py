@@ -44,7 +44,11 @@ def sharpen(
     ] = None,
     keep: Annotated[
         tuple[str, ...],
-        Option("Block whose joints stay plane. Can be given several times.", metavar="BLOCK"),
+        Option(
+            "Blocks whose joints stay plane: names and patterns, separated by commas, as for "
+            "--supports. Can be given several times.",
+            metavar="BLOCK",
+        ),
     ] = (),
     changed: Changed,
     waiting: Waiting,

@@ -115,7 +115,11 @@ class _WedgeSearch:
             tried.append(TriedLayout(layout, len(shell.voussoirs), needs_of(first)))
             starts.append((len(tried) - 1, layout, shell, first))
         if not starts:
-            why = tried[0].message if tried else "the search was stopped before the first plan"
+            if not tried:
+                raise InputError(
+                    "the search was stopped before its first plan", remedy="give it time"
+                )
+            why = tried[0].message
             raise InputError(f"no layout was planned: {why}", remedy="try other courses or blocks")
         starts.sort(key=lambda one: needs_of(one[3]).cost)
         best: Buildable | None = None

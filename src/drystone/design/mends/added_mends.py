@@ -176,8 +176,10 @@ def tie_mends(bench: Bench) -> Iterator[MendCandidate]:
                 added=1,
             )
             return
-    pairs = counted(len(fastest), "pair")
-    bench.fail("tie", f"{pairs} of blocks that move apart: a tie between them was tried", *tried)
+    what = "no blocks move apart"
+    if tried:
+        what = f"a tie between blocks that move apart, of {counted(len(tried), 'pair')}"
+    bench.fail("tie", what, *tried)
 
 
 def tied(model: Model, block: int, other: int) -> Model:

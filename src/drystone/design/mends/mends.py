@@ -279,8 +279,8 @@ def _rank(one: Mend) -> tuple[float, int, float]:
     return round(one.cost, 9), KINDS.index(one.kind), one.value
 
 
-def kept_blocks(model: Model, keep: Sequence[int | str]) -> frozenset[int]:
-    """Positions of the blocks to keep.
+def kept_blocks(model: Model, keep: int | str | Sequence[int | str]) -> frozenset[int]:
+    """Positions of the blocks to keep: of names, patterns and positions.
 
     Raises
     ------
@@ -288,7 +288,7 @@ def kept_blocks(model: Model, keep: Sequence[int | str]) -> frozenset[int]:
         There is no such block.
     """
     found: set[int] = set()
-    for one in keep:
+    for one in (keep,) if isinstance(keep, int | str) else keep:
         if isinstance(one, str):
             try:
                 fixed = select(model.assembly, one, joints=model.joints).fixed

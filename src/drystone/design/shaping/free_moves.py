@@ -11,6 +11,7 @@ from scipy import sparse
 from drystone.base.arrays import Bools, Floats, number
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.design.mends.mends import kept_blocks
 from drystone.design.shaping.block_sides import on_side, slides
 from drystone.design.shaping.shared_planes import PlaneMoves, SharedPlanes
 from drystone.design.shaping.vertex_measures import owners_of, vertices_of
@@ -76,7 +77,7 @@ class Moves(OneLine):
 
 def prism_axis(model: Model, keep: Sequence[int | str] = ()) -> str | None:
     """The first of y, x and z along which all free blocks but those to keep are prisms."""
-    stay = {*np.flatnonzero(model.assembly.fixed).tolist(), *model.assembly.indices(list(keep))}
+    stay = {*np.flatnonzero(model.assembly.fixed).tolist(), *kept_blocks(model, keep)}
     some = [block for i, block in enumerate(model.assembly.blocks) if i not in stay]
     for axis in ("y", "x", "z"):
         if all(is_prism(block, axis) for block in some):
@@ -114,7 +115,8 @@ def free_vertices(
         Vertices that are mirror images along this axis, about the middle of the model, move as
         mirror images.
     keep
-        Names or positions of blocks whose vertices stay. Those of fixed blocks stay in any case.
+        Names, patterns or positions of blocks whose vertices stay. Those of fixed blocks stay in
+        any case.
     keep_side
         ``intrados`` or ``extrados``: the vertices of that side stay.
     sectors
@@ -135,7 +137,7 @@ def free_vertices(
             remedy="leave that direction out, or name no axis of prisms",
         )
     kept = model.assembly.fixed.copy()
-    kept[model.assembly.indices(list(keep))] = True
+    kept[list(kept_blocks(model, keep))] = True
     if along is not None:
         require_prisms(model, along, kept)
     places = Places.of(model, along, mirror, sectors)
@@ -165,7 +167,7 @@ def joint_moves(
     along, mirror
         As for :func:`free_vertices`.
     keep
-        Names or positions of blocks whose vertices stay.
+        Names, patterns or positions of blocks whose vertices stay.
 
     Raises
     ------
@@ -173,7 +175,7 @@ def joint_moves(
         An axis is unknown, a face would not stay plane, or no joint has ends that two blocks share.
     """
     kept = np.zeros(len(model), dtype=bool)
-    kept[model.assembly.indices(list(keep))] = True
+    kept[list(kept_blocks(model, keep))] = True
     if along is not None:
         require_prisms(model, along, kept)
     places = Places.of(model, along, mirror)

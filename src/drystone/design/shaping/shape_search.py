@@ -287,7 +287,8 @@ class ShapeSearch(ShapeValues):
             words += ": it does not stand"
             ends = int((np.abs(x) > AT_END * self.moves.most).sum())
             if ends:
-                words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed"
+                words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed: "
+                words += "larger ones may help"
         return Shaped(self.model, model, result, stands, rounds, words, x, *values)
 
 

@@ -166,9 +166,15 @@ class _ValueSearch:
         optuna = self.optuna
         storage = None
         if store is not None:
-            backend = optuna.storages.journal.JournalFileBackend(str(store))
             try:
+                backend = optuna.storages.journal.JournalFileBackend(str(store))
                 storage = optuna.storages.JournalStorage(backend)
+            except OSError as error:
+                raise InputError(
+                    f"cannot be used: {error.strerror}",
+                    where=str(store),
+                    remedy="name a file in a folder where you may write",
+                ) from error
             except ValueError as error:
                 raise InputError(
                     "does not have the trials of a search",

@@ -16,7 +16,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Clock, Progress, Stop, Workers
 from drystone.base.settings import Options, checked_call
 from drystone.design.mends.margin import DesignMargin
-from drystone.design.mends.mends import stands_already
+from drystone.design.mends.mends import kept_blocks, stands_already
 from drystone.design.surgery.changed_model import ChangedStructure
 from drystone.design.surgery.joint_surgery import STEEPEST
 from drystone.design.wedges.least_wedges import least_value, least_wedges
@@ -46,7 +46,7 @@ class SharpenOptions(Options):
     close : [degrees]
         With any sharpened joint less sharp by so much, it no longer stands.
     keep
-        Names or positions of blocks whose joints stay plane.
+        Names, patterns or positions of blocks whose joints stay plane.
     """
 
     margin: DesignMargin = field(default_factory=DesignMargin)
@@ -152,7 +152,7 @@ def sharpen(
     chosen = SharpenOptions.of(options)
     clock = Clock(time_limit_s, stop)
     model = as_model(given, **how)
-    keep = frozenset(model.assembly.indices(list(chosen.keep)).tolist())
+    keep = kept_blocks(model, chosen.keep)
     joints = PlaneJoints.of(model, keep)
     none = np.zeros(model.contacts.count)
     first = chosen.margin.holds(model)
