@@ -81,16 +81,25 @@ def test_blocks_that_slide_on_a_way_that_was_followed_to_rest_are_not_followed_a
 
 
 def test_blocks_that_slide_off_the_way_that_was_followed_are_followed():
-    statics = Problem.build(LEANING).statics
-    near = known(LEANING)
-    away = np.array(near[1])
-    away[statics.free, 1] += 100.0 * np.abs(near[1]).max()  # as pressed as before, slid across
-    problem = Problem.build(LEANING)
+    problem, near = Problem.build(LEANING), known(LEANING)
+
+    def across(times):
+        """As pressed as before, slid across."""
+        motion = np.array(near[1])
+        motion[problem.statics.free, 1] += times * np.abs(near[1]).max()
+        return motion
+
+    slide = problem.slide_by_overlap(across(100.0))
+    assert slide > SLIDES_FAR
     assert problem.slide_beyond(near[1], near[1]) == pytest.approx(0.0, abs=1e-9)
     assert problem.slide_beyond(0.3 * near[1], 2.0 * near[1]) == pytest.approx(0.0, abs=1e-9)
-    assert problem.slide_beyond(away, near[1]) > SLIDES_FAR
+    assert problem.slide_beyond(across(100.0), near[1]) > SLIDES_FAR
+    # shorter or little longer on the same way, and much longer
+    for times in (50.0, 105.0):
+        assert problem.slide_beyond(across(times), across(100.0)) < 0.02 * slide
+    assert problem.slide_beyond(across(150.0), across(100.0)) > 0.3 * slide
     # of a block that was not there, all of its slide counts
-    assert problem.slide_beyond(away, 0.0 * away) == problem.slide_by_overlap(away)
+    assert problem.slide_beyond(across(100.0), np.zeros_like(near[1])) == slide
 
 
 def test_a_stiffness_is_looked_for_again_where_following_the_blocks_does_not_decide():

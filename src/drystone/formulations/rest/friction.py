@@ -62,11 +62,15 @@ class FrictionBound:
     cohesion: Floats | float = 0.0
     shear: Floats | float = np.inf
 
-    def __call__(self, normal: Floats) -> tuple[Floats, Floats]:
-        """B (k,), and its derivative by the normal force (k,), negative where the joint pulls."""
+    def __call__(self, normal: Floats) -> Floats:
+        """B (k,), for normal forces that are negative where the joint pulls."""
         bound = self.friction * normal + self.cohesion
-        within = (bound > 0.0) & (bound < self.shear)
-        return np.clip(bound, 0.0, self.shear), np.where(within, self.friction, 0.0)
+        return np.minimum(np.maximum(bound, 0.0), self.shear)
+
+    def growth(self, normal: Floats) -> Floats:
+        """Its derivative (k,) by the normal force."""
+        bound = self.friction * normal + self.cohesion
+        return np.where((bound > 0.0) & (bound < self.shear), self.friction, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,11 +89,11 @@ class SlipLength:
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
         reach = np.sqrt(self.slip**2 + slide[..., 0] ** 2 + slide[..., 1] ** 2)
-        bound, growth = self.bound(normal)
+        bound = self.bound(normal)
         stiffness = bound / reach
 
         def slope() -> tuple[Floats, Floats]:
-            direction = slide / reach[..., None]
+            direction, growth = slide / reach[..., None], self.bound.growth(normal)
             return _across(stiffness, stiffness, direction), growth[..., None] * direction
 
         return FrictionResponse(stiffness[..., None] * slide, slope)
@@ -113,7 +117,7 @@ class StickSlip:
     def __call__(self, normal: Floats, slide: Floats) -> FrictionResponse:
         """Response to normal forces (k,) and slides (k, 2)."""
         length = np.sqrt(slide[..., 0] ** 2 + slide[..., 1] ** 2)
-        bound, growth = self.bound(normal)
+        bound = self.bound(normal)
         slips = self.stiffness * length > bound
         safe = np.where(length > 0.0, length, 1.0)
         secant = np.where(slips, bound / safe, self.stiffness)
@@ -122,7 +126,7 @@ class StickSlip:
             direction = slide / safe[..., None]
             return (
                 _across(secant, secant * slips, direction),
-                (slips * growth)[..., None] * direction,
+                (slips * self.bound.growth(normal))[..., None] * direction,
             )
 
         return FrictionResponse(secant[..., None] * slide, slope)

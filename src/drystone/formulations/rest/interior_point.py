@@ -296,8 +296,8 @@ class _Path:
         motion, moved, normal = step
         longer = np.asarray(length)[..., None]
         place = point.moved + longer * moved
-        limits = self.limits(place[..., 0] + self.overlap, tau)
-        target = np.clip(point.normal + length * normal, *limits)
+        low, high = self.limits(place[..., 0] + self.overlap, tau)
+        target = np.minimum(np.maximum(point.normal + length * normal, low), high)
         return self.evaluate(point.motion + longer * motion, target, tau, place)
 
     def unrelaxed(self, point: _Point) -> RestState:
