@@ -8,6 +8,7 @@ from drystone.base.arrays import Floats
 from drystone.sequence.plans import Step
 from drystone.sequence.stage.evaluation import Evaluator
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of
+from drystone.stability.cascade import SETTLES_ALIKE
 
 CHECKED = 1000
 """Most corners of a connected part with which screened stages of a plan are also checked, and with
@@ -43,15 +44,20 @@ def checked_step(
         Blocks in place and held blocks of a similar stage that was checked.
     """
     checked = evaluator.model.largest[1] <= CHECKED
+
+    def sure(stage: Stage) -> StageAnswer:
+        found = evaluator.answer(stage, forces=True, checked=checked)
+        return evaluator.followed(stage) if SETTLES_ALIKE in found.settled else found
+
     after = Stage(before | mask_of(blocks), mask_of(props), None, near)
-    answer = evaluator.answer(after, forces=True, checked=checked)
+    answer = sure(after)
     during = []
     placed, propped = before, standing | mask_of(props)
     for number, block in enumerate(blocks[:-1]):
         placed |= 1 << block
         held = mask_of(blocks[: number + 1]) | propped & placed
         stage = Stage(placed, held, None, (after.placed, after.held))
-        during.append(evaluator.answer(stage, forces=True, checked=checked))
+        during.append(sure(stage))
     return Step(blocks, motion, props, after.placed, answer, tuple(during))
 
 

@@ -183,8 +183,7 @@ class Cascade:
         if attempts.standing and (decided or self.clock.late()):
             return self.answers.stable(uniform)
         if follows and uniform.stands and self._settles_alike():
-            certain = len(attempts.standing) == attempts.tried
-            return self.answers.stable(uniform, "" if certain else SETTLES_ALIKE)
+            return self.answers.stable(uniform, SETTLES_ALIKE)
         if follows and not self.clock.late():
             return self._followed(uniform)
         self.answers.report("search", 2 + self.options.samples)

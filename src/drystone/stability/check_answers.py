@@ -68,7 +68,7 @@ class Answers:
         )
 
     def stable(self, uniform: Candidate, how: str = "") -> Result:
-        """STABLE with a rest state; ``how`` it stands where not every stiffness holds it."""
+        """STABLE with a rest state; ``how`` it stands where that is not of the stiffness alone."""
         tried, stood = self.attempts.tried, len(self.attempts.standing)
         if tried == 1:
             words = "stands"
@@ -76,7 +76,7 @@ class Answers:
             words = f"stands, whichever joints press more ({tried} contact stiffnesses tried)"
         else:
             words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
-            words = f"{how}; {words}" if how else words
+        words = f"{how}; {words}" if how else words
         left = 1 + self.options.samples - tried
         if self.clock.reason and left > 0:
             words += f"; {self.clock.reason} before {left} more could be tried"

@@ -23,6 +23,7 @@ from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Stage, StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import PATIENT
+from drystone.stability.cascade import FOLLOWED, SETTLES_ALIKE
 from drystone.stability.stiffness_samples import NONE_FOUND
 
 SAVE_EVERY_S = 10.0
@@ -194,6 +195,15 @@ class Evaluator(OneLine):
                     return found
                 self._known[part] = found
         return self.answer(stage)
+
+    def followed(self, stage: Stage) -> StageAnswer:
+        """A stage without what is only known of a similar one: its own blocks are followed."""
+        for part in self.model.parts(stage):
+            if self.answer(part, forces=True, checked=True).settled == SETTLES_ALIKE:
+                near = {n: rest for n, rest in self._rests_near(part).items() if n != FOLLOWED}
+                self._known[part._replace(near=None)] = self.model.solve(part, near)
+                self.solved += 1
+        return self.answer(stage, forces=True, checked=True)
 
     def save(self) -> None:
         """Write the checkpoint, if there is one."""
