@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from drystone.base.errors import FormatError as FormatError
     from drystone.base.errors import InputError as InputError
     from drystone.base.errors import MissingDependency as MissingDependency
-    from drystone.base.errors import SolverError as SolverError
     from drystone.contacts import Contacts as Contacts
     from drystone.design import diagnose as diagnose
     from drystone.detection import find_contacts as find_contacts
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
     from drystone.stability import check as check
+    from drystone.stability import check_many as check_many
     from drystone.stability import solve_cra as solve_cra
     from drystone.stability import solve_cra_penalty as solve_cra_penalty
     from drystone.stability import solve_rbe as solve_rbe
@@ -66,9 +66,9 @@ _HOME = {
     "MissingDependency": "base.errors",
     "Model": "model",
     "Result": "results",
-    "SolverError": "base.errors",
     "Verdict": "results",
     "check": "stability",
+    "check_many": "stability",
     "diagnose": "design",
     "find_contacts": "detection",
     "limit_friction": "limits",

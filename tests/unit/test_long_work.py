@@ -82,7 +82,7 @@ SHARED: dict[str, Callable[..., Any]] = {
     "solve_cra": lambda **how: drystone.solve_cra(SENSITIVE, **how),
     "solve_cra_penalty": lambda **how: drystone.solve_cra_penalty(SENSITIVE, **how),
     "settle": lambda **how: drystone.settle(SENSITIVE, **how),
-    "check_many": lambda **how: drystone.stability.check_many([ARCH, FALLS], **how),
+    "check_many": lambda **how: drystone.check_many([ARCH, FALLS], **how),
     "limit_tilt": lambda **how: limits.limit_tilt(ARCH, "y", **how),
     "tilt_sweep": lambda **how: limits.tilt_sweep(ARCH, 2, **how),
     "imperfections": lambda **how: limits.imperfections(ARCH, KINK, draws=4, **how),

@@ -105,9 +105,9 @@ def test_any_argument_of_another_type_is_refused_or_understood(name: str) -> Non
         (lambda: sequence.margins(MODEL), r"the plan is Model\(.*drystone.plan"),
         (lambda: limits.limit_load(MODEL, "x"), r"the load is 'x'; give a load case, a multiple"),
         (lambda: limits.limit_load(MODEL, (1, 0)), r"the load is \(1, 0\); give a load case"),
-        (lambda: drystone.stability.check_many(MODEL), r"the models are Model\(.*give a list"),
+        (lambda: drystone.check_many(MODEL), r"the models are Model\(.*give a list"),
         (
-            lambda: drystone.stability.check_many("tower.obj"),
+            lambda: drystone.check_many("tower.obj"),
             "the models are 'tower.obj'; give a list",
         ),
         (lambda: Model.of(TOWER, friction="0.6"), "friction is '0.6', not a number"),

@@ -94,7 +94,7 @@ def check_many(
     --------
     >>> import drystone
     >>> from drystone.models import shelf, tower
-    >>> found = drystone.stability.check_many([tower(3), shelf()], friction=0.6)
+    >>> found = drystone.check_many([tower(3), shelf()], friction=0.6)
     >>> found["verdict"].tolist()
     ['stable', 'unstable']
     """

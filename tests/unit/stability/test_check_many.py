@@ -26,10 +26,10 @@ class Deadly:
 
 
 def test_answers_do_not_depend_on_who_works() -> None:
-    alone = drystone.stability.check_many(MODELS, friction=0.6)
+    alone = drystone.check_many(MODELS, friction=0.6)
     assert alone["verdict"].tolist() == VERDICTS
     with ThreadPoolExecutor(2) as threads:
-        shared = drystone.stability.check_many(iter(MODELS), friction=0.6, executor=threads)
+        shared = drystone.check_many(iter(MODELS), friction=0.6, executor=threads)
     for name in ("number", "verdict", "falling", "message", "stiffnesses_standing"):
         assert shared[name].tolist() == alone[name].tolist()
 
@@ -38,7 +38,7 @@ def test_a_model_has_the_answer_of_a_check_whatever_models_are_beside_it() -> No
     piles = [random_pile(seed) for seed in (0, 1, 2, 3, 4, 10, 23)]
     alone = [drystone.check(one) for one in piles]
     for order in ([0, 1, 2, 3, 4, 5, 6], [6, 3, 0, 5]):
-        told = drystone.stability.check_many([piles[number] for number in order])
+        told = drystone.check_many([piles[number] for number in order])
         for row, number in enumerate(order):
             one = alone[number]
             assert told["verdict"][row] == one.verdict.value
@@ -50,9 +50,7 @@ def test_a_model_has_the_answer_of_a_check_whatever_models_are_beside_it() -> No
 def test_work_that_was_ended_goes_on_where_its_file_ends(tmp_path: Path) -> None:
     out = tmp_path / "found.csv"
     asked = iter([False, False, True])
-    first = drystone.stability.check_many(
-        MODELS, out=out, friction=0.6, stop=lambda: next(asked, True)
-    )
+    first = drystone.check_many(MODELS, out=out, friction=0.6, stop=lambda: next(asked, True))
     assert len(first) == 2
     with out.open("a", encoding="utf-8") as file:
         file.write("2,,sta")  # killed while it wrote
@@ -61,29 +59,29 @@ def test_work_that_was_ended_goes_on_where_its_file_ends(tmp_path: Path) -> None
     def progress(_: str, done: int, total: int) -> None:
         told.append((done, total))
 
-    whole = drystone.stability.check_many(MODELS, out=out, friction=0.6, progress=progress)
+    whole = drystone.check_many(MODELS, out=out, friction=0.6, progress=progress)
     assert told == [(3, 4), (4, 4)]
     assert whole["verdict"].tolist() == VERDICTS
     assert len(out.read_text(encoding="utf-8").splitlines()) == 5
-    again = drystone.stability.check_many(MODELS, out=out, friction=0.6)
+    again = drystone.check_many(MODELS, out=out, friction=0.6)
     assert again["message"].tolist() == whole["message"].tolist()
 
 
 def test_a_file_about_other_models_is_not_continued(tmp_path: Path) -> None:
     out, model = tmp_path / "found.csv", tmp_path / "tower.json"
-    drystone.stability.check_many([tower(2)], out=out)
+    drystone.check_many([tower(2)], out=out)
     drystone.write(tower(2), model)
     with pytest.raises(InputError, match="model 0 of the file is '', not "):
-        drystone.stability.check_many([model], out=out)
+        drystone.check_many([model], out=out)
     out.write_text("a,b\n1,2\n", encoding="utf-8")
     with pytest.raises(InputError, match="no verdicts that could be continued"):
-        drystone.stability.check_many([tower(2)], out=out)
+        drystone.check_many([tower(2)], out=out)
     with pytest.raises(InputError, match="cannot be written"):
-        drystone.stability.check_many([tower(2)], out=tmp_path / "nowhere" / "found.csv")
+        drystone.check_many([tower(2)], out=tmp_path / "nowhere" / "found.csv")
 
 
 def test_what_is_no_model_is_refused_in_its_row(tmp_path: Path) -> None:
-    found = drystone.stability.check_many([tmp_path / "nothing.json", tower(2)])
+    found = drystone.check_many([tmp_path / "nothing.json", tower(2)])
     assert found["verdict"].tolist() == ["refused", "stable"]
     assert "there is no such file" in found["message"][0]
 
@@ -91,17 +89,17 @@ def test_what_is_no_model_is_refused_in_its_row(tmp_path: Path) -> None:
 @pytest.mark.parametrize("one", [tower(2), drystone.Model.of(tower(2)), "tower.json", 3])
 def test_one_model_alone_is_refused_and_not_taken_for_its_blocks(one: object) -> None:
     with pytest.raises(InputError, match="give a list of models"):
-        drystone.stability.check_many(one)  # type: ignore[arg-type]
+        drystone.check_many(one)  # type: ignore[arg-type]
 
 
 def test_a_model_that_ends_its_worker_is_told_and_the_others_are_answered() -> None:
     def models() -> Iterator[object]:
         yield from (tower(2), Deadly(), tower(3))
 
-    found = drystone.stability.check_many(models(), executor=LocalWorkers(1))  # type: ignore[arg-type]
+    found = drystone.check_many(models(), executor=LocalWorkers(1))  # type: ignore[arg-type]
     assert found["verdict"].tolist() == ["stable", "failed", "stable"]
     with ProcessPoolExecutor(1) as processes, pytest.raises(InputError, match="a worker died"):
-        drystone.stability.check_many(models(), executor=processes)  # type: ignore[arg-type]
+        drystone.check_many(models(), executor=processes)  # type: ignore[arg-type]
 
 
 def test_a_scheduler_that_dies_is_told_and_the_file_keeps_what_was_known(tmp_path: Path) -> None:
@@ -124,9 +122,9 @@ def test_a_scheduler_that_dies_is_told_and_the_file_keeps_what_was_known(tmp_pat
         return first.pop()
 
     with pytest.raises(InputError, match="no scheduler answers"):
-        drystone.stability.check_many(MODELS, out=out, friction=0.6, executor=connect)
+        drystone.check_many(MODELS, out=out, friction=0.6, executor=connect)
     assert len(out.read_text(encoding="utf-8").splitlines()) == 3
-    again = drystone.stability.check_many(MODELS, out=out, friction=0.6)
+    again = drystone.check_many(MODELS, out=out, friction=0.6)
     assert again["verdict"].tolist() == VERDICTS
 
 
@@ -136,4 +134,4 @@ def test_a_full_disk_is_told_as_one(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(module, "plain_target", lambda _: Path("/dev/full"))
     monkeypatch.setattr(module, "_earlier", lambda _: [])
     with pytest.raises(InputError, match="No space left on device; free some space"):
-        drystone.stability.check_many([tower(2)], out=tmp_path / "found.csv", friction=0.6)
+        drystone.check_many([tower(2)], out=tmp_path / "found.csv", friction=0.6)
