@@ -62,20 +62,18 @@ def description() -> str:
 
 
 @contextmanager
-def sources_of(reference: str) -> Iterator[Path]:
-    """The folder ``src`` of another commit, checked out beside this one."""
+def checkout_of(reference: str) -> Iterator[Path]:
+    """Another commit, checked out beside this one."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "before"
         _git("worktree", "add", "--detach", str(place), reference)
         try:
-            yield place / "src"
+            yield place
         finally:
             _git("worktree", "remove", "--force", str(place))
 
 
-def ask(
-    command: Sequence[str | Path], limit_s: float, sources: Path = ROOT / "src"
-) -> dict[str, Any]:
+def ask(command: Sequence[str | Path], limit_s: float, checkout: Path = ROOT) -> dict[str, Any]:
     """The JSON that a process of one thread prints last; ``failed`` says why there is none.
 
     Parameters
@@ -83,16 +81,17 @@ def ask(
     command
     limit_s : [s]
         CPU time after which the process is ended.
-    sources
-        Where the process imports drystone from.
+    checkout
+        Where the process imports drystone and the benchmarks from: a commit is asked by its own
+        benchmark, so that the interface of the package may differ between two commits.
     """
     limited: Callable[[], None] = partial(
         resource.setrlimit, resource.RLIMIT_CPU, (int(limit_s), int(limit_s) + 5)
     )
     done = subprocess.run(
         [str(part) for part in command],
-        env=os.environ | ONE_THREAD | {"PYTHONPATH": str(sources)},
-        cwd=ROOT,
+        env=os.environ | ONE_THREAD | {"PYTHONPATH": str(checkout / "src")},
+        cwd=checkout,
         capture_output=True,
         text=True,
         preexec_fn=limited,

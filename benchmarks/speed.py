@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from benchmarks.machine import ROOT, ask, description, sources_of
+from benchmarks.machine import ROOT, ask, checkout_of, description
 from benchmarks.workloads import WALLS, Workload, workloads
 
 PAGE = ROOT / "docs" / "speed.md"
@@ -52,16 +52,16 @@ class Row:
     peer: dict[str, Any]
     before: dict[str, Any] = field(default_factory=dict)
 
-    @property
-    def gain(self) -> float:
-        """Time of the commit before by ours, with default options where those were timed.
+    def slower(self, phase: str = "total_s") -> float:
+        """Our time by that of the commit before; not a number where an answer is wrong or missing.
 
-        Not a number where either answer is wrong, or there is none.
+        ``total_s`` is with uniform contact stiffness, ``whole_s`` with the default options,
+        ``detect_s`` for the contacts.
         """
-        phase = "whole_s" if "whole_s" in self.ours else "total_s"
-        if self.wrong or phase not in self.before or not self.before["right"]:
+        timed = phase in self.before and phase in self.ours
+        if self.wrong or not timed or not self.before["right"]:
             return math.nan
-        return float(self.before[phase]) / float(self.ours[phase])
+        return float(self.ours[phase]) / float(self.before[phase])
 
     @property
     def wrong(self) -> str:
@@ -90,12 +90,12 @@ def run(
 ) -> list[Row]:
     """Measure one workload after the other, the peer straight after each."""
     rows: list[Row] = []
-    earlier = sources_of(arguments.before) if arguments.before else nullcontext()
-    with earlier as sources:
+    earlier = checkout_of(arguments.before) if arguments.before else nullcontext()
+    with earlier as checkout:
         for work in chosen:
-            rows.append(_row(work, arguments, sources))
+            rows.append(_row(work, arguments, checkout))
             row = rows[-1]
-            against = f", {row.gain:.2f} times as fast as before" if row.gain == row.gain else ""
+            against = f", {row.slower():.2f} times the time before" if row.slower() > 0.0 else ""
             if "answer" in row.peer:
                 against += f", peer {row.peer['solve_s']:.3f} s ({row.peer['answer']})"
             tell(f"{work.key:28s} {row.wrong or f'{row.seconds:.4f} s'}{against}")
@@ -104,7 +104,7 @@ def run(
 
 def _row(work: Workload, arguments: argparse.Namespace, before: Path | None) -> Row:
     """One workload, then the same by the commit before, then the peer."""
-    extra = ["--armadillo", arguments.armadillo] if arguments.armadillo else []
+    extra = ["--armadillo", arguments.armadillo.resolve()] if arguments.armadillo else []
     command = [sys.executable, "-m", "benchmarks.measure", work.key, *extra]
     whole = [] if work.large and not arguments.whole else ["--whole"]
     ours = ask([*command, *whole], arguments.limit)
@@ -147,8 +147,8 @@ def table(rows: Sequence[Row]) -> list[str]:
     lines = [
         "| model | blocks | corners | build | detect | solve | check | at most | answer "
         "| with all stiffnesses | stands for | peak MiB | peer cra_solve | peer's answer | ratio "
-        "| ratio, all | before by now |",
-        "|---|" + "---:|" * 7 + "---|" + "---:|" * 4 + "---|---:|---:|---:|",
+        "| ratio, all | detect, now by before | solve, now by before |",
+        "|---|" + "---:|" * 7 + "---|" + "---:|" * 4 + "---|" + "---:|" * 4,
     ]
     for row in rows:
         ours, peer, wrong = row.ours, row.peer, row.wrong
@@ -171,7 +171,8 @@ def table(rows: Sequence[Row]) -> list[str]:
             peer.get("answer", ""),
             more + seconds(row.ratio()) if row.ratio() == row.ratio() else "",
             more + seconds(row.ratio("whole_s")) if row.ratio("whole_s") > 0.0 else "",
-            seconds(row.gain),
+            seconds(row.slower("detect_s")),
+            seconds(row.slower()),
         ]
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     return lines
@@ -279,7 +280,11 @@ def main() -> int:
     parser.add_argument("--armadillo", type=Path, help="model file of the Armadillo vault")
     parser.add_argument("--peer", type=Path, help="python of an environment with compas_cra 0.8.0")
     parser.add_argument("--peer-limit", type=float, default=300.0, help="CPU seconds per model")
-    parser.add_argument("--before", default="", help="commit to compare with, pair by pair")
+    parser.add_argument(
+        "--before",
+        default="",
+        help="commit to compare with, pair by pair, each by its own benchmark",
+    )
     parser.add_argument("--limit", type=float, default=1200.0, help="CPU seconds per workload")
     parser.add_argument("--only", default="", help="part of GROUP/NAME of workloads; no page")
     parser.add_argument("--whole", action="store_true", help="default options on large models too")

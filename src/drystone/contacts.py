@@ -18,6 +18,7 @@ from drystone.base.arrays import (
     frozen_ints,
     frozen_points,
     of_type,
+    one_or_each,
     whole,
 )
 from drystone.base.display import OneLine
@@ -313,17 +314,13 @@ def check_friction(friction: Any, count: int) -> Floats:
     InputError
         Negative, NaN or infinite.
     """
-    try:
-        if np.asarray(friction).dtype.kind in "USb":  # text and truth values are no numbers
-            raise TypeError
-        single = np.asarray(friction, dtype=np.float64)
-        values = np.broadcast_to(single, (count,))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"friction must be one number or {count}") from error
-    if not np.isfinite(single).all() or (single < 0.0).any():
-        bad = single[~(np.isfinite(single) & (single >= 0.0))].ravel()[0]
-        raise InputError(f"friction is {bad}", remedy="give a coefficient of zero or more")
-    return frozen(values.copy())
+    values = one_or_each(friction, count, "friction")
+    single = np.asarray(friction, dtype=np.float64)  # is refused where there is no interface, too
+    bad = ~(np.isfinite(single) & (single >= 0.0))
+    if bad.any():
+        found = single[bad].ravel()[0]
+        raise InputError(f"friction is {found}", remedy="give a coefficient of zero or more")
+    return frozen(values)
 
 
 def joined_contacts(one: Contacts, other: Contacts) -> Contacts:

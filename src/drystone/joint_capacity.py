@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.arrays import Bools, Floats, Ints, frozen, one_or_each
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 
@@ -146,10 +146,7 @@ class JointCapacity(OneLine):
 
 
 def _capacities(values: Any, count: int, name: str) -> Floats:
-    try:
-        out = np.broadcast_to(np.asarray(values, dtype=np.float64), (count,))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name} must be one number or {count}") from error
+    out = one_or_each(values, count, name)
     bad = ~(out >= 0.0)
     if bad.any():
         raise InputError(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from typing import TypeAlias
@@ -11,7 +10,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, meant
 from drystone.base.units import length
 from drystone.geometry.plane.polygon import area_vectors
 
@@ -258,7 +257,4 @@ def _named(assembly: Assembly, part: str) -> Bools:
         what = "an empty name"
     else:
         what = f"no block fits '{part}'" if pattern else f"no block is called '{part}'"
-    close = difflib.get_close_matches(part, names, n=3, cutoff=0.4)
-    shown = ", ".join(close or names[:3])
-    remedy = f"did you mean {shown}?" if close else f"names are like {shown}"
-    raise InputError(what, where="supports", remedy=remedy)
+    raise InputError(what, where="supports", remedy=meant(part, names))

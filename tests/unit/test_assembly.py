@@ -32,6 +32,7 @@ def test_names_and_blocks_are_in_it_or_not() -> None:
     ("key", "words"),
     [
         ("block-9", r"no block is called 'block-9'; did you mean"),
+        ("pier", r"no block is called 'pier'; names are like block-0, block-1, block-2"),
         (4, "there is no block 4; 0 to 3 exist"),
         (-5, "there is no block -5"),
         (1.0, r"asked for by 1\.0; give its name or position"),

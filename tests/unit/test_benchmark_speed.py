@@ -68,6 +68,21 @@ def test_the_ratio_is_the_time_of_the_peer_by_ours():
     assert ">120" in speed.table([stopped])[-1]
 
 
+def test_each_phase_is_compared_with_the_commit_before():
+    before = {"right": True, "total_s": 0.25, "detect_s": 0.1}
+    pair = replace(row({"detect_s": 0.11}), before=before)
+    assert (pair.slower(), pair.slower("detect_s")) == pytest.approx((2.0, 1.1))
+    assert math.isnan(pair.slower("whole_s"))
+    assert math.isnan(row().slower())
+    assert math.isnan(replace(pair, before=before | {"right": False}).slower())
+
+
+def test_a_commit_is_asked_by_its_own_package_and_benchmark(tmp_path):
+    words = "import json, os; print(json.dumps([os.getcwd(), os.environ['PYTHONPATH']]))"
+    there = ask([sys.executable, "-c", words], 5.0, tmp_path)
+    assert there == [str(tmp_path), str(tmp_path / "src")]
+
+
 def test_growth_is_the_exponent_of_a_power_law():
     sizes = (400, 2_000, 10_000)
     assert speed.slope([(n, 3e-4 * n**1.25) for n in sizes]) == pytest.approx(1.25)

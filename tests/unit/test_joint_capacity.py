@@ -63,8 +63,11 @@ def test_a_file_keeps_them(tmp_path, suffix):
     [
         (lambda: JointCapacity([-1.0], [0.0]), "the tension of interface 0 is -1.0"),
         (lambda: JointCapacity([1.0], [float("nan")]), "the cohesion of interface 0 is nan"),
-        (lambda: JointCapacity([1.0], [0.0, 1.0]), "cohesion must be one number or 1"),
-        (lambda: JointCapacity.of(MODEL.contacts, tension="x"), "tension must be one number or 3"),
+        (lambda: JointCapacity([1.0], [0.0, 1.0]), r"cohesion is \[0.0, 1.0\], not a number$"),
+        (
+            lambda: JointCapacity.of(MODEL.contacts, tension="x"),
+            "tension is 'x', not a number, nor 3 numbers",
+        ),
         (lambda: MODEL.with_capacity(JointCapacity([1.0], [1.0])), "3 interfaces and 1 capacities"),
         (lambda: MODEL.with_capacity(3.0), "the capacity of contacts"),
     ],

@@ -110,7 +110,7 @@ def test_any_argument_of_another_type_is_refused_or_understood(name: str) -> Non
             lambda: drystone.check_many("tower.obj"),
             "the models are 'tower.obj'; give a list",
         ),
-        (lambda: Model.of(TOWER, friction="0.6"), "friction must be one number or 1"),
+        (lambda: Model.of(TOWER, friction="0.6"), "friction is '0.6', not a number"),
         (lambda: Model.of(TOWER, load="1"), "the load is '1'; give a load case"),
         (lambda: check(tower(2).with_fixed([])), "no block is fixed; supports: 'lowest' would fix"),
         (lambda: check(tower(2), supports="block-*"), "every block is fixed, all 2"),

@@ -11,9 +11,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from drystone.assembly.block import Block, replace_block
+from drystone.base import units
 from drystone.base.arrays import Bools, Floats, Ints, frozen, frozen_floats, of_type, whole
 from drystone.base.display import Card, shortened
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, meant
 from drystone.geometry.body import polyhedron
 
 Blocks: TypeAlias = int | str | Iterable[int | str] | Bools
@@ -80,9 +81,9 @@ class Assembly(Card):
     def _facts(self) -> tuple[str, Mapping[str, object]]:
         low, high = self.bounds[:, 0].min(axis=0), self.bounds[:, 1].max(axis=0)
         return f"{counted(len(self), 'block')}, {int(self.fixed.sum())} of them fixed", {
-            "size": " x ".join(f"{x:.3g}" for x in high - low) + " m",
+            "size": units.extent(high - low),
             "volume": f"{self.volume.sum():.4g} m3",
-            "mass": f"{self.mass.sum():.4g} kg",
+            "mass": units.mass(float(self.mass.sum())),
             "fixed": ", ".join(self.names[i] for i in np.flatnonzero(self.fixed)),
         }
 
@@ -162,11 +163,7 @@ class Assembly(Card):
         position: dict[str, int] = self._position  # type: ignore[attr-defined]
         of_type(name, str, "the name of a block", "give a string; indices(...) takes positions")
         if name not in position:
-            import difflib  # only needed to word the error
-
-            close = difflib.get_close_matches(name, self.names, n=3)
-            hint = f"did you mean {', '.join(close)}?" if close else "see 'drystone inspect'"
-            raise InputError(f"no block is called '{name}'", remedy=hint)
+            raise InputError(f"no block is called '{name}'", remedy=meant(name, self.names))
         return position[name]
 
     def indices(self, blocks: Blocks) -> Ints:

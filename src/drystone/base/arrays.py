@@ -122,6 +122,25 @@ def number(value: Any, what: str, *, finite: bool = True) -> float:
     return given
 
 
+def one_or_each(values: Any, count: int, what: str) -> Floats:
+    """A number, or one for each of ``count`` interfaces, as an array (count,) that is not frozen.
+
+    Raises
+    ------
+    InputError
+        Neither of the two; truth values and text are no numbers.
+    """
+    try:
+        given = np.asarray(values)
+        if given.dtype.kind in "USb":
+            raise TypeError
+        return np.broadcast_to(given.astype(np.float64), (count,)).copy()
+    except (TypeError, ValueError) as error:
+        each = "" if count == 1 else f", nor {count} numbers, one for each interface"
+        said = shortened(repr(values), 60)
+        raise InputError(f"{what} is {said}, not a number{each}") from error
+
+
 def whole(value: Any, what: str, *, least: int | None = None) -> int:
     """A whole number.
 

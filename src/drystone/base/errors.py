@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import enum
 import functools
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -27,6 +28,25 @@ def counted(number: int, one: str, many: str = "") -> str:
     ('1 face', '2 faces', '0 unused vertices')
     """
     return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+def meant(given: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Which known names a given one is like, for the remedy of an error.
+
+    Without ``otherwise`` the first names are shown where none is like it.
+
+    Examples
+    --------
+    >>> meant("blok-1", ["base", "block-1"]), meant("x", ["base", "block-1"])
+    ('did you mean block-1?', 'names are like base, block-1')
+    """
+    import difflib  # only needed to word an error
+
+    names = list(known)
+    close = difflib.get_close_matches(given, names, n=3)
+    if close:
+        return f"did you mean {', '.join(close)}?"
+    return otherwise or f"names are like {', '.join(names[:3])}"
 
 
 class DefectKind(enum.StrEnum):

@@ -131,14 +131,14 @@ def quantity(value: float, unit: str, negligible: float = 0.0) -> str:
 
     Examples
     --------
-    >>> quantity(12340.0, "N"), quantity(-2.6e-13, "N", 1e-6)
-    ('12.3 kN', '0 N')
+    >>> quantity(12340.0, "N"), quantity(-2.6e-13, "N", 1e-6), quantity(1.66e12, "N")
+    ('12.3 kN', '0 N', '1,660 GN')
     """
     if value == 0.0 or abs(value) <= negligible:
         return f"0 {unit}"
     for factor, prefix in PREFIXES:
         if abs(value) >= 0.9995 * factor:
-            return f"{value / factor:.3g} {prefix}{unit}"
+            return f"{_three(value / factor)} {prefix}{unit}"
     return f"{value:.3g} {unit}"
 
 
@@ -178,10 +178,10 @@ def extent(sizes: Sequence[float]) -> str:
 
     Examples
     --------
-    >>> extent([6.125, 0.5, 3.0])
-    '6.12 x 0.5 x 3 m'
+    >>> extent([6.125, 0.5, 3.0]), extent([2150.0, 300.0, 1220.0])
+    ('6.12 x 0.5 x 3 m', '2,150 x 300 x 1,220 m')
     """
-    return f"{' x '.join(f'{size:.3g}' for size in sizes)} m"
+    return f"{' x '.join(map(_three, sizes))} m"
 
 
 def mass(value: float) -> str:
@@ -193,5 +193,10 @@ def mass(value: float) -> str:
     ('850 kg', '12.3 t', '8,300,000 t')
     """
     shown, unit = (value, "kg") if abs(value) < 999.5 else (value / 1e3, "t")
-    rounded = float(f"{shown:.3g}")
-    return f"{rounded:,.0f} {unit}" if abs(rounded) >= 1000.0 else f"{rounded:g} {unit}"
+    return f"{_three(shown)} {unit}"
+
+
+def _three(value: float) -> str:
+    """Three digits; from a thousand on without an exponent."""
+    rounded = float(f"{value:.3g}")
+    return f"{rounded:,.0f}" if 1e3 <= abs(rounded) < 1e15 else f"{rounded:g}"

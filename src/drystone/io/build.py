@@ -222,7 +222,10 @@ def _plain(shapes: Sequence[DraftBlock], scale: float) -> list[Block | InputErro
         if merged:
             said.append(f"{counted(merged, 'coincident vertex', 'coincident vertices')} merged")
         if len(once) < len(faces):
-            said.append(f"{counted(len(faces) - len(once), 'face')} that occur twice left out")
+            twice = counted(
+                len(faces) - len(once), "face that occurs twice", "faces that occur twice"
+            )
+            said.append(f"{twice} left out")
         if said:
             try:
                 made[i] = _block(shapes[i], vertices, once, *said)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 from drystone.assembly import Assembly
 from drystone.base.arrays import of_type
 from drystone.base.display import shortened
-from drystone.base.errors import InputError, counted
+from drystone.base.errors import InputError, counted, meant
 from drystone.base.files import PathLike
 from drystone.base.progress import Progress
 from drystone.base.settings import checked_call
@@ -211,8 +210,7 @@ def as_model(given: Given, **how: Unpack[How]) -> Model:
     """
     for name in how:
         if name not in How.__annotations__:
-            close = ", ".join(difflib.get_close_matches(name, How.__annotations__, n=1))
-            remedy = f"did you mean {close}?" if close else ""
+            remedy = meant(name, How.__annotations__)
             raise InputError(f"there is no argument '{name}'", remedy=remedy)
     if isinstance(given, str | Path):
         return read(given, **how)

@@ -37,6 +37,7 @@ def test_a_family_is_built_with_its_settings_and_written(
     built = models.arch(voussoirs=12)
     assert written.names == built.names
     assert written.volume == pytest.approx(built.volume)
+    assert ("supports" in told["loses"]) == (suffix == "obj")
 
 
 def test_values_have_the_types_of_the_parameters() -> None:

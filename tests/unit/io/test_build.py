@@ -205,6 +205,8 @@ def test_faces_that_are_there_twice_are_left_out_and_that_is_told(tmp_path: Path
     assert model.assembly.blocks[0].volume == pytest.approx(1.0)
     assert model.notes == ("block 'a': 4 faces that occur twice left out",)
     assert "separate parts" in io.read_file(file(tmp_path, apart)).notes[0]
+    once = io.read_file(file(tmp_path, block(faces=[*faces, faces[0]])))
+    assert once.notes == ("block 'a': 1 face that occurs twice left out",)
 
 
 def test_blocks_with_defects_are_left_out_on_request(tmp_path: Path) -> None:

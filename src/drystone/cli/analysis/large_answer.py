@@ -24,14 +24,10 @@ if TYPE_CHECKING:
 SHOWN = 12
 """Rows of hinges and slides that are shown; chosen."""
 
-CurveFile: TypeAlias = Annotated[
-    Path | None,
-    Option(
-        "Write the curve of load against displacement, .csv or .json.",
-        OUTPUT,
-        kind=kinds.target(".csv", ".json"),
-    ),
-]
+CURVE = "Write the curve of load against displacement, .csv or .json."
+CURVE_KIND = kinds.target(".csv", ".json")
+
+CurveFile: TypeAlias = Annotated[Path | None, Option(CURVE, OUTPUT, kind=CURVE_KIND)]
 
 
 @dataclass(frozen=True)
@@ -96,4 +92,4 @@ def _show(found: LargeDisplacement, data: dict[str, Any], screen: Screen) -> Non
         screen.line(f"and {len(events) - SHOWN} more, see --json")
 
 
-__all__ = ["CurveFile", "Curves", "answer"]
+__all__ = ["CURVE", "CURVE_KIND", "CurveFile", "Curves", "answer"]

@@ -40,6 +40,7 @@ def answer(
 
 def solve(model: Model, waiting: Waiting, time_limit: float | None) -> Result:
     """The verdict of ``check``, or what is known when the time limit or Ctrl-C end it."""
+    waiting.end_stage()  # the import is no part of the stage before
     from drystone.stability import check
 
     waiting.stage("solve", "solving")

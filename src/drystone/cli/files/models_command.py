@@ -60,6 +60,8 @@ def models(
     if still_missing:
         raise InputError(f"{family} needs {', '.join(still_missing)}", where="--set",
                          remedy=f"write --set {still_missing[0]}=VALUE")  # fmt: skip
+    from drystone.io import format_of  # the program starts fast
+
     waiting.stage("build", f"building {family}")
     assembly = build(**given)
     size = assembly.bounds[:, 1].max(axis=0) - assembly.bounds[:, 0].min(axis=0)
@@ -70,6 +72,7 @@ def models(
         "fixed": int(assembly.fixed.sum()),
         "mass": float(assembly.mass.sum()),
         "size": size.tolist(),
+        "loses": "" if out is None else format_of(out).loses,
     }
 
     def files() -> Files:
@@ -110,6 +113,8 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
         value = data["set"].get(name, default)
         rows.append((name, "not set" if value is None else str(value)))
     screen.table(("parameter", "value"), rows, len(rows))
+    if data["loses"]:
+        screen.dim(f"this format does not store {data['loses']}")
 
 
 @command("drystone demo", "drystone demo --friction 0.3 --folder .")
@@ -132,7 +137,9 @@ def demo(
     from drystone.models import vault
 
     waiting.stage("read", "building the vault")
-    model = Model.of(vault(), friction=friction)
+    assembly = vault()
+    waiting.stage("detect", "finding contacts")
+    model = Model.of(assembly, friction=friction)
     result = verdict.solve(model, waiting, None)
 
     def files() -> Files:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import types
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, Union, get_args, get_origin
 
-from drystone.base.errors import InputError
+from drystone.base.errors import InputError, meant
 from drystone.cli.base.command import MODEL, Option
 
 if TYPE_CHECKING:
@@ -52,8 +51,7 @@ def family(name: str) -> tuple[Callable[..., Assembly], Parameters]:
 
     known = names()
     if name.replace("_", "-") not in known:
-        close = difflib.get_close_matches(name, known, n=3)
-        remedy = f"did you mean {', '.join(close)}?" if close else "'drystone models' lists all"
+        remedy = meant(name, known, "'drystone models' lists all")
         raise InputError(f"there is no family '{name}'", where="FAMILY", remedy=remedy)
     build: Callable[..., Assembly] = getattr(models, name.replace("-", "_"))
     return build, inspect.signature(build, eval_str=True).parameters

@@ -8,6 +8,7 @@ from pathlib import PurePath
 import numpy as np
 
 from drystone.assembly import Assembly
+from drystone.base import units
 from drystone.base.arrays import Floats, frozen
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
@@ -53,7 +54,7 @@ def facts_of(
         "Blocks": f"{len(assembly):,}",
         "Interfaces": f"{contacts.count:,}",
         "Supports": _supports(assembly),
-        "Free mass": mass_text(float(assembly.mass[free].sum())),
+        "Free mass": units.mass(float(assembly.mass[free].sum())),
         "Density": _range(density, " kg/m³"),
         "Friction": _range(contacts.friction, "") if contacts.count else "",
         "Load": "" if load is None else load.name,
@@ -117,11 +118,6 @@ def directions(assembly: Assembly, load: LoadCase) -> tuple[Floats, Floats]:
     return (frozen(-pull) if turned else UP), frozen(pull)
 
 
-def mass_text(mass: float) -> str:
-    """Kilograms up to ten tonnes, then tonnes."""
-    return f"{mass:,.4g} kg" if mass < 1e4 else f"{mass / 1e3:,.4g} t"
-
-
 def _supports(assembly: Assembly) -> str:
     fixed = [assembly.names[i] for i in np.flatnonzero(assembly.fixed)]
     if not fixed:
@@ -140,4 +136,4 @@ def _range(values: Floats, unit: str) -> str:
     return text + unit
 
 
-__all__ = ["asked_line", "directions", "facts_of", "mass_text", "sentence"]
+__all__ = ["asked_line", "directions", "facts_of", "sentence"]
