@@ -69,8 +69,8 @@ def test_the_same_seed_gives_the_same_study_with_an_executor(study: StandingShar
         )
     assert again.verdicts == study.verdicts
     np.testing.assert_array_equal(again.friction, study.friction)
-    other = imperfections(slope(22.0), FRICTION, draws=8, seed=6, loading="ramp")
-    assert not np.array_equal(other.friction, study.friction)
+    other = imperfections(slope(22.0), FRICTION, draws=1, seed=6, loading="at once")
+    assert other.friction[0] not in study.friction
 
 
 def test_it_stops_after_the_draws_that_are_followed_together() -> None:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from drystone.fall import Film
 
 JAMS = (
-    "the simulator holds what falls: in it joints open while they slide, which jams a block between "
-    "faces; 'drystone settle' follows its motion"
+    "the simulator holds what falls: in it joints open while they slide, which jams a block "
+    "between faces; 'drystone settle' follows its motion"
 )
 """Seen at hooked planks. Contacts of MuJoCo minimise work (Todorov 2014), so friction is
 associated."""
