@@ -48,6 +48,8 @@ class Workload:
     task
     aim_s : [s]
         For the analysis alone; None where there is none.
+    whole_aim_s : [s]
+        For the default options.
     peer
         Whether the peer is asked too.
     large
@@ -63,6 +65,7 @@ class Workload:
     tilt_deg: float = 0.0
     task: Task = Task.VERDICT
     aim_s: float | None = None
+    whole_aim_s: float | None = None
     peer: bool = False
     large: bool = False
 
@@ -83,7 +86,9 @@ STANDS, FALLS = Verdict.STABLE, Verdict.UNSTABLE
 WALLS = {25: (5, 5), 50: (7, 7), 100: (10, 10), 400: (20, 20), 2_000: (45, 44), 10_000: (100, 100)}
 """Courses and block lengths per course, by about the number of blocks."""
 
-WALL_AIMS = {100: 0.1, 400: 0.4, 2_000: 3.0, 10_000: 30.0}
+WALL_AIMS = {100: 0.1, 400: 0.4, 2_000: 3.0, 10_000: 8.0}
+WHOLE_AIMS = {2_000: 6.0}
+BEYOND_AIM_S = 5.0
 
 DOMES = {160: (20, 8), 640: (32, 20), 2_000: (50, 40)}
 """Blocks per ring and rings; bonded, 5 m, 0.5 to 0.25 m thick, an oculus of 1 m."""
@@ -147,8 +152,9 @@ def walls() -> list[Workload]:
             0.6,
             STANDS,
             aim_s=WALL_AIMS.get(count),
+            whole_aim_s=WHOLE_AIMS.get(count),
             peer=count <= 400,
-            large=count >= LARGE,
+            large=count >= LARGE and count not in WHOLE_AIMS,
         )
         for count, shape in WALLS.items()
     ]
@@ -183,7 +189,9 @@ def shells() -> list[Workload]:
         model = partial(Workload, group=family, build=build, friction=mu, large=count >= LARGE)
         found.append(model(name, expected=STANDS, peer=count <= 160))
         for tilt, expected in zip(TILTS[name], (STANDS, FALLS), strict=True):
-            found.append(model(f"{name}@{tilt:g}", expected=expected, tilt_deg=tilt))
+            aim = BEYOND_AIM_S if expected is FALLS and count >= LARGE else None
+            name_at = f"{name}@{tilt:g}"
+            found.append(model(name_at, expected=expected, tilt_deg=tilt, aim_s=aim))
     return found
 
 
@@ -238,7 +246,8 @@ def piles() -> list[Workload]:
 def armadillo(path: Path) -> list[Workload]:
     """The Armadillo vault, 399 blocks of which 33 are fixed, from a model file."""
     build: Callable[[], Assembly] = partial(_assembly, path)
-    return [Workload("armadillo", "armadillo", build, 0.84, STANDS, aim_s=1.0, peer=True)]
+    of_vault = partial(Workload, "armadillo", "armadillo", build, 0.84, STANDS)
+    return [of_vault(aim_s=1.0, whole_aim_s=0.7, peer=True)]
 
 
 def _assembly(path: Path) -> Assembly:

@@ -244,21 +244,24 @@ class DenseMaps:
 
 
 class SparseMaps:
-    """As :class:`DenseMaps`, for many blocks, as sparse matrices."""
+    """As :class:`DenseMaps`, for many blocks, as sparse matrices.
+
+    All corners of two blocks have rows for the motion of b; the motion of a is taken to the
+    centroid of b first.
+    """
 
     def __init__(self, bodies: Bodies) -> None:
         self.bodies = bodies
         f, k = len(bodies.free), len(bodies.block_a)
-        slot_a, slot_b = bodies.slot[bodies.block_a], bodies.slot[bodies.block_b]
-        self.free_a, self.free_b = slot_a >= 0, slot_b >= 0
-        self.slot_a, self.slot_b = slot_a, slot_b
         begins = np.ones(k, dtype=bool)
         begins[1:] = (np.diff(bodies.block_a) != 0) | (np.diff(bodies.block_b) != 0)
-        first = np.flatnonzero(begins)
+        self.first = first = np.flatnonzero(begins)
+        self.joint = np.cumsum(begins) - 1
         self.groups = runs_by_length(first, k)
-        self.joints = m = len(first)
+        m = len(first)
+        self.block_a, self.block_b = bodies.block_a[first], bodies.block_b[first]
+        self.a, self.b = a, b = bodies.slot[self.block_a], bodies.slot[self.block_b]
         keys, sources = [np.arange(f) * (f + 1)], []
-        a, b = slot_a[first], slot_b[first]
         for kind, (i, j) in enumerate(((a, a), (a, b), (b, a), (b, b))):
             here = np.flatnonzero((i >= 0) & (j >= 0))
             keys.append(i[here] * f + j[here])
@@ -270,42 +273,54 @@ class SparseMaps:
             (np.ones(len(source)), (where[f:], source)), shape=(len(unique), 4 * m)
         )
         self.ordering = BlockOrdering(bodies.centroid[bodies.free], unique // f, unique % f, 6)
-        corner = np.arange(k)
         self.gather = [
-            sparse.csr_matrix((np.ones(int(ok.sum())), (slot[ok], corner[ok])), shape=(f, k))
-            for slot, ok in ((slot_a, self.free_a), (slot_b, self.free_b))
+            sparse.csr_matrix(
+                (np.ones(int((slot >= 0).sum())), (slot[slot >= 0], np.flatnonzero(slot >= 0))),
+                shape=(f, m),
+            )
+            for slot in (a, b)
         ]
+        self.carry = np.tile(np.eye(6), (m, 1, 1))
 
     def at(self, pose: BlockPositions, placed: Placed) -> None:
         """Renew the maps for a pose."""
-        corner = np.arange(len(placed.gap))
-        self.of_a = corner_rows(self.bodies, pose, placed, corner, self.bodies.block_a, -1.0)
-        self.of_b = corner_rows(self.bodies, pose, placed, corner, self.bodies.block_b, 1.0)
-        self.of_a[~self.free_a] = 0.0
-        self.of_b[~self.free_b] = 0.0
+        bodies, corner = self.bodies, np.arange(len(placed.gap))
+        self.rows = corner_rows(bodies, pose, placed, corner, bodies.block_b, 1.0)
+        # motion of a as if it were fixed to the centroid of b
+        radius = bodies.radius[self.block_a]
+        x, y, z = ((pose.place[self.block_b] - pose.place[self.block_a]) / radius[:, None]).T
+        carry = self.carry
+        carry[:, 0, 4], carry[:, 0, 5] = z, -y
+        carry[:, 1, 3], carry[:, 1, 5] = -z, x
+        carry[:, 2, 3], carry[:, 2, 4] = y, -x
+        turned = bodies.radius[self.block_b] / radius
+        carry[:, 3, 3] = carry[:, 4, 4] = carry[:, 5, 5] = turned
 
     def moved(self, motion: Floats) -> Floats:
         """As in :class:`DenseMaps`."""
-        result: Floats = (
-            self.of_a @ motion[self.slot_a, :, None] + self.of_b @ motion[self.slot_b, :, None]
-        )[:, :, 0]
+        every = np.concatenate([motion, np.zeros((1, 6))])  # a support has the number -1
+        across = every[self.b] - (self.carry @ every[self.a, :, None])[:, :, 0]
+        result: Floats = (self.rows @ across[self.joint, :, None])[:, :, 0]
         return result
 
     def wrench(self, force: Floats) -> Floats:
         """As in :class:`DenseMaps`."""
-        on_a, on_b = ((force[:, None] @ part)[:, 0] for part in (self.of_a, self.of_b))
-        return np.asarray(self.gather[0] @ on_a + self.gather[1] @ on_b)
+        on_b = np.add.reduceat((force[:, None] @ self.rows)[:, 0], self.first)
+        on_a = (on_b[:, None] @ self.carry)[:, 0]
+        return np.asarray(self.gather[1] @ on_b - self.gather[0] @ on_a)
 
     def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
         """As in :class:`DenseMaps`."""
-        parts = np.empty((4, self.joints, 6, 6))
-        along = tangent @ self.of_a, tangent @ self.of_b
+        parts = np.empty((4, len(self.first), 6, 6))
+        along = tangent @ self.rows
         for joints, corners in self.groups:
-            rows = len(joints), -1, 6
-            back = [part[corners].reshape(rows).swapaxes(1, 2) for part in (self.of_a, self.of_b)]
-            ahead = [part[corners].reshape(rows) for part in along]
-            for kind, (i, j) in enumerate(((0, 0), (0, 1), (1, 0), (1, 1))):
-                parts[kind, joints] = back[i] @ ahead[j]
+            shape = len(joints), -1, 6
+            back = self.rows[corners].reshape(shape).swapaxes(1, 2)
+            parts[3, joints] = back @ along[corners].reshape(shape)
+        back = self.carry.swapaxes(1, 2)
+        parts[1] = -(back @ parts[3])
+        parts[2] = -(parts[3] @ self.carry)
+        parts[0] = -(back @ parts[2])
         blocks = np.asarray(self.sum @ parts.reshape(-1, 36)).reshape(-1, 6, 6)
         index = np.arange(6)
         blocks[self.diagonal[:, None], index, index] += weight
