@@ -152,8 +152,8 @@ class _Edges:
         ]
         self.owned = found[0][0], found[1][0]
         self.bend = found[0][1], found[1][1]
-        if not (self.owned[0] | self.owned[1]).all():
-            self._imperfect(along)
+        if not (self.owned[0] | self.owned[1]).any():
+            self.owned = self._nearest(along)
         least, most = np.minimum(*self.bend), np.maximum(*self.bend)
         self.fitted: Bools = (least < -BENT) & (most > BENT)
 
@@ -166,26 +166,22 @@ class _Edges:
     ) -> tuple[Bools, Floats]:
         owned, bend = np.zeros(len(block), dtype=bool), np.zeros(len(block))
         middle = 0.5 * (point + point[self.after])
-        for one, here in _by_block(block, np.arange(len(block))):
+        for one, here in _by_block(block):
             owned[here], bend[here] = self.sides.owned(
                 one, middle[here], along[here], outward[here]
             )
         return owned, bend
 
-    def _imperfect(self, along: Floats) -> None:
-        """Edges of a joint none of which is an edge of a block stand for the nearest ones."""
-        joint = self.contacts.interface
-        known = np.bincount(joint, self.owned[0] | self.owned[1])[joint] > 0.0
-        alone = np.flatnonzero(~known)
+    def _nearest(self, along: Floats) -> tuple[Bools, Bools]:
+        """The same where no edge is one of a block, as of imperfect joints: by the nearest ones."""
         off = np.full((2, len(self.after)), np.inf)
         for side, (block, point) in enumerate(zip(self._blocks, self.points, strict=True)):
             middle = 0.5 * (point + point[self.after])
-            for one, here in _by_block(block[self.contacts.interface], alone):
+            for one, here in _by_block(block[self.contacts.interface]):
                 off[side, here] = self.sides.nearest(one, middle[here], along[here])
-        longer = off[:, alone] > FLUSH_REACH * self._size()[alone]
-        for side in (0, 1):
-            nearer = off[side, alone] < NEARER * off[1 - side, alone]
-            self.owned[side][alone] = nearer & longer[1 - side]
+        longer = off > FLUSH_REACH * self._size()
+        of_a, of_b = off[0] < NEARER * off[1], off[1] < NEARER * off[0]
+        return of_a & longer[1], of_b & longer[0]
 
     def _size(self) -> Floats:
         """(k,) [m] of the smaller block at each edge."""
@@ -260,9 +256,9 @@ def distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
         away = nearer
 
 
-def _by_block(block: Ints, among: Ints) -> Iterator[tuple[int, Ints]]:
-    """Each block with the edges that are its own, of some edges; (k,) has the block of every one."""
-    order = among[np.argsort(block[among], kind="stable")]
+def _by_block(block: Ints) -> Iterator[tuple[int, Ints]]:
+    """Each block with the numbers of its edges; (k,) has the block of every edge."""
+    order = np.argsort(block, kind="stable")
     bounds = np.flatnonzero(np.diff(block[order], prepend=-1, append=-1))
     for first, last in pairwise(bounds.tolist()):
         yield int(block[order[first]]), order[first:last]

@@ -87,7 +87,6 @@ class FaceSides:
         bend: Floats = turned[np.arange(len(middle)), most]
         return np.asarray(on.any(axis=1)), bend
 
-
     def nearest(self, block: int, middle: Floats, along: Floats) -> Floats:
         """Distance (k,) [m] of edges, as for :meth:`owned`, from the nearest edge of a block.
 
