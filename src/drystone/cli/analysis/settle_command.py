@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli.analysis import followed_answer, large_answer
-from drystone.cli.analysis.large_answer import CurveFile, Curves
+from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
-from drystone.cli.base.command import Option, command
+from drystone.cli.base.command import OUTPUT, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Written
@@ -55,7 +55,15 @@ def settle(
         ),
     ] = 1e-3,
     time_limit: options.TimeLimit = None,
-    curve: CurveFile = None,
+    curve: Annotated[
+        Path | None,
+        Option(
+            "With --to: write the curve of force against displacement, .csv or .json.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json"),
+            expert=True,
+        ),
+    ] = None,
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:
