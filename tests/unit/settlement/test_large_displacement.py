@@ -175,7 +175,7 @@ def test_an_arch_on_spreading_supports_turns_about_three_hinges_and_falls_about_
 
 def test_a_load_that_falls_at_once_through_zero_ends_there() -> None:
     # hinges change while nothing is driven: the load falls from 0.034 to -0.056 at 0.0375 m
-    found = push(arch(0.2, 16), friction=0.9, options=SettlementOptions(pace=2.0))
+    found = push(arch(0.2, 16), friction=0.9)
     assert found.end is End.SPENT
     assert found.load[-2] > 0.0 >= found.load[-1]
     assert found.capacity == pytest.approx(0.0375, abs=2e-4)

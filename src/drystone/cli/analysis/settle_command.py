@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli.analysis import followed_answer, large_answer
-from drystone.cli.analysis.large_answer import CURVE, CURVE_KIND, Curves
+from drystone.cli.analysis.large_answer import Curves
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import OUTPUT, Option, command
@@ -55,7 +55,15 @@ def settle(
         ),
     ] = 1e-3,
     time_limit: options.TimeLimit = None,
-    curve: Annotated[Path | None, Option(CURVE, OUTPUT, kind=CURVE_KIND, expert=True)] = None,
+    curve: Annotated[
+        Path | None,
+        Option(
+            "With --to: write the curve of force against displacement, .csv or .json.",
+            OUTPUT,
+            kind=kinds.target(".csv", ".json"),
+            expert=True,
+        ),
+    ] = None,
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:

@@ -17,6 +17,7 @@ corner carries nothing.
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -34,6 +35,10 @@ BENT = 1e-3
 FLUSH_REACH = 0.02
 """By the smaller block's size, how far an edge where both faces end flush goes with the block that
 carries it: the other face is taken as longer by as much as what stands may move."""
+
+NEARER = 0.5
+"""An edge of an imperfect joint belongs to both blocks, unless the nearest edge of one is so much
+nearer than that of the other, which is not flush with it. Chosen."""
 
 
 class Carrier(enum.Enum):
@@ -147,6 +152,8 @@ class _Edges:
         ]
         self.owned = found[0][0], found[1][0]
         self.bend = found[0][1], found[1][1]
+        if not (self.owned[0] | self.owned[1]).any():
+            self.owned = self._nearest(along)
         least, most = np.minimum(*self.bend), np.maximum(*self.bend)
         self.fitted: Bools = (least < -BENT) & (most > BENT)
 
@@ -159,21 +166,34 @@ class _Edges:
     ) -> tuple[Bools, Floats]:
         owned, bend = np.zeros(len(block), dtype=bool), np.zeros(len(block))
         middle = 0.5 * (point + point[self.after])
-        order = np.argsort(block, kind="stable")
-        bounds = np.flatnonzero(np.diff(block[order], prepend=-1, append=-1))
-        for first, last in pairwise(bounds.tolist()):
-            here = order[first:last]
+        for one, here in _by_block(block):
             owned[here], bend[here] = self.sides.owned(
-                int(block[here[0]]), middle[here], along[here], outward[here]
+                one, middle[here], along[here], outward[here]
             )
         return owned, bend
+
+    def _nearest(self, along: Floats) -> tuple[Bools, Bools]:
+        """The same where no edge is one of a block, as of imperfect joints: by the nearest ones."""
+        off = np.full((2, len(self.after)), np.inf)
+        for side, (block, point) in enumerate(zip(self._blocks, self.points, strict=True)):
+            middle = 0.5 * (point + point[self.after])
+            for one, here in _by_block(block[self.contacts.interface]):
+                off[side, here] = self.sides.nearest(one, middle[here], along[here])
+        longer = off > FLUSH_REACH * self._size()
+        of_a, of_b = off[0] < NEARER * off[1], off[1] < NEARER * off[0]
+        return of_a & longer[1], of_b & longer[0]
+
+    def _size(self) -> Floats:
+        """(k,) [m] of the smaller block at each edge."""
+        a, b = self._blocks
+        return np.asarray(np.cbrt(np.minimum(self.volume[a], self.volume[b])))[
+            self.contacts.interface
+        ]
 
     def reach(self) -> Floats:
         """(k,) [m] how far the face of the block that does not carry the edge goes on beyond it."""
         contacts, (of_a, of_b) = self.contacts, self.owned
-        volume = np.minimum(self.volume[contacts.block_a], self.volume[contacts.block_b])
-        size = np.cbrt(volume)[contacts.interface]
-        reach = np.where(of_a & of_b, FLUSH_REACH * size, np.inf)
+        reach = np.where(of_a & of_b, FLUSH_REACH * self._size(), np.inf)
         for block, point, alone in zip(
             self._blocks, self.points, (of_b & ~of_a, of_a & ~of_b), strict=True
         ):
@@ -234,6 +254,14 @@ def distance_from_supports(assembly: Assembly, contacts: Contacts) -> Ints:
         if (nearer == away).all():
             return away
         away = nearer
+
+
+def _by_block(block: Ints) -> Iterator[tuple[int, Ints]]:
+    """Each block with the numbers of its edges; (k,) has the block of every edge."""
+    order = np.argsort(block, kind="stable")
+    bounds = np.flatnonzero(np.diff(block[order], prepend=-1, append=-1))
+    for first, last in pairwise(bounds.tolist()):
+        yield int(block[order[first]]), order[first:last]
 
 
 def _neighbours(contacts: Contacts) -> tuple[Ints, Ints]:

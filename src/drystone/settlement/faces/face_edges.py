@@ -14,6 +14,10 @@ COPLANAR = 0.01
 """Largest distance between an interface and a face that it lies on, by the block's size, and
 largest sine of the angle between them: contacts are found on faces that are not quite flat."""
 
+ASKEW = 0.1
+"""Sine of the angle between an edge of an imperfect interface and that edge of a block that it
+stands for."""
+
 
 class FaceSides:
     """The sides of the faces of all blocks.
@@ -82,6 +86,23 @@ class FaceSides:
         most = np.abs(turned).argmax(axis=1)
         bend: Floats = turned[np.arange(len(middle)), most]
         return np.asarray(on.any(axis=1)), bend
+
+    def nearest(self, block: int, middle: Floats, along: Floats) -> Floats:
+        """Distance (k,) [m] of edges, as for :meth:`owned`, from the nearest edge of a block.
+
+        Edges of the block that run in another direction do not count.
+        """
+        here = self.of_block[block]
+        run = self.end[here] - self.begin[here]
+        square = (run**2).sum(axis=1)
+        axis = run / np.sqrt(np.where(square > 0.0, square, 1.0))[:, None]
+        arm = middle[:, None] - self.begin[here]
+        at = np.clip(np.einsum("kej,ej->ke", arm, axis), 0.0, np.sqrt(square))
+        off = np.linalg.norm(arm - at[..., None] * axis, axis=2)
+        reach = np.linalg.norm(along, axis=1)
+        direction = along / np.where(reach > 0.0, reach, 1.0)[:, None]
+        askew = np.linalg.norm(cross(direction[:, None], axis[None]), axis=2)
+        return np.asarray(np.where(askew < ASKEW, off, np.inf).min(axis=1, initial=np.inf))
 
 
 def _on_edges(middle: Floats, along: Floats, begin: Floats, end: Floats, size: float) -> Bools:
