@@ -22,12 +22,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from benchmarks.workloads import PILES, Task, Workload, random_pile, workloads
-from drystone import Assembly, CheckOptions, Contacts, LoadCase, RBEOptions, Result, Verdict
+from drystone import Assembly, CheckOptions, Contacts, LoadCase, Result, Verdict
 from drystone.checks import mechanism_defects, unbalanced_wrench
 from drystone.geometry.frames import rotation_about
 from drystone.limits import LimitOptions, limit_tilt
 from drystone.model import Model
-from drystone.stability import check, solve_rbe
+from drystone.stability import RBEOptions, check, solve_rbe
 
 RESIDUAL = 1e-8
 """Largest residual of forces and motion, dimensionless."""

@@ -23,12 +23,12 @@ from benchmarks.explanations import EXPLANATIONS
 from benchmarks.scan import Limit, tilt_limit
 from benchmarks.settlement import MECHANISMS, QUICK
 from benchmarks.studies import Study, studies
-from drystone import Assembly, CheckOptions, LoadCase, RBEOptions, Verdict, models
+from drystone import Assembly, CheckOptions, LoadCase, Verdict, models
 from drystone.detection import find_contacts
 from drystone.model import Model
 from drystone.reproduce import SECTIONS, reproduce
 from drystone.settlement import Carrier, Outcome, settle
-from drystone.stability import FrictionCone, check, could_hold, solve_cra, solve_rbe
+from drystone.stability import FrictionCone, RBEOptions, check, could_hold, solve_cra, solve_rbe
 
 PAGE = Path(__file__).parents[1] / "docs" / "validation.md"
 

@@ -18,7 +18,7 @@ ROOMS = {
     "Shells": ("drystone.shells",),
     "Model families": ("drystone.models",),
     "Contacts": ("drystone.detection",),
-    "Analyses": ("drystone.stability",),
+    "Analyses": ("drystone.stability", "drystone.results"),
     "Settlement and large displacement": ("drystone.settlement",),
     "Films of a fall": ("drystone.fall",),
     "Forces in joints": ("drystone.joints", "drystone.virtual"),

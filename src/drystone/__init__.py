@@ -24,10 +24,8 @@ if TYPE_CHECKING:
     from drystone.base.errors import FormatError as FormatError
     from drystone.base.errors import InputError as InputError
     from drystone.base.errors import MissingDependency as MissingDependency
-    from drystone.base.errors import SolverError as SolverError
     from drystone.contacts import Contacts as Contacts
     from drystone.design import diagnose as diagnose
-    from drystone.detection import DetectionOptions as DetectionOptions
     from drystone.detection import find_contacts as find_contacts
     from drystone.io import read as read
     from drystone.io import write as write
@@ -39,22 +37,16 @@ if TYPE_CHECKING:
     from drystone.limits import limit_tilt as limit_tilt
     from drystone.loads import LoadCase as LoadCase
     from drystone.model import Model as Model
-    from drystone.results import Residuals as Residuals
     from drystone.results import Result as Result
     from drystone.results import Verdict as Verdict
     from drystone.sequence.planner import plan as plan
-    from drystone.settlement import push as push
     from drystone.settlement import settle as settle
     from drystone.stability import CheckOptions as CheckOptions
-    from drystone.stability import RBEOptions as RBEOptions
-    from drystone.stability import build_rbe as build_rbe
-    from drystone.stability import build_rbe_penalty as build_rbe_penalty
     from drystone.stability import check as check
     from drystone.stability import check_many as check_many
     from drystone.stability import solve_cra as solve_cra
     from drystone.stability import solve_cra_penalty as solve_cra_penalty
     from drystone.stability import solve_rbe as solve_rbe
-    from drystone.view import save_cad as save_cad
     from drystone.view import save_figure as save_figure
     from drystone.view import save_page as save_page
     from drystone.view import show as show
@@ -67,20 +59,14 @@ _HOME = {
     "CheckOptions": "stability",
     "Contacts": "contacts",
     "JointCapacity": "joint_capacity",
-    "DetectionOptions": "detection",
     "DrystoneError": "base.errors",
     "FormatError": "base.errors",
     "InputError": "base.errors",
     "LoadCase": "loads",
     "MissingDependency": "base.errors",
     "Model": "model",
-    "RBEOptions": "stability",
-    "Residuals": "results",
     "Result": "results",
-    "SolverError": "base.errors",
     "Verdict": "results",
-    "build_rbe": "stability",
-    "build_rbe_penalty": "stability",
     "check": "stability",
     "check_many": "stability",
     "diagnose": "design",
@@ -91,9 +77,7 @@ _HOME = {
     "limit_thickness": "limits",
     "limit_tilt": "limits",
     "plan": "sequence",
-    "push": "settlement",
     "read": "io",
-    "save_cad": "view",
     "save_figure": "view",
     "save_page": "view",
     "settle": "settlement",
@@ -105,7 +89,18 @@ _HOME = {
 }
 """The module that each public name lives in."""
 
-_ROOMS = ("design", "fall", "limits", "models", "sequence", "settlement", "shells", "view")
+_ROOMS = (
+    "design",
+    "detection",
+    "fall",
+    "limits",
+    "models",
+    "sequence",
+    "settlement",
+    "shells",
+    "stability",
+    "view",
+)
 """Packages that are there as attributes after ``import drystone``."""
 
 __all__ = list(_HOME)

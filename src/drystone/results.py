@@ -295,3 +295,6 @@ class Result(OfModel, Card):
             raise InputError(
                 "the result has no forces", remedy="ask for those of a structure that stands"
             )
+
+
+__all__ = ["Residuals", "Result", "Verdict"]

@@ -103,11 +103,11 @@ def values(folder: Path) -> Iterator[object]:
     yield settlement.support_response(arch(), moves, friction=0.9)
     settled = drystone.settle(tower(2))
     yield from (settled, settled.path, settlement.SettlementOptions(fall=0.2))
-    pushed = drystone.push(tower(2), friction=0.3, to=0.01)
+    pushed = drystone.settlement.push(tower(2), friction=0.3, to=0.01)
     yield from (pushed, pushed[-1])
     yield from (Film(Model.of(tower(2)), np.zeros(1), np.zeros((1, 2, 6)), True), FallOptions())
     stack = Model.of(tower(3), friction=0.6)
-    yield drystone.build_rbe(stack)
+    yield drystone.stability.build_rbe(stack)
     coarse = limits.LimitOptions(width=5.0, scan=1)
     yield limits.tilt_sweep(stack, 2, options=coarse)
     yield limits.limit_friction(stack, options=limits.LimitOptions(width=0.2))
@@ -295,7 +295,10 @@ def test_showing_a_value_loads_no_plotting() -> None:
     [
         (drystone.CheckOptions(), "CheckOptions()"),
         (drystone.CheckOptions(samples=2), "CheckOptions(samples=2)"),
-        (drystone.RBEOptions(objective="linear"), "RBEOptions(objective=Objective.LINEAR)"),  # type: ignore[arg-type]
+        (
+            drystone.stability.RBEOptions(objective="linear"),
+            "RBEOptions(objective=Objective.LINEAR)",
+        ),  # type: ignore[arg-type]
         (limits.LimitOptions(width=0.1), "LimitOptions(width=0.1)"),
     ],
 )

@@ -42,7 +42,7 @@ def test_capacities_follow_a_part_of_the_model():
 
 def test_who_follows_dry_joints_only_refuses_others():
     glued = MODEL.with_capacity(JointCapacity.of(MODEL.contacts, tension=1.0))
-    for work in (drystone.settle, drystone.push):
+    for work in (drystone.settle, drystone.settlement.push):
         with pytest.raises(InputError, match="takes dry joints only"):
             work(glued)
 

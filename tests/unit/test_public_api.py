@@ -23,7 +23,18 @@ MODULES = sorted(
 )
 
 
-ROOMS = ["design", "fall", "limits", "models", "sequence", "settlement", "shells", "view"]
+ROOMS = [
+    "design",
+    "detection",
+    "fall",
+    "limits",
+    "models",
+    "sequence",
+    "settlement",
+    "shells",
+    "stability",
+    "view",
+]
 
 
 def source(module: str) -> str:

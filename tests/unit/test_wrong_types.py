@@ -17,7 +17,6 @@ from drystone import (
     InputError,
     LoadCase,
     Model,
-    RBEOptions,
     check,
     find_contacts,
     limits,
@@ -29,6 +28,7 @@ from drystone import (
 from drystone.base.settings import Options
 from drystone.models import tower
 from drystone.shells import FormOptions, Layout, ShellBody
+from drystone.stability import RBEOptions
 
 TOWER = tower(2)
 MODEL = Model.of(TOWER)
@@ -106,7 +106,10 @@ def test_any_argument_of_another_type_is_refused_or_understood(name: str) -> Non
         (lambda: limits.limit_load(MODEL, "x"), r"the load is 'x'; give a load case, a multiple"),
         (lambda: limits.limit_load(MODEL, (1, 0)), r"the load is \(1, 0\); give a load case"),
         (lambda: drystone.check_many(MODEL), r"the models are Model\(.*give a list"),
-        (lambda: drystone.check_many("tower.obj"), "the models are 'tower.obj'; give a list"),
+        (
+            lambda: drystone.check_many("tower.obj"),
+            "the models are 'tower.obj'; give a list",
+        ),
         (lambda: Model.of(TOWER, friction="0.6"), "friction must be one number or 1"),
         (lambda: Model.of(TOWER, load="1"), "the load is '1'; give a load case"),
         (lambda: check(tower(2).with_fixed([])), "no block is fixed; supports: 'lowest' would fix"),

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from drystone import Assembly, Contacts, LoadCase, RBEOptions, Verdict, check, solve_rbe
+from drystone import Assembly, Contacts, LoadCase, Verdict, check, solve_rbe
 from drystone.formulations.equilibrium import FrictionCone, Objective
 from drystone.limits import (
     Limit,
@@ -30,6 +30,7 @@ from drystone.models import (
     lune,
     tower,
 )
+from drystone.stability import RBEOptions
 from drystone.virtual import shift, shrink, to_kern
 from tests.oracle import touching_faces
 

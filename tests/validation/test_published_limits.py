@@ -10,11 +10,11 @@ from collections.abc import Callable
 
 import pytest
 
-from drystone import Assembly, CheckOptions, LoadCase, RBEOptions, Verdict, models
+from drystone import Assembly, CheckOptions, LoadCase, Verdict, models
 from drystone.checks import corner_motion
 from drystone.detection import find_contacts
 from drystone.model import Model
-from drystone.stability import FrictionCone, check, could_hold, solve_cra, solve_rbe
+from drystone.stability import FrictionCone, RBEOptions, check, could_hold, solve_cra, solve_rbe
 
 Axis = tuple[float, float, float]
 X, Y, XY30 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.7320508075688772, 1.0, 0.0)

@@ -10,9 +10,10 @@ import pytest
 
 import drystone
 from benchmarks.field.stud_bricks import DESIGNS
-from drystone import JointCapacity, RBEOptions, Verdict, solve_rbe
+from drystone import JointCapacity, Verdict, solve_rbe
 from drystone.base.errors import FormatError
 from drystone.joint_capacity import NO_LIMIT
+from drystone.stability import RBEOptions
 
 GRAVITY = 9.8 / 9.81
 """The data set uses 9.8 m/s2."""

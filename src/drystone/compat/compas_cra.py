@@ -54,8 +54,8 @@ def assembly_interfaces_numpy(
     nmax
         Not used: all neighbours are searched.
     tmax : [m]
-        Largest distance of faces that touch. The default of :class:`drystone.DetectionOptions` is
-        used if it is larger.
+        Largest distance of faces that touch. The default of
+        :class:`drystone.detection.DetectionOptions` is used if it is larger.
     amin : [m2]
         Smallest area of an interface.
 

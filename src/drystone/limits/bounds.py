@@ -14,7 +14,9 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.progress import Stop, Stopped
 from drystone.formulations.equilibrium import (
+    FactorSolution,
     FrictionCone,
+    held_still,
     solve_load_factor,
 )
 from drystone.limits.brackets import Bracket
@@ -22,8 +24,10 @@ from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.search import VerdictSearch
 from drystone.loads import LoadCase
 from drystone.model import Model
-from drystone.results import Result
+from drystone.results import Result, Verdict
 from drystone.stability import RBEOptions, solve_rbe
+from drystone.stability.problem import Problem
+from drystone.stability.proofs import checked_mechanism, moving_blocks
 from drystone.statics import Statics, build_statics
 
 WIDEST = 3e-3
@@ -41,9 +45,37 @@ def rbe(
     model: Model,
 ) -> Result:
     """Result of rigid-block equilibrium without the penalty form."""
+    return solve_rbe(model, options=_options(cone), stop=stop)
+
+
+def _options(cone: FrictionCone) -> RBEOptions:
     options = RBEOptions.feasibility(cone)
-    conic = replace(options.conic, iteration_limit=STEPS)
-    return solve_rbe(model, options=replace(options, conic=conic), stop=stop)
+    return replace(options, conic=replace(options.conic, iteration_limit=STEPS))
+
+
+def falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Result | None:
+    """UNSTABLE where the mechanism of the largest load factor is one under this load as well.
+
+    At the limit the loads do no work on it, and beyond the limit they do (the kinematic theorem).
+    Near the limit this proves what another program may not: none has a margin there.
+    """
+    problem = Problem.build(model)
+    mechanism = checked_mechanism(problem, solution.state)
+    if mechanism is None:
+        mechanism = checked_mechanism(problem, held_still(problem.statics, solution.state))
+    if mechanism is None:
+        return None
+    return Result(
+        method="rbe",
+        verdict=Verdict.UNSTABLE,
+        model=model,
+        message="no contact forces can balance the loads",
+        mechanism=mechanism,
+        falling=moving_blocks(model.assembly, mechanism),
+        options=_options(cone),
+        solver=solution.state.raw.solver,
+        iterations=solution.state.raw.iterations,
+    )
 
 
 def bisected_bound(
@@ -76,10 +108,11 @@ def load_factor_bound(
 
     Checked states stand on both sides. Without a width it is a share of the limit.
     """
-    factor = _factor(family.model, family.live, cone, stop)
+    solution = _largest(family.model, family.live, cone, stop)
+    factor = solution.factor
     scale = factor if 0.0 < factor < upper else upper
     chosen = share * scale if width is None else width
-    return _confirmed(family, factor, 0.0, upper, chosen, cone, stop), chosen
+    return _confirmed(family, factor, solution, (0.0, upper), chosen, cone, stop), chosen
 
 
 def tilt_bound(
@@ -94,17 +127,19 @@ def tilt_bound(
     if not family.is_planar():
         return bisected_bound(family, 0.0, upper, width=width, cone=cone, stop=stop)
     angle = float("inf")
+    solution: FactorSolution | None = None
     for quarter in np.arange(0.0, upper, 90.0).tolist():
-        factor = _factor(family(quarter), family.turned(quarter + 90.0), cone, stop)
-        if factor < np.inf:
-            angle = quarter + float(np.rad2deg(np.arctan(factor)))
+        solution = _largest(family(quarter), family.turned(quarter + 90.0), cone, stop)
+        if solution.factor < np.inf:
+            angle = quarter + float(np.rad2deg(np.arctan(solution.factor)))
             break
-    return _confirmed(family, angle, 0.0, upper, width, cone, stop)
+    return _confirmed(family, angle, solution, (0.0, upper), width, cone, stop)
 
 
-def _factor(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> float:
+def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
+    """The largest factor of a live load; the scales are those of the model without it."""
     statics = build_statics(model.with_contacts(model.contacts.select(model.active)))
-    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone, stop=stop).factor
+    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone, stop=stop)
 
 
 def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
@@ -116,14 +151,15 @@ def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
 def _confirmed(
     family: Family,
     value: float,
-    start: float,
-    end: float,
+    solution: FactorSolution | None,
+    span: tuple[float, float],
     width: float,
     cone: FrictionCone,
     stop: Stop | None,
 ) -> Bracket:
     """A bracket around the value of a solver, with checked answers at both sides."""
     search = _search(family, cone, stop)
+    start, end = span
     try:
         if value >= end:
             verdict = search.stands(end)
@@ -132,6 +168,10 @@ def _confirmed(
         elif value >= start:
             widest = max(width, WIDEST * (abs(value) + width))
             low = _nearest(search, value, -0.5 * width, widest, start, True)
+            beyond = min(end, value + 0.5 * width)
+            known = None if solution is None else falls_by(family(beyond), cone, solution)
+            if known is not None:
+                search.results[beyond] = known
             high = _nearest(search, value, 0.5 * width, widest, end, False)
             if low is not None and high is not None:
                 return Bracket(low, high, search.results[low], search.results[high], value)
@@ -152,4 +192,4 @@ def _nearest(
     return None
 
 
-__all__ = ["bisected_bound", "load_factor_bound", "rbe", "scaled_wrench", "tilt_bound"]
+__all__ = ["bisected_bound", "falls_by", "load_factor_bound", "rbe", "scaled_wrench", "tilt_bound"]

@@ -96,7 +96,7 @@ class StandingShare(OneLine):
     verdicts
         Verdict on every draw, in order; with several orders of loading one for each, draw by draw.
     share
-        Share of verdicts that stand.
+        Share of draws that stand, with several orders of loading in each of them.
     interval
         Interval of the true share, at the confidence level.
     confidence
@@ -120,8 +120,16 @@ class StandingShare(OneLine):
 
     @property
     def draws(self) -> int:
-        """Number of draws, one that was not finished in every order among them."""
-        return -(-len(self.verdicts) // max(len(self.loading), 1))
+        """Number of draws."""
+        return len(self.verdicts) // max(len(self.loading), 1)
+
+    @property
+    def by_draw(self) -> tuple[bool | None, ...]:
+        """Whether every draw stands, in every order; None where that is undecided."""
+        count = max(len(self.loading), 1)
+        told = [STANDS[one] for one in self.verdicts]
+        draws = [told[at : at + count] for at in range(0, len(told), count)]
+        return tuple(False if False in some else (None if None in some else True) for some in draws)
 
     def _names(self) -> list[str]:
         return [one.value for one in self.loading] or ["check"]
@@ -162,8 +170,8 @@ class StandingShare(OneLine):
         """Plain values."""
         return {
             "draws": self.draws,
-            "standing": sum(STANDS[v] is True for v in self.verdicts),
-            "undecided": sum(v is Verdict.UNDECIDED for v in self.verdicts),
+            "standing": self.by_draw.count(True),
+            "undecided": self.by_draw.count(None),
             "share": self.share,
             "interval": list(self.interval),
             "confidence": self.confidence,
@@ -239,16 +247,14 @@ def imperfections(
             friction += means
             if progress is not None:
                 progress("draws", len(friction), draws)
-    made = len(verdicts)
-    standing = sum(STANDS[verdict] is True for verdict in verdicts)
-    return StandingShare(
-        tuple(verdicts),
-        standing / made,
-        share_interval(standing, made, confidence),
-        confidence,
-        orders,
-        frozen(np.array(friction)),
+    empty = (0.0, 1.0)
+    found = StandingShare(
+        tuple(verdicts), 0.0, empty, confidence, orders, frozen(np.array(friction))
     )
+    standing = found.by_draw.count(True)
+    # the verdicts on one draw depend on each other: it counts once
+    interval = share_interval(standing, found.draws, confidence)
+    return replace(found, share=standing / found.draws, interval=interval)
 
 
 def _orders(loading: Sequence[Loading | str]) -> tuple[Loading, ...]:

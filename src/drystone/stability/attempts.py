@@ -14,7 +14,7 @@ from drystone.base.progress import Clock
 from drystone.checks import check_forces
 from drystone.formulations.rest.compliance import Compliance
 from drystone.formulations.rest.friction import SlipLength
-from drystone.formulations.rest.interior_point import find_rest
+from drystone.formulations.rest.interior_point import POLISH_AGAIN, find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, RestState, Start, start_from
 from drystone.results import Residuals
@@ -67,6 +67,11 @@ beyond their limit 4e-3 or more. Towers of 200 blocks and more reach 4e-3 althou
 MUCH = 1e-2
 """Share of a block's load on the ground from which on equilibrium is tested before weaker ground is
 tried: more than in any structure that stands."""
+
+
+def _after_newton(options: RestOptions) -> RestOptions:
+    """Options for a start from which Newton's method on the unrelaxed law was tried already."""
+    return replace(options, polish=POLISH_AGAIN * options.warm_relaxation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,6 +192,7 @@ class Attempts(Record):
         again
             Whether it does not count as tried.
         start
+            From which Newton's method on the unrelaxed law does not converge.
         falls
             Whether it falls with every stiffness; called where the ground carries a large share,
             and where the first path makes no progress or does not converge.
@@ -194,8 +200,9 @@ class Attempts(Record):
             That share.
         """
         numerics = screening.numerics
-        if start is None:  # at the beginning of a path steps are often reduced
-            numerics = replace(numerics, give_up=0.0)
+        # at the beginning of a path steps are often reduced
+        begun = start is not None
+        numerics = _after_newton(numerics) if begun else replace(numerics, give_up=0.0)
         state = self._rest(springs, numerics, start, falls)
         share = self.problem.ground_share(state.ground)
         most = share.max()
@@ -269,7 +276,8 @@ class Attempts(Record):
                 return found
         if rests:
             last = self.start(springs, rests[-1].displacement)
-            ways: list[tuple[RestOptions, Start | None]] = [(FROM_OTHER, last)]
+            from_other = _after_newton(FROM_OTHER) if rests[-1].same else FROM_OTHER
+            ways: list[tuple[RestOptions, Start | None]] = [(from_other, last)]
             if not briefly:  # what Newton's method did not reach from the same stiffnesses is far
                 ways.insert(0 if rests[-1].same else 1, (STRAIGHT, None))
             for options, begin in ways:

@@ -58,6 +58,13 @@ occurs close to a limit. Measured on the published models: 24 or more where foll
 Domes, vaults, walls and arches near their limits: 8 at most if they do not slide as a whole."""
 
 
+FOLLOWED = -1
+"""In place of the number of a stiffness: the rest state with the springs of settlement of a similar
+model whose blocks were followed to rest."""
+
+SETTLES_ALIKE = "it settles as a similar stage that was followed to rest"
+
+
 class Cascade:
     """The cascade: free fall, rest, impossibility, other stiffnesses, search, first motion.
 
@@ -67,7 +74,8 @@ class Cascade:
     known : (n, 6) [m, rad] each
         Rest states of a similar model by the number of the contact stiffness, 0 for the uniform
         one. The same stiffness is tried from there first. Empty: none was found. Then it is looked
-        for briefly, and again where following the blocks does not show that they rest.
+        for briefly, and again where following the blocks does not show that they rest. FOLLOWED:
+        blocks that do not slide farther than there are not followed again.
     within
         Numbers (m,) of the interfaces in a larger model, and how many interfaces that has: the
         stiffness of each interface is then drawn as it is there.
@@ -163,6 +171,8 @@ class Cascade:
                 uniform = attempts.attempt(smooth, again=True)
         if uniform.stands:
             self.rests[0] = uniform.displacement
+            if FOLLOWED in self.known:
+                self.rests[FOLLOWED] = self.known[FOLLOWED]
         elif self.robust:
             return self.answers.answer(Verdict.UNDECIDED, "uniform contact stiffness does not hold")
         # settlement and the search know dry joints only
@@ -172,6 +182,9 @@ class Cascade:
         decided = not follows or self.robustly
         if attempts.standing and (decided or self.clock.late()):
             return self.answers.stable(uniform)
+        if follows and uniform.stands and self._settles_alike():
+            certain = len(attempts.standing) == attempts.tried
+            return self.answers.stable(uniform, "" if certain else SETTLES_ALIKE)
         if follows and not self.clock.late():
             return self._followed(uniform)
         self.answers.report("search", 2 + self.options.samples)
@@ -210,6 +223,13 @@ class Cascade:
         if like_settlement is None or not self.problem.statics.dry:
             return True
         return self.problem.slide_by_overlap(like_settlement) <= SLIDES_FAR
+
+    def _settles_alike(self) -> bool:
+        """Whether the blocks slide on the way on which those of a similar model came to rest."""
+        here, followed = self.rests.get(1), self.known.get(FOLLOWED)
+        if here is None or followed is None or not len(here):
+            return False
+        return self.problem.slide_beyond(here, followed) <= SLIDES_FAR
 
     def _smooth_nearby(self, springs: Compliance) -> Candidate | None:
         """The rest state of a smooth law near the known one; none where stick-slip shows a fall.
@@ -349,6 +369,8 @@ class Cascade:
         if tried == 1:
             held = "uniform contact stiffness would not hold it in place"
         if found.outcome is Outcome.RESTS:
+            if len(self.rests.get(1, NONE_FOUND)):
+                self.rests[FOLLOWED] = self.rests[1]
             # that it slides far was the only doubt
             certain = uniform.stands and stood == tried
             return self.answers.stable(uniform) if certain else self.answers.rests(found, held)

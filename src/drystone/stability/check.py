@@ -90,6 +90,8 @@ def check_near(
     known : (n, 6) [m, rad] each
         Displacements of the rest states of a similar model with the same blocks, by the number of
         the contact stiffness: 0 is the uniform one, 1 the first sample. Others begin from nothing.
+        Where the blocks of that model were followed to rest and these slide on the same way, they
+        are not followed again.
     options
     within
         Where the model is a part of a structure: the number (m,) of each interface among those of
@@ -100,7 +102,9 @@ def check_near(
     Returns
     -------
     Result, dict
-        The verdict, and the displacements of the rest states that were found.
+        The verdict, and the displacements of the rest states that were found; those of
+        :data:`drystone.stability.cascade.FOLLOWED` where the blocks were followed to rest, here or
+        in the similar model.
     """
     clock = Clock(time_limit_s, stop)
     problem = Problem.of(given)

@@ -67,8 +67,8 @@ class Answers:
             residuals=Residuals(),
         )
 
-    def stable(self, uniform: Candidate) -> Result:
-        """STABLE with a rest state."""
+    def stable(self, uniform: Candidate, how: str = "") -> Result:
+        """STABLE with a rest state; ``how`` it stands where not every stiffness holds it."""
         tried, stood = self.attempts.tried, len(self.attempts.standing)
         if tried == 1:
             words = "stands"
@@ -76,6 +76,7 @@ class Answers:
             words = f"stands, whichever joints press more ({tried} contact stiffnesses tried)"
         else:
             words = f"stands for {stood} of {tried} contact stiffnesses tried: {SENSITIVE}"
+            words = f"{how}; {words}" if how else words
         left = 1 + self.options.samples - tried
         if self.clock.reason and left > 0:
             words += f"; {self.clock.reason} before {left} more could be tried"

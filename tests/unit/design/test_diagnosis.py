@@ -59,6 +59,14 @@ def test_a_block_on_a_steep_ramp_slides_down_and_needs_the_tangent_of_its_angle(
     assert np.linalg.norm(region.needs.force) == pytest.approx(missing, rel=1e-4)
     assert "slides down along 'ramp'" in region.sentence
     assert "friction of 0.84 there" in region.sentence
+    short = diagnose(model, options=DiagnosisOptions(needs=False)).sentences[0]
+    assert "in the direction (0.77, 0, 0.64) at " in short
+
+
+def test_a_friction_that_was_told_is_not_told_again() -> None:
+    first, second = diagnose(slope(40.0)).sentences
+    assert "friction of 0.84 there" in first
+    assert second == "the same friction in all joints would hold the whole model"
 
 
 def test_a_block_that_lies_too_far_out_hinges_about_the_edge_that_it_turns_over() -> None:

@@ -13,7 +13,7 @@ import drystone
 from drystone import Assembly, InputError, LoadCase, MissingDependency, Model
 from drystone.cli import main
 from drystone.fall import FallOptions, Film, fall
-from drystone.models import box, stool, tower, wedge
+from drystone.models import box, concave, stool, tower, wedge
 
 Capsys = pytest.CaptureFixture[str]
 FLOOR = box((6.0, 6.0, 0.5), (-3.0, -3.0, -0.5), "floor")
@@ -199,3 +199,14 @@ def test_the_command_makes_a_film(tmp_path: Path, capsys: Capsys) -> None:
     assert (tmp_path / "fall.glb").exists()
     assert main(["fall", str(path), "--no-check"]) == 0
     assert "nothing fell" in capsys.readouterr().out
+
+
+@needs_mujoco
+def test_what_falls_and_jams_in_the_simulator_is_told(tmp_path: Path, capsys: Capsys) -> None:
+    # it slides between two parallel faces: associated friction cannot open both
+    path = tmp_path / "plank.json"
+    drystone.write(Model.of(concave("short"), friction=0.6, load=(8.0, 0.0, -5.0)), path)
+    assert main(["fall", str(path), "--gravity", "8,0,-5", "--duration", "2", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["fell"] == []
+    assert any("simulator holds what falls" in note for note in told["notes"])

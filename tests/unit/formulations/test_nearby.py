@@ -8,6 +8,7 @@ from drystone.formulations.rest.compliance import uniform
 from drystone.formulations.rest.interior_point import find_rest
 from drystone.formulations.rest.nearby import find_rest_nearby
 from drystone.formulations.rest.rest_state import RestOptions, Start
+from drystone.formulations.rest.tangent import TangentSystem
 from drystone.model import Model
 from drystone.stability.problem import Problem
 
@@ -56,3 +57,22 @@ def test_what_falls_has_no_rest_state_nearby():
 def test_the_wish_to_stop_is_heard():
     springs, start = upright(leaning(0.0), None, 0.0)
     assert find_rest_nearby(leaning(0.0).system, springs, OPTIONS, start, lambda: True) is None
+
+
+def test_the_last_steps_have_the_factors_of_the_one_before(monkeypatch):
+    factors = []
+    factorise = TangentSystem.factorise
+
+    def counted(system, tangent, weight):
+        factors.append(tangent)
+        return factorise(system, tangent, weight)
+
+    monkeypatch.setattr(TangentSystem, "factorise", counted)
+    _, start = upright(leaning(0.0), 10.0, 0.0)
+    problem = leaning(1.0)
+    springs = uniform(problem.statics, slip=10.0)
+    factors.clear()
+    found = find_rest_nearby(problem.system, springs, OPTIONS, start)
+    assert found is not None
+    assert 0 < len(factors) < found.iterations
+    assert found.unbalanced <= OPTIONS.tolerance

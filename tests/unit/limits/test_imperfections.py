@@ -49,6 +49,19 @@ def test_each_draw_is_followed_in_every_order_and_all_agree_on_a_slope(
         assert 0.0 <= row["low"] < row["share"] < row["high"] <= 1.0
 
 
+def test_a_draw_counts_once_whatever_the_number_of_orders(study: StandingShare) -> None:
+    # the verdicts of one draw depend on each other: as draws of their own the interval is too short
+    for row in study.by_loading():
+        assert (study.share, *study.interval) == (row["share"], row["low"], row["high"])
+    verdicts = (Verdict.STABLE, Verdict.UNSTABLE, Verdict.STABLE, Verdict.UNDECIDED,
+                Verdict.STABLE, Verdict.STABLE, Verdict.UNDECIDED, Verdict.UNSTABLE)  # fmt: skip
+    orders = (Loading.AT_ONCE, Loading.RAMP)
+    mixed = StandingShare(verdicts, 0.25, (0.0, 1.0), 0.95, orders, np.zeros(4))
+    assert mixed.by_draw == (False, None, True, False)
+    told = mixed.to_dict()
+    assert (told["draws"], told["standing"], told["undecided"]) == (4, 1, 1)
+
+
 def test_the_same_seed_gives_the_same_study_with_an_executor(study: StandingShare) -> None:
     with ThreadPoolExecutor(2) as executor:
         again = imperfections(
@@ -126,7 +139,7 @@ def test_the_command_writes_the_draws_and_the_plot(tmp_path: Path, capsys: Capsy
     files = ["--table", str(table), "--png", str(tmp_path / "share.png")]
     assert main([*asked, *orders, *files]) == 1
     out = " ".join(capsys.readouterr().out.split())
-    assert "0 of 6" in out
+    assert "0 of 3 imperfect structures stand in every order" in out
     assert "order of loading" in out
     lines = table.read_text(encoding="utf-8").splitlines()
     assert lines[0] == "draw,friction,loading,verdict,stands"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from drystone import Assembly, InputError, LoadCase, Result, Verdict, check, solve_rbe
+from drystone.checks import mechanism_defects
 from drystone.limits import (
     Bracket,
     Evaluation,
@@ -31,7 +32,7 @@ from drystone.limits import (
 )
 from drystone.limits.limit_checks import verdict
 from drystone.model import Model
-from drystone.models import arch, h_model, incline, tower, wedge
+from drystone.models import arch, ferris_wall, h_model, incline, tower, wedge
 from drystone.results import Samples
 from drystone.virtual import joint_sections
 from tests.oracle import touching_faces
@@ -313,6 +314,31 @@ def test_a_limit_where_stiffness_decides_is_that_of_the_verdict(
     assert limit.sensitive_between == pytest.approx((8.0, max(verdict, 10.0)), abs=0.1)
     assert "depends on the stiffness of the joints" in limit.remarks[0]
     assert limit.to_dict()["sensitive_between"] == list(limit.sensitive_between)
+
+
+def test_the_mechanism_at_the_limit_proves_the_fall_beyond_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from drystone.limits import bounds
+
+    wall = ferris_wall(1)
+    asked: list[Model] = []
+    ask = bounds.solve_rbe
+
+    def noted(model: Model, **how: Any) -> Result:
+        asked.append(model)
+        return ask(model, **how)
+
+    monkeypatch.setattr(bounds, "solve_rbe", noted)
+    load, options = LoadCase.seismic(wall, 1.0), LimitOptions(full=False)
+    found = limit_load(wall, load, friction=0.65, options=options).equilibrium
+    assert len(asked) == 1  # below the limit
+    assert found.falling is not None
+    assert found.falling.mechanism is not None
+    violation, power = mechanism_defects(found.falling.model, found.falling.mechanism)
+    assert violation < 1e-5
+    assert power > 0.0
+    assert found.value == pytest.approx(0.64286, abs=1e-5)  # Ferris and Tin-Loi 2001
 
 
 def asked_of(

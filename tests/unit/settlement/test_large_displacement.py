@@ -173,6 +173,15 @@ def test_an_arch_on_spreading_supports_turns_about_three_hinges_and_falls_about_
     assert set(found[-1].hinges) == expected | {0, len(assembly) - 2}
 
 
+def test_a_load_that_falls_at_once_through_zero_ends_there() -> None:
+    # hinges change while nothing is driven: the load falls from 0.034 to -0.056 at 0.0375 m
+    found = push(arch(0.2, 16), friction=0.9, options=SettlementOptions(pace=2.0))
+    assert found.end is End.SPENT
+    assert found.load[-2] > 0.0 >= found.load[-1]
+    assert found.capacity == pytest.approx(0.0375, abs=2e-4)
+    assert found.displacement[-2] <= found.capacity <= found.displacement[-1]
+
+
 def test_friction_decays_to_the_slope() -> None:
     # a block on a slope slides where the friction is the slope
     load = LoadCase.tilt(stack(1), (0.0, 1.0, 0.0), 15.0)
@@ -277,6 +286,18 @@ def test_settle_follows_supports_to_a_length(file: str, tmp_path: Path, capsys: 
     assert told["curve"]["displacement"][-1] == pytest.approx(0.01)
     assert told["positions"]["blocks"]["block-0"][-1][0] == pytest.approx(0.01, rel=1e-3)
     assert page.exists()
+    curve = tmp_path / "curve.csv"
+    assert main([*asked[:4], "--to", "0.01", "--curve", str(curve), "--time-limit", "1e-9"]) == 1
+    assert "time was up" in capsys.readouterr().out
+    assert curve.read_text(encoding="utf-8").startswith("displacement [m],load [N]\n")
+    for more, told in (
+        (["--to", "1", "--cad", "a.glb"], "no file for CAD"),
+        (["--to", "1", "--joints", "a.csv"], "no table of joints"),
+        (["--curve", "a.csv"], "--curve: there is no curve without --to"),
+        (["--time-limit", "1"], "--time-limit: small motions"),
+    ):
+        assert main([*asked[:4], *more]) == 2
+        assert told in capsys.readouterr().err
 
 
 def test_a_plank_falls_when_its_support_has_left_it() -> None:

@@ -15,6 +15,7 @@ from drystone.sequence.stage.structure import Structure
 from drystone.settlement import SettlementOptions
 from drystone.stability import check, check_near, try_rest
 from drystone.stability.attempts import Attempts
+from drystone.stability.cascade import FOLLOWED, SETTLES_ALIKE, SLIDES_FAR
 from drystone.stability.problem import Problem
 from drystone.stability.screening import QUICK, SMOOTH
 from drystone.stability.stiffness_samples import NONE_FOUND, several_nearby
@@ -61,8 +62,35 @@ def test_blocks_are_followed_where_a_stiffness_is_looked_for_briefly():
     found, rests = check_near(LEANING, {0: near[0], HARD: NONE_FOUND}, options=BOTH)
     assert found.stable
     assert found.settlement is not None
-    assert list(rests) == [0, 1, HARD]
+    assert list(rests) == [0, 1, HARD, FOLLOWED]
     assert not len(rests[HARD])
+    assert rests[FOLLOWED] is rests[1]
+
+
+def test_blocks_that_slide_on_a_way_that_was_followed_to_rest_are_not_followed_again():
+    near = known(LEANING)
+    doubted = {0: near[0], HARD: NONE_FOUND}
+    followed, rests = check_near(LEANING, doubted, options=BOTH)
+    again, kept = check_near(LEANING, {**doubted, FOLLOWED: 0.5 * rests[FOLLOWED]}, options=BOTH)
+    assert followed.settlement is not None
+    assert again.settlement is None
+    assert again.verdict is followed.verdict
+    assert again.message.startswith(SETTLES_ALIKE)
+    assert again.samples.standing < again.samples.tried
+    np.testing.assert_array_equal(kept[FOLLOWED], 0.5 * rests[FOLLOWED])
+
+
+def test_blocks_that_slide_off_the_way_that_was_followed_are_followed():
+    statics = Problem.build(LEANING).statics
+    near = known(LEANING)
+    away = np.array(near[1])
+    away[statics.free, 1] += 100.0 * np.abs(near[1]).max()  # as pressed as before, slid across
+    problem = Problem.build(LEANING)
+    assert problem.slide_beyond(near[1], near[1]) == pytest.approx(0.0, abs=1e-9)
+    assert problem.slide_beyond(0.3 * near[1], 2.0 * near[1]) == pytest.approx(0.0, abs=1e-9)
+    assert problem.slide_beyond(away, near[1]) > SLIDES_FAR
+    # of a block that was not there, all of its slide counts
+    assert problem.slide_beyond(away, 0.0 * away) == problem.slide_by_overlap(away)
 
 
 def test_a_stiffness_is_looked_for_again_where_following_the_blocks_does_not_decide():

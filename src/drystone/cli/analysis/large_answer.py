@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base import units
 from drystone.cli.base import kinds
@@ -24,19 +24,21 @@ if TYPE_CHECKING:
 SHOWN = 12
 """Rows of hinges and slides that are shown; chosen."""
 
+CurveFile: TypeAlias = Annotated[
+    Path | None,
+    Option(
+        "Write the curve of load against displacement, .csv or .json.",
+        OUTPUT,
+        kind=kinds.target(".csv", ".json"),
+    ),
+]
+
 
 @dataclass(frozen=True)
 class Curves(Pictures):
     """The page, the plot and the curve as numbers."""
 
-    curve: Annotated[
-        Path | None,
-        Option(
-            "Write the curve of load against displacement, .csv or .json.",
-            OUTPUT,
-            kind=kinds.target(".csv", ".json"),
-        ),
-    ] = None
+    curve: CurveFile = None
 
     def __post_init__(self) -> None:
         apart([self.html, self.png, self.curve])
@@ -94,4 +96,4 @@ def _show(found: LargeDisplacement, data: dict[str, Any], screen: Screen) -> Non
         screen.line(f"and {len(events) - SHOWN} more, see --json")
 
 
-__all__ = ["Curves", "answer"]
+__all__ = ["CurveFile", "Curves", "answer"]

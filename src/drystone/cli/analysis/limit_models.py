@@ -225,8 +225,9 @@ def _files(found: StandingShare, wanted: Drawn, source: str) -> Files:
 
 def _show(found: StandingShare, data: dict[str, Any], screen: Screen) -> None:
     low, high = found.interval
-    stand = f"{data['standing']} of {len(found.verdicts)}"
-    screen.line(f"imperfect structures stand  {data['model']}", stand, gap=" ")
+    stand = f"{data['standing']} of {found.draws}"
+    where = " in every order of loading" if len(found.loading) > 1 else ""
+    screen.line(f"imperfect structures stand{where}  {data['model']}", stand, gap=" ")
     screen.line(
         f"share {found.share:.1%}, between {low:.1%} and {high:.1%} at {found.confidence:.0%} "
         "confidence"

@@ -5,12 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base import units
 from drystone.base.errors import InputError
 from drystone.cli.analysis import followed_answer, large_answer
-from drystone.cli.analysis.large_answer import Curves
+from drystone.cli.analysis.large_answer import CurveFile, Curves
 from drystone.cli.base import kinds, verdict
 from drystone.cli.base.answer import Answer
 from drystone.cli.base.command import Option, command
@@ -54,6 +55,7 @@ def settle(
         ),
     ] = 1e-3,
     time_limit: options.TimeLimit = None,
+    curve: CurveFile = None,
     wanted: Written,
     waiting: Waiting,
 ) -> Answer:
@@ -68,10 +70,18 @@ def settle(
         raise InputError(
             "no support moves", where="--move", remedy="write BLOCK:DX,DY,DZ, such as 0,0,-0.01"
         )
+    if curve is not None and to is None:
+        raise InputError("there is no curve without --to", where="--curve", remedy="add --to")
     if model.load.motion is None:
         return followed_answer.answer(model, subject.model, wanted, waiting, time_limit)
     if to is not None:
-        return _far(model, to, subject.model, wanted, waiting)
+        return _far(model, to, subject.model, wanted, curve, time_limit, waiting)
+    if time_limit is not None:
+        raise InputError(
+            "small motions of supports take no steps that could end early",
+            where="--time-limit",
+            remedy="leave it out, or add --to",
+        )
     # work is imported when there is some
     from drystone.settlement import SupportResponseOptions, support_response
 
@@ -83,16 +93,27 @@ def settle(
     return Answer(data, partial(_show, data), code, model.notes, files)
 
 
-def _far(model: Model, to: float, source: str, wanted: Written, waiting: Waiting) -> Answer:
+def _far(
+    model: Model,
+    to: float,
+    source: str,
+    wanted: Written,
+    curve: Path | None,
+    time_limit: float | None,
+    waiting: Waiting,
+) -> Answer:
     """Supports that move by finite amounts."""
     from drystone.settlement import End, move_supports  # as above
 
-    if wanted.joints:
-        raise InputError("--to has no table of joints", remedy="ask for --html, --png or --json")
+    if wanted.joints or wanted.strength is not None or wanted.cad is not None:
+        raise InputError(
+            "--to has no table of joints and no file for CAD programs",
+            remedy="ask for --html, --png, --curve or --json",
+        )
     waiting.stage("solve", "moving")
-    with waiting.stoppable() as stop:
-        found = move_supports(model, to=to, progress=waiting, stop=stop)
-    curves = Curves(html=wanted.html, png=wanted.png, section=wanted.section)
+    with waiting.keywords(time_limit) as common:
+        found = move_supports(model, to=to, **common)
+    curves = Curves(html=wanted.html, png=wanted.png, section=wanted.section, curve=curve)
     code = 0 if found.end is End.REACHED else 1
     return large_answer.answer(found, source, model.notes, curves, code)
 

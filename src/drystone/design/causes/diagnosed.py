@@ -100,7 +100,8 @@ class Diagnosis(OneLine):
             more = counted(len(self.others), "more block falls", "more blocks fall")
             said.append(f"{more}: {diagnosis_words.names_of(self.model, self.others)}")
         if self.friction is not None:
-            said.append(diagnosis_words.friction_of_all(self.friction))
+            regions = [region.needs.friction for region in self.regions]
+            said.append(diagnosis_words.friction_of_all(self.friction, regions))
         return tuple(said)
 
     @property

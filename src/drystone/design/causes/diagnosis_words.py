@@ -21,6 +21,9 @@ UPRIGHT = 0.1
 """A joint is neither upper nor lower if the vertical component of its normal is below this: 6
 degrees."""
 
+PLUMB = 0.995
+"""A force is upward or downward if the vertical component of its direction is larger: 6 degrees."""
+
 STEEP = 0.5
 """A motion is downwards or upwards if the vertical component of its direction is larger than
 this."""
@@ -32,6 +35,23 @@ def newtons(size: float) -> str:
         if abs(size) >= factor:
             return f"{size / factor:.3g} {unit}"
     return f"{size:.3g} N"
+
+
+def force_words(force: Floats) -> str:
+    """A force (3,) [N] as text, with its direction.
+
+    Examples
+    --------
+    >>> force_words(np.array([0.0, 0.0, 20.0])), force_words(np.array([-3e3, 0.0, 4e3]))
+    ('an upward force of 20 N', 'a force of 5 kN in the direction (-0.6, 0, 0.8)')
+    """
+    size = float(np.linalg.norm(force))
+    way = force / size
+    for name, z in (("an upward", 1.0), ("a downward", -1.0)):
+        if z * way[2] > PLUMB:
+            return f"{name} force of {newtons(size)}"
+    told = ", ".join(f"{round(float(x), 2) + 0.0:g}" for x in way)
+    return f"a force of {newtons(size)} in the direction ({told})"
 
 
 def rounded_up(value: float, digits: int = 3) -> float:
@@ -96,8 +116,13 @@ def nothing(result: Result) -> str:
     return f"no block shows that it needs help ({result.message})"
 
 
-def friction_of_all(value: float) -> str:
-    """The friction with which the whole model stands, as text."""
+def friction_of_all(value: float, said: Sequence[float | None]) -> str:
+    """The friction with which the whole model stands, as text.
+
+    ``said`` are the coefficients of the regions, of which the sentences before told.
+    """
+    if len(said) == 1 and said[0] is not None and value == said[0]:
+        return "the same friction in all joints would hold the whole model"
     return f"{friction_words('in all joints', value)} would hold the whole model"
 
 
@@ -188,8 +213,7 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
             f"at {place(needs.support.point)}"
         )
     elif float(np.linalg.norm(needs.force)) > 0.0:
-        force = newtons(float(np.linalg.norm(needs.force)))
-        missing = f"a force of {force} at {place(needs.point)} is missing"
+        missing = f"{force_words(needs.force)} at {place(needs.point)} is missing"
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))
     if needs.ballast is not None:
@@ -205,6 +229,7 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
 
 
 __all__ = [
+    "force_words",
     "friction_of_all",
     "friction_words",
     "glue_words",

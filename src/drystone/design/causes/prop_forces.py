@@ -19,7 +19,8 @@ from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check, check_near
-from drystone.stability.resting import stands_for_all
+from drystone.stability.resting import stands_for_all, try_rest
+from drystone.stability.screening import stage_screening
 
 HEAD = 0.1
 """Side of the head of a prop relative to the size of the block on it. Chosen: a small jack."""
@@ -81,12 +82,25 @@ def quickly_stands(
         As there.
     """
     if near is None:
-        stands = stands_for_all(model, samples=0, stop=stop)
+        stands = stands_evenly(model, stop)
     else:
         stands = stands_near(model, near, samples=0, stop=stop)
     if not stands and stop is not None and stop():
         raise Stopped
     return stands
+
+
+def stands_evenly(model: Model, stop: Callable[[], bool] | None = None) -> bool:
+    """Whether a model stands with uniform stiffness, for searches.
+
+    Of few blocks the rest state is looked for as in the stages of a plan. In 176 trials on the
+    shelf one that stands was missed, and what falls took half of the time.
+    """
+    free = model.assembly.free.size
+    if free > SMALL_REGION:
+        return stands_for_all(model, samples=0, stop=stop)
+    levels = stage_screening(free)
+    return any(try_rest(model, screening=level, stop=stop).stable for level in levels)
 
 
 def stands_near(

@@ -10,7 +10,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
-from drystone.design.causes.prop_forces import stands_near
+from drystone.design.causes.prop_forces import stands_evenly, stands_near
 from drystone.geometry.frames import rotation_about
 from drystone.model import Model
 from drystone.results import Result
@@ -35,8 +35,8 @@ class DesignMargin(Options):
         It must stand with this share of the friction of each joint.
     robust
         It must stand for all contact stiffnesses of the check. Without this, STABLE is enough,
-        also after settling. A mend of a small model that holds only after settling is told too,
-        at a higher cost, where no value of it stands for all.
+        also after settling. A mend that holds only after settling is told too, at a higher
+        cost, where no value of it stands for all.
     """
 
     tilt: float = 0.0
@@ -118,7 +118,7 @@ class DesignMargin(Options):
                 for case, rests in zip(cases, near, strict=True)
             )
         if quick:
-            return all(stands_for_all(case, samples=0, stop=stop) for case in cases)
+            return all(stands_evenly(case, stop) for case in cases)
         if self.robust:
             return all(stands_for_all(case, stop=stop) for case in cases)
         return all(check(case, stop=stop).stable for case in cases)

@@ -80,7 +80,8 @@ def mend(
 ) -> Mending:
     """The structure with the lowest-cost mend of each region, until it stands.
 
-    The heaviest region comes first; one that no mend holds is passed over. After each mend the
+    The heaviest region comes first; one that no mend holds is passed over. A mend that holds only
+    after settling is made where no other one holds the region. After each mend the
     whole structure is checked again, so blocks that fall because of the mend are mended too.
 
     Parameters
@@ -142,7 +143,8 @@ def _mended(
         if not found.mends:
             log.append(_left(found))
             break
-        best = found.mends[0]
+        firm = (one for one in found.mends if chosen.margin.meets(one.result))
+        best = next(firm, found.mends[0])
         steps.append(best)
         log.append(f"{named(best.blocks)}: {best.description} (cost {best.cost:.3g})")
         # what now touches other blocks is tried again

@@ -404,22 +404,22 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
         return (high, found) if better is None else (middle, better)
 
     value: float | None = candidate.value
-    cost = 0.0
+    cost, how = 0.0, ""
     # cheap first: what falls with uniform stiffness does not stand for all
     if sieved and not stands(candidate.value, quick=True):
         value = larger(candidate.value, quick=True)
+    least = candidate.value if value is None else value
     answer = None if value is None else checked(value)
     if answer is None and value is not None:
         value = larger(value, quick=False)
         answer = None if value is None else checked(value)
-    if answer is None and bench.margin.robust and not sieved:
-        settling = least_settled(candidate.value)
-        if settling is not None:
+    if answer is None and bench.margin.robust:
+        settling = least_settled(candidate.value) if not sieved else (least, settled(least))
+        if settling is not None and settling[1] is not None:
             value, answer = settling
-            cost = SETTLED
+            cost, how = SETTLED, ", which holds only after settling"
     if answer is None or value is None:
         if candidate.value not in why:
-            sieved = False
             checked(candidate.value)
         words = candidate.words(candidate.value)
         what = f"{words} holds the region, but of the whole: {why[candidate.value]}"
@@ -442,7 +442,7 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
     return Mend(
         candidate.kind,
         tuple(names[i] for i in region.blocks),
-        candidate.words(value),
+        candidate.words(value) + how,
         value,
         candidate.joints,
         candidate.added,

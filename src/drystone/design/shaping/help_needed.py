@@ -2,16 +2,18 @@
 
 Help is props under blocks and pulls across joints that open. In the compliant state the blocks rest
 on corner springs with friction; weak ground springs are the props, and weak glue pulls. With w the
-wrenches of the ground and t the pulls, scaled,
+wrenches of the ground, w_i that of one of n blocks, and t the pulls, scaled,
 
-    J = (w . w + t . t) / (p . p),    w = g M q,    t = c kn max(dn, 0),    d = A' q,
-    A f(A' q) + p - g M q = 0.
+    J = sum_i (w_i . w_i) / (n s_i) + (t . t) / (p . p),    s_i = p_i . p_i,
+    w = g M q,    t = c kn max(dn, 0),    d = A' q,    A f(A' q) + p - g M q = 0.
 
+Each block counts by its own load: a block that falls does not need less help when it gets small.
+Where the structure stands and is to stay so, all blocks count by the mean, s_i = (p . p) / n.
 The gradient follows from one more solve (adjoint state): with S = A D A' + g M the tangent, and
-e the derivative of J by the displacements d of corners,
+b and e the derivatives of J by w, and by the displacements d of corners,
 
-    S' lambda = 2 g M w / (p . p) + A e,    h = e - D' A' lambda,
-    dJ = lambda . (dA f) + q . (dA h) + lambda . dp - J d(p . p) / (p . p),
+    S' lambda = g M b + A e,    h = e - D' A' lambda,
+    dJ = lambda . (dA f) + q . (dA h) + lambda . dp + (partial derivative of J by p) . dp,
 
 where dA and dp are the changes of the equilibrium matrix and of the load with the vertices.
 Of the convex problem, without stiffnesses and with associative friction:
@@ -53,6 +55,9 @@ GROUND = 1e-6
 """Stiffness of the ground, chosen: of arches of 12 blocks that stand it carries 1.5e-5 of the load
 at most, of one that is 5 % too thin 0.019."""
 
+LIGHT = 1e-12
+"""Share of the mean square load of all blocks that is added to that of each: some have no load."""
+
 
 @dataclass(frozen=True, eq=False)
 class Form:
@@ -76,6 +81,8 @@ class Form:
         Of all masses.
     extra : (n, 6) [N, N m]
         Load that is no weight, about the centroids of the model as given.
+    each
+        Whether the prop of each block counts by its own load.
     """
 
     model: Model
@@ -87,9 +94,12 @@ class Form:
     density: Floats
     acceleration: Floats
     extra: Floats
+    each: bool = True
 
     @classmethod
-    def of(cls, model: Model, ground: float = GROUND, glue: float = GLUE) -> Form:
+    def of(
+        cls, model: Model, ground: float = GROUND, glue: float = GLUE, *, each: bool = True
+    ) -> Form:
         """The form of a model with plane joints; ``glue`` as :data:`GLUE`.
 
         Raises
@@ -115,6 +125,7 @@ class Form:
             model.assembly.mass / model.assembly.volume,
             acceleration,
             extra,
+            each,
         )
 
     def statics_at(self, vertex: Floats) -> Statics:
@@ -147,15 +158,24 @@ class Form:
         weight = self.ground * statics.mass_matrix
         carried = weight * state.motion
         whole = float((statics.load**2).sum())
-        value = float((carried**2).sum() + (state.tension**2).sum()) / whole
+        pulled = float((state.tension**2).sum()) / whole
+        count = len(carried)
+        mean = whole / count
+        square = (statics.load**2).sum(axis=1, keepdims=True) if self.each else mean
+        own = count * (square + LIGHT * mean)
+        props = (carried**2).sum(axis=1, keepdims=True) / own
+        value = float(props.sum()) + pulled
         by_corner = np.zeros((statics.corner_count, 3))
         stiffness = self.springs.glue * self.springs.normal
         by_corner[:, 0] = 2.0 * stiffness * state.tension / whole
-        by_motion = 2.0 * weight * carried / whole + statics.wrench(by_corner)
+        by_motion = 2.0 * weight * carried / own + statics.wrench(by_corner)
         adjoint, turned = self._adjoint(system, state, weight, by_motion)
         gradient = self._work_gradient(vertex, statics, state.force, adjoint)
         gradient += self._work_gradient(vertex, statics, by_corner + turned, state.motion)
-        by_load = adjoint - 2.0 * value / whole * statics.load
+        shares = props / own
+        of_mean = float(shares.sum())
+        by_square = count * shares + LIGHT * of_mean if self.each else (1.0 + LIGHT) * of_mean
+        by_load = adjoint - 2.0 * (by_square + pulled / whole) * statics.load
         return value, gradient + self._load_gradient(vertex, by_load)
 
     def imbalance_at(self, vertex: Floats) -> tuple[float, Floats]:

@@ -61,8 +61,8 @@ class ShapeSearch(ShapeValues):
         """The best shape, from variables (p,) that nearly stand; from zero when left out.
 
         A structure that falls is shaped on stiff ground first, and where that leads to nothing that
-        stands, on weak ground from the beginning. Where blocks crossed themselves, edges keep a
-        length from then on.
+        stands, on weak ground from the beginning. Where blocks cross themselves on stiff ground,
+        the search begins again, and edges keep a length from then on.
         """
         options = self.options
         rests = options.aim is ShapeAim.STAND and options.help is HelpMeasure.REST
@@ -76,8 +76,9 @@ class ShapeSearch(ShapeValues):
         for ground in grounds:
             if best.stands or self.late():
                 break
-            again = self.followed(None, ground)
-            best = again if again.stands or again.value < best.value else best
+            self.crossed = False
+            found = self.followed(None, ground)
+            best = found if found.stands or found.value < best.value else best
         return best
 
     def followed(self, start: Floats | None, ground: float) -> Shaped:
@@ -117,6 +118,9 @@ class ShapeSearch(ShapeValues):
                         share = 0.5
                 elif share > 0.5:
                     centred = False
+                if self.crossed and self.ground > GROUND:
+                    words = "blocks crossed themselves"
+                    break
                 gained = 0.0
                 if found is not None:
                     best, now = place, found

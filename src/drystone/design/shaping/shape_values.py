@@ -66,7 +66,8 @@ class ShapeValues:
         """
         self.known.clear()
         cases = (model, *self.options.margin.cases(model))
-        self.forms = [Form.of(one, self.ground) for one in cases]
+        each = self.options.aim is ShapeAim.STAND
+        self.forms = [Form.of(one, self.ground, each=each) for one in cases]
         self.at, self.here = x, self.moves.moved(self.bodies.vertex, x)
         self.matrix = self.moves.matrix_at(x)
 

@@ -46,6 +46,9 @@ POLISH_AGAIN = 1e-2
 """Share of tau after which the unrelaxed law is tried again. Measured: 1e-1 takes as many steps
 in all."""
 
+AT_ONCE = 2000
+"""Corners of all trial steps that are computed at once: from timings."""
+
 IDLE_STEPS = 6
 """Steps at one tau without progress after which a fall is likely."""
 
@@ -211,8 +214,9 @@ class _Path:
     def limits(self, gap: Floats, tau: float) -> tuple[Floats, Floats]:
         """Normal forces between which the product fn s stays in the band around tau."""
         band = self.options.band
-        low, high = self.relaxed_normal(gap, tau * np.array([[band], [1.0 / band]]) * self.unit)
-        return low, high
+        product = tau * np.array([[band], [1.0 / band]]) * self.unit
+        both = self.relaxed_normal(gap[..., None, :], product)
+        return both[..., 0, :], both[..., 1, :]
 
     def relaxed_normal(self, gap: Floats, product: Floats) -> Floats:
         """The positive root fn of ``fn (gap + fn / kn) = product``, without cancellation."""
@@ -222,18 +226,22 @@ class _Path:
     def evaluate(
         self, motion: Floats, normal: Floats, tau: float, moved: Floats | None = None
     ) -> _Point:
-        """All quantities of an iterate; ``moved`` are its corner displacements, if known."""
+        """All quantities of an iterate; ``moved`` are its corner displacements, if known.
+
+        Also of several iterates, with a first axis more.
+        """
         statics = self.statics
         if moved is None:
             moved = statics.displacement(motion)
-        slack = moved[:, 0] + self.overlap + normal / self.kn
+        slack = moved[..., 0] + self.overlap + normal / self.kn
         bearing = normal - self.pull(slack, tau)[0]
-        friction = self.law(bearing, moved[:, 1:])
+        friction = self.law(bearing, moved[..., 1:])
         net = bearing - self.glue * slack
-        force = np.concatenate([net[:, None], -friction.force], axis=1)
+        force = np.concatenate([net[..., None], -friction.force], axis=-1)
         unbalanced = statics.wrench(force) + statics.load - self.ground * motion
         centring = (normal * slack) / self.unit - tau
-        merit = float(np.sqrt(((unbalanced / self.row_scale) ** 2).sum() + (centring**2).sum()))
+        left = ((unbalanced / self.row_scale) ** 2).sum(axis=(-2, -1))
+        merit = np.sqrt(left + (centring**2).sum(axis=-1))
         return _Point(motion, normal, moved, friction, unbalanced, slack, merit)
 
     def newton_step(self, point: _Point, tau: float) -> tuple[Floats, Floats, Floats]:
@@ -262,17 +270,35 @@ class _Path:
         self, point: _Point, step: tuple[Floats, Floats, Floats], tau: float
     ) -> tuple[_Point, float]:
         """Halve the step until the merit function decreases; the last try is accepted anyway."""
-        motion, moved, normal = step
-        length = 1.0
+        trial = self.trial(point, step, tau, 1.0)
+        if trial.merit < (1.0 - 1e-4) * point.merit:
+            return trial, 1.0
         shortest = max(SHORTEST_STEP, self.options.give_up)
-        while True:
-            place = point.moved + length * moved
-            limits = self.limits(place[:, 0] + self.overlap, tau)
-            target = np.clip(point.normal + length * normal, *limits)
-            trial = self.evaluate(point.motion + length * motion, target, tau, place)
-            if trial.merit < (1.0 - 1e-4 * length) * point.merit or length < shortest:
-                return trial, length
-            length *= 0.5
+        halves = 0.5 ** np.arange(1.0, 2.0 + np.floor(-np.log2(shortest)))
+        several = max(1, AT_ONCE // max(len(self.kn), 1))
+        for at in range(0, len(halves), several):
+            lengths = halves[at : at + several]
+            tried = self.trial(point, step, tau, lengths[:, None])
+            less = tried.merit < (1.0 - 1e-4 * lengths) * point.merit
+            if less.any() or at + several >= len(halves):
+                chosen = int(less.argmax()) if less.any() else -1
+                return tried.one(chosen), float(lengths[chosen])
+        raise AssertionError
+
+    def trial(
+        self,
+        point: _Point,
+        step: tuple[Floats, Floats, Floats],
+        tau: float,
+        length: float | Floats,
+    ) -> _Point:
+        """The iterate after a share of a step, or those after several shares (s, 1)."""
+        motion, moved, normal = step
+        longer = np.asarray(length)[..., None]
+        place = point.moved + longer * moved
+        limits = self.limits(place[..., 0] + self.overlap, tau)
+        target = np.clip(point.normal + length * normal, *limits)
+        return self.evaluate(point.motion + longer * motion, target, tau, place)
 
     def unrelaxed(self, point: _Point) -> RestState:
         statics = self.statics
@@ -298,7 +324,7 @@ class _Path:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """All quantities of one iterate."""
+    """All quantities of one iterate, or of several."""
 
     motion: Floats
     normal: Floats
@@ -306,4 +332,22 @@ class _Point:
     friction: FrictionResponse
     unbalanced: Floats
     slack: Floats
-    merit: float
+    merit: Floats
+
+    def one(self, number: int) -> _Point:
+        """One of several."""
+        friction = self.friction
+
+        def slope() -> tuple[Floats, Floats]:
+            by_slide, by_normal = friction.derivatives
+            return by_slide[number], by_normal[number]
+
+        return _Point(
+            self.motion[number],
+            self.normal[number],
+            self.moved[number],
+            FrictionResponse(friction.force[number], slope),
+            self.unbalanced[number],
+            self.slack[number],
+            self.merit[number],
+        )

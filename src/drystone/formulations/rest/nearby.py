@@ -32,6 +32,10 @@ HOPELESS = 0.25
 """Largest unbalanced share after two steps with which the method continues. Measured: of 332
 converging runs one is lost; the others stop after 2.7 steps instead of 4.1."""
 
+CHORDS = 2
+"""Steps with the same factors in which the largest unbalanced share must become small enough: they
+take two thirds of the time of one step with its own factors, which leads as far."""
+
 LOST = 0.999
 """The same after one step. At 1 no force acts on some block; no run is known that came back."""
 
@@ -107,6 +111,8 @@ def _descend_together(
     found: list[RestState | None] = [None] * count
     left = list(range(count))
     best, since, steps = [np.inf] * count, [0] * count, 0
+    before = [np.inf] * count
+    solve: list[Callable[[Floats], Floats] | None] = [None] * count
     while left and not (stop is not None and stop()):
         moved = statics.displacement(motion)
         gap = moved[..., 0] + compliance.overlap
@@ -127,20 +133,28 @@ def _descend_together(
             # the first step often makes it worse: progress counts from there
             since[i] = 0 if steps < 2 or share < 0.5 * best[i] else since[i] + 1
             best[i] = share if steps < 2 else min(best[i], share)
+            # convergence is quadratic in the end: the last factors then do for two steps more
+            if share * (share / before[i]) ** CHORDS > options.tolerance:
+                solve[i] = None
+            before[i] = share
             lost = steps > 0 and share > (HOPELESS if steps > 1 else LOST)
             if found[i] is not None or lost:
                 left.remove(i)
         if not left:
             break
-        pressed = gap < 0.0
-        tangent[..., 0, 0] = np.where(pressed, kn, glue + slope)
-        tangent[..., 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[..., None]
-        tangent[..., 1:, 1:] = friction.by_slide
+        if any(solve[i] is None for i in left):
+            pressed = gap < 0.0
+            tangent[..., 0, 0] = np.where(pressed, kn, glue + slope)
+            tangent[..., 1:, 0] = -friction.by_normal * np.where(pressed, kn, slope)[..., None]
+            tangent[..., 1:, 1:] = friction.by_slide
         for i in tuple(left):
             try:
-                motion[i] += system.factorise(tangent[i], weight)(rest[i])
+                step = solve[i] or system.factorise(tangent[i], weight)
             except SolverError:
                 left.remove(i)
+                continue
+            motion[i] += step(rest[i])
+            solve[i] = step
         steps += 1
         left = [i for i in left if since[i] < STALL]
     return found, steps

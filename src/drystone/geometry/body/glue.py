@@ -27,6 +27,9 @@ TOUCH = 1e-8
 """Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times
 the difference between pieces of one cut."""
 
+AT_ONCE = 100_000
+"""Pairs of edges and vertices that are compared at once: a few megabytes."""
+
 
 def glue(pieces: Sequence[Piece]) -> list[Piece]:
     """The union of closed pieces that touch along faces and share no volume.
@@ -200,7 +203,8 @@ def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
     vertices = corners[kept]
     ends = np.cumsum([len(loop) for loop in loops])[:-1]
     rounds = [_simple(part.tolist()) for part in np.split(number, ends)]
-    faces = [_simple(_with_points_between(face, vertices, near)) for face in rounds if face]
+    rounds = [face for face in rounds if face]
+    faces = [_simple(face) for face in _with_points_between(rounds, vertices, near)]
     faces = [face for face in faces if face]
     open_edges, _, consistent = edge_defects(faces)
     if open_edges or not consistent:
@@ -225,13 +229,13 @@ def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> li
     normal = area / np.where(size > 0.0, size, 1.0)[:, None]
     low = np.array([loop.min(axis=0) for loop in loops]) - near
     high = np.array([loop.max(axis=0) for loop in loops]) + near
+    owners = np.array(owner)
     facing: list[list[int]] = [[] for _ in loops]
     for i in range(len(loops)):
-        for j in range(i + 1, len(loops)):
-            if owner[i] == owner[j] or normal[i] @ normal[j] > -0.99:
-                continue
-            if (low[i] > high[j]).any() or (low[j] > high[i]).any():
-                continue
+        rest = slice(i + 1, None)
+        may = (owners[rest] != owners[i]) & (normal[rest] @ normal[i] <= -0.99)
+        may &= (low[i] <= high[rest]).all(axis=1) & (low[rest] <= high[i]).all(axis=1)
+        for j in (i + 1 + np.flatnonzero(may)).tolist():
             if (
                 max(
                     np.abs((loops[j] - loops[i][0]) @ normal[i]).max(),
@@ -279,18 +283,29 @@ def _simple(loop: Sequence[int]) -> Loop:
     return tuple(kept) if len(set(kept)) > 2 else ()
 
 
-def _with_points_between(face: Loop, vertices: Floats, near: float) -> Loop:
-    """The loop with every vertex that lies on one of its edges."""
-    out: list[int] = []
-    for a, b in zip(face, (*face[1:], face[0]), strict=True):
-        along = vertices[b] - vertices[a]
-        square = float(along @ along)
-        share = (vertices - vertices[a]) @ along / square
-        off = np.linalg.norm(vertices - vertices[a] - share[:, None] * along, axis=1)
+def _with_points_between(
+    faces: Sequence[Loop], vertices: Floats, near: float
+) -> list[tuple[int, ...]]:
+    """The loops with every vertex that lies on one of their edges."""
+    if not faces:
+        return []
+    first = np.concatenate([np.array(face) for face in faces])
+    last = np.concatenate([np.roll(face, -1) for face in faces])
+    between: list[list[int]] = []
+    for some in np.array_split(np.arange(len(first)), len(first) * len(vertices) // AT_ONCE + 1):
+        start = vertices[first[some]]
+        along = vertices[last[some]] - start
+        square = (along**2).sum(axis=1)[:, None]
+        away = vertices - start[:, None]
+        share = np.einsum("evi,ei->ev", away, along) / square
+        off = np.linalg.norm(away - share[:, :, None] * along[:, None], axis=2)
         margin = near / np.sqrt(square)
-        on = np.flatnonzero((off <= near) & (share > margin) & (share < 1.0 - margin))
-        out += [a, *on[np.argsort(share[on])].tolist()]
-    return tuple(out)
+        on = (off <= near) & (share > margin) & (share < 1.0 - margin)
+        for row, own in zip(on, share, strict=True):
+            inside = np.flatnonzero(row)
+            between.append(inside[np.argsort(own[inside])].tolist())
+    found = iter(between)
+    return [tuple(v for a in face for v in (a, *next(found))) for face in faces]
 
 
 def _straightened(vertices: Floats, faces: Sequence[Loop], near: float) -> Piece:

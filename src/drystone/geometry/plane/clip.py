@@ -1,4 +1,4 @@
-"""Many plane polygons at once: convex intersection, clean-up, areas, centroids.
+"""Many plane polygons at once: convex intersection, clean-up, areas, perimeters.
 
 Polygons are counter-clockwise. *Padded* arrays (q, c, 2) hold one polygon per row, its number of
 corners in ``count``; entries beyond are arbitrary. *Flat* arrays hold the corners (l, 2) one after
@@ -120,23 +120,6 @@ def areas(corner: Floats, start: Ints) -> Floats:
     return area
 
 
-def centroids(corner: Floats, start: Ints) -> Floats:
-    """Centroid (q, 2) of flat polygons; the mean of the corners where the area is zero."""
-    if len(start) < 2:
-        return np.zeros((0, 2))
-    loops = Ragged(start)
-    first = corner[loops.first]
-    local = corner - loops.spread(first)
-    after = local[loops.following]
-    twice = local[:, 0] * after[:, 1] - local[:, 1] * after[:, 0]
-    total = loops.sum(twice)
-    moment = loops.sum(twice[:, None] * (local + after))
-    mean = loops.mean(local)
-    safe = np.where(total == 0.0, 1.0, total)[:, None]
-    centroid: Floats = first + np.where(total[:, None] == 0.0, mean, moment / (3.0 * safe))
-    return centroid
-
-
 def perimeters(corner: Floats, start: Ints) -> Floats:
     """Length (q,) of the outline of flat polygons."""
     loops = Ragged(start)
@@ -186,7 +169,6 @@ __all__ = [
     "Flat",
     "Padded",
     "areas",
-    "centroids",
     "cleaned",
     "cut",
     "flatten",

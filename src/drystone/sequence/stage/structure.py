@@ -26,6 +26,7 @@ from drystone.results import Verdict
 from drystone.sequence.stage.stage_checks import Check, check_both, check_both_near
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening, try_rest
+from drystone.stability.cascade import FOLLOWED, SETTLES_ALIKE
 from drystone.stability.problem import Problem
 
 LOADED = 1e-6
@@ -200,6 +201,8 @@ class Structure(OfModel, OneLine):
             rests = {0: result.displacement}
         falling = tuple(int(blocks[i]) for i in result.falling)
         settled = "" if result.settlement is None else result.settlement.message
+        if FOLLOWED in rests and result.samples.standing < result.samples.tried:
+            settled = settled or SETTLES_ALIKE
         if not result.stable or result.force is None:
             return StageAnswer(result.verdict, result.message, falling, settled=settled)
         reaction = {}

@@ -190,6 +190,8 @@ class Driver(Follower):
                         ended = "lost" if lost else self._let_go()
                         if ended != "rests":
                             return ended
+                        if done():  # the load fell at once, through zero
+                            return "spent"
                         step = first
                     continue
                 self.alone(self._accept(found, moving))

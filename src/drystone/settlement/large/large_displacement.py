@@ -99,7 +99,8 @@ def push(
     >>> import drystone
     >>> from drystone.models import box
     >>> blocks = (box((3, 3, 1), (-1, -1, -1), "base"), box((1, 1, 2), (0, 0, 0), "block"))
-    >>> found = drystone.push(drystone.Assembly(blocks).with_fixed(["base"]), friction=1.0)
+    >>> column = drystone.Assembly(blocks).with_fixed(["base"])
+    >>> found = drystone.settlement.push(column, friction=1.0)
     >>> round(found.peak, 3), round(found.capacity, 2)
     (0.5, 0.5)
     """

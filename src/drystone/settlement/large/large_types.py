@@ -192,6 +192,7 @@ class LargeDisplacement(OfModel, OneLine):
         None where they were not followed so far.
         """
         if self.end is End.SPENT:
+            # the last load is zero or less, the one before it is more
             (first, last), (above, below) = self.displacement[-2:], self.load[-2:]
             return float(first + (last - first) * above / (above - below))
         return float(self.displacement[-1]) if self.end is End.FALLS else None

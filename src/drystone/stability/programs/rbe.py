@@ -119,7 +119,7 @@ def build_rbe(
     --------
     >>> import drystone
     >>> from drystone.models import tower
-    >>> program = drystone.build_rbe(tower(2), friction=0.6)
+    >>> program = drystone.stability.build_rbe(tower(2), friction=0.6)
     >>> program
     ConicProgram(12 unknowns, 18 rows, force)
     >>> program.matrix[program.rows["equilibrium"]].shape
