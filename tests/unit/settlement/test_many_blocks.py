@@ -1,15 +1,18 @@
 """What is done differently for many blocks gives the same as for few."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
-from drystone import LoadCase, Model
+from drystone import LoadCase, Model, settle
 from drystone.base.progress import Clock
 from drystone.models import arch
-from drystone.settlement import Outcome, SettlementOptions
+from drystone.settlement import Outcome, SettlementOptions, SettlementPath
 from drystone.settlement.bodies import Bodies, build_bodies
 from drystone.settlement.faces.corners import Carrier
-from drystone.settlement.faces.meeting import faces_apart
+from drystone.settlement.faces.meeting import Apart, faces_apart
 from drystone.settlement.path import path_of
 from drystone.settlement.springs import (
     BlockPositions,
@@ -69,3 +72,32 @@ def test_the_other_carrier_is_followed_from_where_many_blocks_rest() -> None:
     assert not near.positions[0].any()
     assert near.steps < whole.steps / 2
     assert near.travel.max() == pytest.approx(whole.travel.max(), rel=0.02)
+
+
+def test_both_carriers_of_many_blocks_are_followed_on_springs_of_one_stiffness(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where springs are too soft for the second one only, the first one is followed again."""
+    assembly = arch(0.15, 37)
+    load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 8.0)
+    model = Model.of(assembly, friction=0.8, load=load)
+    asked: list[tuple[Carrier, float | None]] = []
+
+    def told(
+        model: Model, apart: Apart, carrier: Carrier, first: bool, *rest: Any, **_: Any
+    ) -> tuple[SettlementPath, bool]:
+        motion, chosen, clock, _progress, overlap, left_at, other = rest
+        asked.append((carrier, overlap))
+        stiff = 1e-8 if carrier is Carrier.RESTING else overlap
+        path, _last = path_of(
+            model, apart, carrier, first, motion, chosen, clock, None, stiff, left_at, other
+        )
+        if len(asked) == 1:
+            path = replace(path, outcome=Outcome.FALLS)
+        return path, False
+
+    monkeypatch.setattr("drystone.settlement.settling.path_of", told)
+    found = settle(model)
+    assert asked == [(Carrier.MOVING, None), (Carrier.RESTING, None), (Carrier.MOVING, 1e-8)]
+    assert found.outcome is Outcome.RESTS
+    assert [path.overlap for path in found.paths] == [1e-8, 1e-8]
