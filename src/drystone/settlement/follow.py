@@ -26,6 +26,7 @@ from drystone.settlement.springs import (
     BlockPositions,
     Placed,
     Response,
+    place_corners,
     respond,
 )
 from drystone.settlement.steps.increments import (
@@ -59,6 +60,8 @@ ROUGHLY = 1e-3
 """The same between two parts of a motion of supports."""
 STILL = 1e-3
 """Motion of the last increment relative to the overlap, at rest."""
+NEAR = 1e-3
+"""Drag by the initial one where the blocks are near a rest state."""
 SUPPORT_STEP = 1e-3
 """Largest step of a motion of supports, relative to the mean size of a block."""
 MOST_DRAG = 1e12
@@ -175,6 +178,18 @@ class Follower(Increments):
         self.met = self.response.pressed
         self.share = 1.0
 
+    def begin_at(self, pose: BlockPositions, friction: Floats) -> None:
+        """Begin near a rest state, with its friction forces (k, 2).
+
+        It is not asked then whether the springs are too soft.
+        """
+        self.pose, self.friction = pose, friction
+        self.placed = place_corners(self.bodies, pose)
+        self.maps.at(pose, self.placed)
+        self.frames.append(pose)
+        self.drag = NEAR * self.first
+        self.asked = True
+
     def run(self, supports: Floats | None = None, earlier: Sequence[Floats] = ()) -> Track:
         """Until they rest or fall; then, where they rest, with supports that move by (n, 6).
 
@@ -265,7 +280,7 @@ class Follower(Increments):
             if self._late():
                 return "stopped"
             part = min(part, 1.0 - done)
-            self.drag, self.guess = 1e-3 * self.first, None
+            self.drag, self.guess = NEAR * self.first, None
             found = yield from self._increment(None, part * motion)
             if found is None:
                 part *= 0.5

@@ -137,20 +137,29 @@ def _carried(
     tries = [(one, one is not carriers[-1]) for one in carriers]
     task = partial(_tried, model, apart, moving, chosen, clock, left_at)
     known: list[tuple[SettlementPath, bool]] = []
-    if executor is not None and len(carriers) > 1:
+    few = len(model.assembly.free) <= DENSE  # of many, the second run depends on the first one
+    if executor is not None and len(carriers) > 1 and few:
         with WorkerPool(executor) as pool:
             known = list(pool.answers(task, tries, clock.late))
     paths: tuple[SettlementPath, ...] = ()
     for number, carrier in enumerate(tries):
         # of many blocks the forces are much the same for both carriers
         stiff = paths[-1].overlap if paths and left_at < np.inf else None
+        other = paths[-1] if paths else None
         if number < len(known):
             path, last = known[number]
         else:  # also where the workers were ended early: the beginning of the others
-            path, last = task(carrier, progress=progress, overlap=stiff)
+            path, last = task(carrier, progress=progress, overlap=stiff, other=other)
         paths += (path,)
         if last or path.outcome is Outcome.UNKNOWN:
             break  # then the outcome is unknown, whatever the other one does
+    if not few and len(paths) == 2:
+        first, second = paths
+        rests = first.outcome is Outcome.FALLS and second.outcome is Outcome.RESTS
+        if rests and second.overlap < first.overlap:
+            # the springs of the first run were too soft as well
+            path, _ = task(tries[0], progress=progress, overlap=second.overlap, other=second)
+            paths = path, second
     return _told(paths, chosen, clock, clock.elapsed_s)
 
 
@@ -221,8 +230,10 @@ def _settled(
     """The settlements of some models; runs of one shape are computed together."""
     began = clock.elapsed_s
     paths: dict[tuple[int, Carrier], SettlementPath] = {}
+    few = [0 < len(model.assembly.free) <= DENSE for model, _ in models]
     carriers = [
-        carriers_of(model, chosen) if len(model.assembly.free) else () for model, _ in models
+        carriers_of(model, chosen) if some else ()
+        for (model, _), some in zip(models, few, strict=True)
     ]
     asked = [number for number, some in enumerate(carriers) if some]
     for turn in range(2):
@@ -233,10 +244,12 @@ def _settled(
         asked = [i for i, (_, last) in zip(asked, found, strict=True) if not last]
     each = (clock.elapsed_s - began) / max(len(models), 1)
     told = []
-    for number, (model, _) in enumerate(models):
+    for number, (model, motion) in enumerate(models):
         mine = tuple(paths[number, one] for one in Carrier if (number, one) in paths)
         told.append(
-            _told(mine, chosen, clock, each) if mine else _nothing_free(model, chosen, each)
+            _told(mine, chosen, clock, each)
+            if mine
+            else _carried(model, motion, chosen, clock, None, None)
         )
     return told
 
@@ -315,8 +328,9 @@ def _tried(
     carrier: tuple[Carrier, bool],
     progress: Progress | None = None,
     overlap: float | None = None,
+    other: SettlementPath | None = None,
 ) -> tuple[SettlementPath, bool]:
-    return path_of(model, apart, *carrier, motion, chosen, clock, progress, overlap, left_at)
+    return path_of(model, apart, *carrier, motion, chosen, clock, progress, overlap, left_at, other)
 
 
 __all__ = [

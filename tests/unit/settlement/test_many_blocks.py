@@ -1,0 +1,103 @@
+"""What is done differently for many blocks gives the same as for few."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drystone import LoadCase, Model, settle
+from drystone.base.progress import Clock
+from drystone.models import arch
+from drystone.settlement import Outcome, SettlementOptions, SettlementPath
+from drystone.settlement.bodies import Bodies, build_bodies
+from drystone.settlement.faces.corners import Carrier
+from drystone.settlement.faces.meeting import Apart, faces_apart
+from drystone.settlement.path import path_of
+from drystone.settlement.springs import (
+    BlockPositions,
+    DenseMaps,
+    SparseMaps,
+    place_corners,
+    respond,
+    tangents,
+)
+
+
+def moved_arch() -> tuple[Bodies, DenseMaps, SparseMaps]:
+    """An arch whose blocks have moved, with both kinds of maps."""
+    model = Model.of(arch(0.2, 9), friction=0.6)
+    followed = model.with_contacts(model.contacts.select(model.active))
+    bodies = build_bodies(followed, Carrier.MOVING, overlap=1e-6, tangential=0.2)
+    rng = np.random.default_rng(3)
+    start = BlockPositions(bodies.centroid, np.tile(np.eye(3), (len(bodies.centroid), 1, 1)))
+    pose = start.moved(bodies.free, 1e-2 * rng.normal(size=(len(bodies.free), 6)))
+    maps = DenseMaps(bodies), SparseMaps(bodies)
+    for one in maps:
+        one.at(pose, place_corners(bodies, pose))
+    return bodies, *maps
+
+
+def test_the_maps_of_many_blocks_are_those_of_few() -> None:
+    bodies, dense, many = moved_arch()
+    rng = np.random.default_rng(5)
+    motion = rng.normal(size=(len(bodies.free), 6))
+    force = rng.normal(size=(len(bodies.block_a), 3))
+    np.testing.assert_allclose(many.moved(motion), dense.moved(motion), atol=1e-12)
+    np.testing.assert_allclose(many.wrench(force), dense.wrench(force), atol=1e-12)
+    pressed = respond(bodies, -1e-6 * rng.random(len(force)), force[:, 1:], 0.0 * force)
+    weight = np.full((len(bodies.free), 6), 1e3)
+    tangent = tangents(bodies, pressed)
+    np.testing.assert_allclose(
+        many.factorise(tangent, weight)(motion),
+        dense.factorise(tangent, weight)(motion),
+        rtol=1e-8,
+        atol=1e-12,
+    )
+
+
+def test_the_other_carrier_is_followed_from_where_many_blocks_rest() -> None:
+    assembly = arch(0.15, 37)
+    load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 8.0)
+    model = Model.of(assembly, friction=0.8, load=load)
+    apart, chosen = faces_apart(model, 0.3), SettlementOptions()
+    clock = Clock(float("inf"), None)
+    first, _ = path_of(model, apart, Carrier.MOVING, True, None, chosen, clock)
+    whole, _ = path_of(model, apart, Carrier.RESTING, False, None, chosen, clock)
+    near, _ = path_of(model, apart, Carrier.RESTING, False, None, chosen, clock, other=first)
+    assert near.outcome is whole.outcome is Outcome.RESTS
+    assert near.residuals is not None
+    assert near.residuals.largest < 1e-8
+    np.testing.assert_allclose(near.positions[1], first.positions[-1], atol=1e-12)
+    assert not near.positions[0].any()
+    assert near.steps < whole.steps / 2
+    assert near.travel.max() == pytest.approx(whole.travel.max(), rel=0.02)
+
+
+def test_both_carriers_of_many_blocks_are_followed_on_springs_of_one_stiffness(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Where springs are too soft for the second one only, the first one is followed again."""
+    assembly = arch(0.15, 37)
+    load = LoadCase.tilt(assembly, (0.0, 1.0, 0.0), 8.0)
+    model = Model.of(assembly, friction=0.8, load=load)
+    asked: list[tuple[Carrier, float | None]] = []
+
+    def told(
+        model: Model, apart: Apart, carrier: Carrier, first: bool, *rest: Any, **_: Any
+    ) -> tuple[SettlementPath, bool]:
+        motion, chosen, clock, _progress, overlap, left_at, other = rest
+        asked.append((carrier, overlap))
+        stiff = 1e-8 if carrier is Carrier.RESTING else overlap
+        path, _last = path_of(
+            model, apart, carrier, first, motion, chosen, clock, None, stiff, left_at, other
+        )
+        if len(asked) == 1:
+            path = replace(path, outcome=Outcome.FALLS)
+        return path, False
+
+    monkeypatch.setattr("drystone.settlement.settling.path_of", told)
+    found = settle(model)
+    assert asked == [(Carrier.MOVING, None), (Carrier.RESTING, None), (Carrier.MOVING, 1e-8)]
+    assert found.outcome is Outcome.RESTS
+    assert [path.overlap for path in found.paths] == [1e-8, 1e-8]
