@@ -29,6 +29,7 @@ from drystone.limits.limit_types import Limit, LimitOptions
 from drystone.limits.search import VerdictSearch
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.stability.check import RestStates
 from drystone.statics import build_statics
 
 COARSE = 1.0 / 96.0
@@ -209,8 +210,10 @@ def _in_two_steps(
     uniform = search.from_start(start, last, width=width, scan=scan, beyond=outer)
     edge, falls = uniform.bracket.stands, uniform.bracket.falls
     means.tell("verdict where stiffness decides", 2)
-    full = means.search(family, verdict, known={start: verdict_there})
-    every = means.search(family, every_stiffness, STANDS_OR_NOT)
+    # each value begins at the rest states of the last one that stands for every stiffness
+    near_states = RestStates()
+    full = means.search(family, partial(verdict, near=near_states), known={start: verdict_there})
+    every = means.search(family, partial(every_stiffness, near=near_states), STANDS_OR_NOT)
     near = start if edge is None else edge
     far = last if edge is None or falls in (None, outer.falls) else falls
     if means.options.width is None:

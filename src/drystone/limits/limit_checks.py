@@ -9,6 +9,7 @@ from drystone import stability
 from drystone.base.progress import Stop
 from drystone.model import Model
 from drystone.results import Result, Verdict
+from drystone.stability.check import RestStates
 
 Check: TypeAlias = Callable[[Model], Result]
 """A function that gives the verdict on a model."""
@@ -32,14 +33,16 @@ def one_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
     return stability.check(model, options=ONE_STIFFNESS, stop=stop)
 
 
-def every_stiffness(model: Model, *, stop: Stop | None = None) -> Result:
+def every_stiffness(
+    model: Model, *, near: RestStates | None = None, stop: Stop | None = None
+) -> Result:
     """Whether it stands with every contact stiffness that is tried: robust."""
-    return stability.stands_robustly(model, stop=stop)
+    return stability.stands_robustly(model, near=near, stop=stop)
 
 
-def verdict(model: Model, *, stop: Stop | None = None) -> Result:
+def verdict(model: Model, *, near: RestStates | None = None, stop: Stop | None = None) -> Result:
     """The verdict of :func:`drystone.check`: settlement where contact stiffness decides."""
-    return stability.verdict_alone(model, stop=stop)
+    return stability.verdict_alone(model, near=near, stop=stop)
 
 
 STANDS: Mapping[Verdict, bool | None] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Unpack
 
 from drystone.base.arrays import Floats, Ints
@@ -114,10 +114,25 @@ def check_near(
     return cascade.run(), cascade.rests
 
 
+@dataclass(eq=False)
+class RestStates:
+    """Rest states that one check of a search hands to the next.
+
+    Attributes
+    ----------
+    displacement : (n, 6) [m, rad] each
+        Of the last model that stands with every stiffness, by the number of the contact stiffness,
+        0 for the uniform one. Empty: there is none yet.
+    """
+
+    displacement: Mapping[int, Floats] = field(default_factory=dict)
+
+
 @checked_call
 def stands_robustly(
     model: Model,
     *,
+    near: RestStates | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -127,6 +142,13 @@ def stands_robustly(
 
     No blocks are followed, and the first stiffness that does not hold the blocks ends the check.
 
+    Parameters
+    ----------
+    model
+    near
+        Rest states of a similar model with the same blocks, from which this check begins. Those of
+        this model take their place where it stands with every stiffness.
+
     Returns
     -------
     Result
@@ -134,10 +156,13 @@ def stands_robustly(
         no forces balance the loads, or else UNDECIDED.
     """
     options, clock = CheckOptions(settle=False), Clock(time_limit_s, stop)
-    cascade = Cascade(Problem.build(model), options, progress, clock, executor, robust=True)
+    problem, known = Problem.build(model), None if near is None else near.displacement
+    cascade = Cascade(problem, options, progress, clock, executor, known, robust=True)
     found = cascade.run()
     if found.stable and model.assembly.free.size and not cascade.robustly:
         return replace(found, verdict=Verdict.UNDECIDED)
+    if found.stable and near is not None:
+        near.displacement = cascade.rests
     # the answer of the check with default options
     return replace(found, options=CheckOptions()) if found.stable else found
 
@@ -146,6 +171,7 @@ def stands_robustly(
 def verdict_alone(
     model: Model,
     *,
+    near: RestStates | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -154,11 +180,13 @@ def verdict_alone(
     """The verdict of :func:`drystone.check`, for a search that asks for many.
 
     Where blocks were followed to a fall no other stiffness is tried for a first motion: the
-    mechanism of the result is then the motion that was followed.
+    mechanism of the result is then the motion that was followed. Parameters as for
+    :func:`stands_robustly`.
     """
     clock = Clock(time_limit_s, stop)
-    problem, options = Problem.build(model), CheckOptions()
-    return Cascade(problem, options, progress, clock, executor, witness=False).run()
+    problem, known = Problem.build(model), None if near is None else near.displacement
+    options = CheckOptions()
+    return Cascade(problem, options, progress, clock, executor, known, witness=False).run()
 
 
 @checked_call
@@ -224,4 +252,12 @@ def _nearest(problems: Sequence[Problem]) -> dict[Problem, NearestMechanism]:
     return dict(zip(asked, found, strict=True))
 
 
-__all__ = ["CheckOptions", "check", "check_near", "could_hold", "stands_robustly", "verdict_alone"]
+__all__ = [
+    "CheckOptions",
+    "RestStates",
+    "check",
+    "check_near",
+    "could_hold",
+    "stands_robustly",
+    "verdict_alone",
+]

@@ -284,7 +284,7 @@ def test_one_stiffness_and_some_stiffness_are_told_apart() -> None:
 def stands_up_to(degrees: float, standing: int) -> Callable[..., Result]:
     """A check of the tower: at larger angles it falls."""
 
-    def check(model: Model, *, stop: object = None) -> Result:
+    def check(model: Model, **how: object) -> Result:
         lean = np.rad2deg(np.arctan2(np.abs(model.load.wrench[1, 1]), -model.load.wrench[1, 2]))
         stands = lean < degrees
         count = 5 if stands and lean < 8.0 else standing if stands else 0
@@ -346,7 +346,7 @@ def asked_of(
 ) -> Callable[..., Result]:
     """A check that notes that it was asked."""
 
-    def noted(model: Model, *, stop: object = None) -> Result:
+    def noted(model: Model, **how: object) -> Result:
         asked.append(name)
         return check(model)
 
@@ -389,7 +389,7 @@ def test_a_uniform_stiffness_that_falls_at_the_start_is_tried_once(
 
     asked: list[float] = []
 
-    def falls(model: Model, *, stop: object = None) -> Result:
+    def falls(model: Model, **how: object) -> Result:
         asked.append(1.0)
         return Result("given", Verdict.UNSTABLE, model, samples=Samples(1, 0))
 

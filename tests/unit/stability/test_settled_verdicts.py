@@ -14,6 +14,7 @@ from drystone.stability import (
     try_rest,
     verdict_alone,
 )
+from drystone.stability.check import RestStates
 from drystone.stability.resting import stands_for_all
 
 X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
@@ -163,6 +164,23 @@ def test_a_robust_check_ends_at_the_first_stiffness_that_does_not_hold() -> None
         assert found.verdict is Verdict.UNDECIDED
         assert found.samples.tried < 5
         assert found.settlement is None
+
+
+def test_a_robust_check_begins_at_the_rest_states_of_the_last_model_that_stood() -> None:
+    first, second, falls = (
+        tilted(wedge("b", longer=0.2), X, angle) for angle in (20.0, 20.5, 59.5)
+    )
+    near = RestStates()
+    assert stands_robustly(first, near=near).stable
+    assert set(near.displacement) == {0, 1, 2, 3, 4}
+    found, alone = stands_robustly(second, near=near), stands_robustly(second)
+    assert found.verdict is alone.verdict is Verdict.STABLE
+    assert found.samples == alone.samples
+    assert found.iterations < alone.iterations
+    kept = near.displacement
+    assert stands_robustly(falls, near=near).verdict is Verdict.UNDECIDED
+    assert near.displacement is kept
+    assert verdict_alone(falls, near=near).verdict is Verdict.UNSTABLE
 
 
 def test_a_robust_check_keeps_the_proof_that_no_forces_balance_the_loads() -> None:
