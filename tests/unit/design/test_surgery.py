@@ -64,6 +64,20 @@ def test_the_joint_is_turned_by_the_angle_that_is_asked_for() -> None:
     np.testing.assert_allclose(made.contacts.frame[0, 0], normal, atol=1e-12)
 
 
+def test_the_same_change_of_the_same_blocks_is_computed_once_and_no_other_is_taken_for_it() -> None:
+    model = Model.of(tower(2), friction=0.6)
+    made = turn_joint(model, 0, 10.0, (0.0, 1.0, 0.0))
+    rougher = turn_joint(Model.of(model.assembly, friction=0.8), 0, 10.0, (0.0, 1.0, 0.0))
+    assert rougher.assembly.blocks[1] is made.assembly.blocks[1]
+    assert set(rougher.contacts.friction) == {0.8}
+    for other in (
+        turn_joint(model, 0, 10.0, (0.0, 1.0, 0.0), 0.1),
+        turn_joint(model, 0, 10.0, (1.0, 0.0, 0.0)),
+        turn_joint(Model.of(tower(2), friction=0.6), 0, 10.0, (0.0, 1.0, 0.0)),
+    ):
+        assert other.assembly.blocks[1] is not made.assembly.blocks[1]
+
+
 @pytest.mark.parametrize("joint", [0, 4, 7])
 def test_only_the_joints_of_the_two_blocks_of_an_arch_are_found_anew(joint: int) -> None:
     model = Model.of(arch(0.1, 7), friction=0.7)
