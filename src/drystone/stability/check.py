@@ -102,9 +102,8 @@ def check_near(
     Returns
     -------
     Result, dict
-        The verdict, and the displacements of the rest states that were found; those of
-        :data:`drystone.stability.cascade.FOLLOWED` where the blocks were followed to rest, here or
-        in the similar model.
+        The verdict, and the displacements of the rest states that were found; those with number -1
+        are of blocks that were followed to rest, here or in the similar model.
     """
     clock = Clock(time_limit_s, stop)
     problem = Problem.of(given)
