@@ -247,6 +247,3 @@ def runs_by_length(first: Ints, total: int) -> list[tuple[Ints, Ints]]:
         runs = np.flatnonzero(count == length)
         found.append((runs, (first[runs, None] + np.arange(length)).ravel()))
     return found
-
-
-__all__ = ["Ragged", "expand", "runs_by_length"]

@@ -117,6 +117,3 @@ def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: s
     if len(chosen) == 0:
         raise InputError("no face has this direction", where=where, remedy="choose faces by number")
     return chosen
-
-
-__all__ = ["free_block", "off_block", "surface_forces", "wrench_at", "wrench_of_masses"]

@@ -282,14 +282,3 @@ def least_prop(
             if best is None or found.size < best.size:
                 best = found
     return best
-
-
-__all__ = [
-    "PropForce",
-    "PropSeat",
-    "least_prop",
-    "propped",
-    "quick_check",
-    "quickly_stands",
-    "seats",
-]

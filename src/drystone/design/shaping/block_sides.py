@@ -101,6 +101,3 @@ def slides(model: Model, places: Places) -> list[Floats]:
             remedy="move vertices freely, or blocks as a whole",
         )
     return ways
-
-
-__all__ = ["SIDES", "on_side", "slides"]

@@ -219,6 +219,3 @@ def _edges_at(
         off = float(np.linalg.norm(point - p - t * along))
         if off <= near and -near <= t <= length + near and abs(float(along @ normal)) < SLANT:
             yield np.array([start + i, start + j]), along
-
-
-__all__ = ["Corners"]

@@ -262,6 +262,3 @@ def _rows(vertex: Floats, some: Ints) -> list[list[int]]:
     third = int(np.argmax(np.linalg.norm(np.cross(along, point - point[first]), axis=1)))
     base = [first, second, third]
     return [[*some[base].tolist(), int(some[j])] for j in range(len(some)) if j not in base]
-
-
-__all__ = ["PlaneMoves", "SharedPlanes"]

@@ -148,6 +148,3 @@ class BlockVertices:
         local = self.mean @ (vertex - middle[self.owner])
         a, b, c = (local[self.triangle[:, k]] for k in range(3))
         return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
-
-
-__all__ = ["BlockVertices", "owners_of", "vertices_of"]

@@ -211,13 +211,3 @@ def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
         A block has its name already.
     """
     return changed(model, added=(block,), fixed=(fixed,))
-
-
-__all__ = [
-    "cut_block",
-    "faces_toward",
-    "insert_block",
-    "merge_blocks",
-    "move_face",
-    "thicken_blocks",
-]

@@ -284,6 +284,3 @@ def _refuse_swallowed(
             continue
         if any(cell.holds(corner, near) for cell in cells):
             raise InputError("would remove a whole face", where=where, remedy="make it smaller")
-
-
-__all__ = ["Cell", "JointCut", "one_body", "recut"]

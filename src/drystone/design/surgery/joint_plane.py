@@ -134,16 +134,3 @@ def covers_face(body: Piece, joint: JointPlane) -> bool:
 
 def _area(corner: Floats) -> float:
     return float(np.linalg.norm(area_vectors(corner, np.array([0, len(corner)]))[0]))
-
-
-__all__ = [
-    "ON",
-    "JointPlane",
-    "block_with",
-    "body_of",
-    "covers_face",
-    "ends_of",
-    "faces_at",
-    "joint_plane",
-    "snapped",
-]

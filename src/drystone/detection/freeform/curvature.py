@@ -115,6 +115,3 @@ def _turn_to_corners(
     patch = group[edges.face]
     chosen = triangle[patch]
     np.maximum.at(bend, patch[chosen], angle[chosen])
-
-
-__all__ = ["Curvature", "curvature"]

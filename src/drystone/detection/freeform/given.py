@@ -158,6 +158,3 @@ def _normal_near(assembly: Assembly, block: int, point: Floats) -> Floats:
         if away < best and length > 0.0:
             best, normal = away, vector / length
     return normal
-
-
-__all__ = ["contacts_from_mesh"]

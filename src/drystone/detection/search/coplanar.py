@@ -95,6 +95,3 @@ def _summed(values: Floats, group: Ints, count: int) -> Floats:
     """Sum (count, 3) of the rows of each group."""
     columns = [np.bincount(group, values[:, i], minlength=count) for i in range(3)]
     return np.stack(columns, axis=1).astype(np.float64)
-
-
-__all__ = ["STRAIGHT", "coplanar_groups", "rings_of", "unit_rows", "without_straight"]

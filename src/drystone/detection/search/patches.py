@@ -243,6 +243,3 @@ def _convex_patches(
     rings = np.bincount(ring_patch, minlength=count)
     convex: Bools = (bad == 0) & (rings == 1)
     return convex
-
-
-__all__ = ["Patches", "patches_of"]

@@ -110,6 +110,3 @@ def cut_faces(faces: Faces, normal: Floats, offset: float) -> list[tuple[int, Fl
             at = follows.pop(at)
         rings.append((body[first], np.array([place[one] for one in ring])))
     return rings
-
-
-__all__ = ["clip_loop", "cut_faces"]

@@ -323,6 +323,3 @@ def _straightened(vertices: Floats, faces: Sequence[Loop], near: float) -> Piece
     new = np.cumsum(bends) - 1
     loops = [tuple(int(new[v]) for v in face if bends[v]) for face in faces]
     return vertices[bends], [loop for loop in loops if len(loop) > 2]
-
-
-__all__ = ["cut_cell", "glue"]

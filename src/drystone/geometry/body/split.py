@@ -182,6 +182,3 @@ def _pieces(loops: Sequence[Floats], extent: float) -> list[Piece]:
     faces = [tuple(dict.fromkeys(part.tolist())) for part in np.split(number, ends)]
     faces = [face for face in faces if len(face) > 2]
     return [(vertices, [faces[i] for i in some]) for some in split_solids(vertices, faces)]
-
-
-__all__ = ["Piece", "half_plane", "parts_of", "rings_of", "split"]

@@ -184,6 +184,3 @@ def _state(local: Floats, loops: Ragged, plane: Floats) -> _State:
     )
     value = np.where(some, 0.5 * steepness**2 * squared - plane[:, 0], np.inf)
     return _State(value, step, np.where(some, decrement, 0.0))
-
-
-__all__ = ["peak_pressure"]

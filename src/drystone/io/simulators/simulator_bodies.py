@@ -117,6 +117,3 @@ def _inertia(block: Block, pieces: tuple[tuple[Floats, Ints], ...]) -> Floats:
     second *= block.mass / volume
     inertia: Floats = np.trace(second) * np.eye(3) - second
     return inertia
-
-
-__all__ = ["SimulatorBody", "bodies", "gravity_of"]
