@@ -15,7 +15,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.mend.coincidence import distinct
 from drystone.geometry.mend.holes import faces_with_holes
 from drystone.geometry.mend.soup import split_solids
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 
 SAME = 1e-9
 """Points closer than this share of the body's extent are one point. The value is above the rounding
@@ -66,7 +66,7 @@ def split(
     chords: list[list[Floats]] = [[] for _ in normals]
     for loop in faces:
         corner = vertices[list(loop)]
-        area = area_vectors(corner, np.array([0, len(corner)]))[0]
+        area = area_vector(corner)
         frame = frames_from_normals((area / np.linalg.norm(area))[None])[0]
         flat = (corner - corner[0]) @ frame[1:].T
         polygon = shapely.Polygon(flat)
