@@ -155,6 +155,3 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
         screen.line(told)
     moved = max((abs(one) for one in data["variables"]), default=0.0)
     screen.line(f"{len(data['variables'])} variables, the largest move {1e3 * moved:.1f} mm")
-
-
-__all__ = ["shape"]

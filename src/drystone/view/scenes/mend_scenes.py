@@ -185,6 +185,3 @@ def _weights(before: Model, after: Model) -> tuple[Layer, ...]:
             single=True, width=2.0, group="help",
         ),
     )  # fmt: skip
-
-
-__all__ = ["diagnosis_scene", "mended_scene"]
