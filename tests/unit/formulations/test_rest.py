@@ -100,6 +100,28 @@ def test_other_friction_laws_take_fewer_steps_from_the_last_iterate_of_the_relax
     np.testing.assert_allclose(warm.force, cold.force, atol=1e-6 * abs(cold.force).max())
 
 
+@pytest.mark.parametrize("answer", [lambda right: 0.0 * right, lambda right: np.inf * right])
+def test_a_step_in_single_precision_that_is_wrong_is_computed_again(answer, monkeypatch):
+    problem, asked = problem_of(wall(5, 5), 0.6), []
+    springs = compliance.uniform(problem.statics)
+    monkeypatch.setattr(interior_point, "SINGLE_FROM", 1000)
+    expected = find_rest(problem.system, springs)
+    factorise = problem.system.factorise
+
+    def wrong(tangent, weight, precision=np.float64):
+        if precision is np.float64:
+            return factorise(tangent, weight)
+        asked.append(1)
+        return answer
+
+    monkeypatch.setattr(problem.system, "factorise", wrong)
+    monkeypatch.setattr(interior_point, "SINGLE_FROM", 1)
+    found = find_rest(problem.system, springs)
+    assert asked
+    assert found.iterations == expected.iterations
+    np.testing.assert_array_equal(found.force, expected.force)
+
+
 def test_stopping_returns_what_is_there():
     problem = problem_of(arch(0.15), 0.9)
     state = find_rest(problem.system, compliance.uniform(problem.statics), stop=lambda: True)

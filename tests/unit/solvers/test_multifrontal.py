@@ -32,6 +32,19 @@ def test_solution_is_that_of_the_dense_matrix(count, reach):
     assert np.allclose(dense @ factor.solve(right).ravel(), right.ravel(), atol=1e-9)
 
 
+def test_single_precision_solves_to_six_digits_with_half_of_the_memory():
+    rng = np.random.default_rng(3)
+    position, row, column, blocks, dense = random_system(120, 3, rng, 0.25)
+    factor = BlockOrdering(position, row, column, 3).factorise(blocks, np.float32)
+    right = rng.normal(size=(120, 3))
+    x = factor.solve(right)
+    assert x.dtype == np.float64
+    assert {part.dtype for lu, _, *rest in factor.factors for part in (lu, *rest)} == {
+        np.dtype(np.float32)
+    }
+    np.testing.assert_allclose(dense @ x.ravel(), right.ravel(), atol=1e-5)
+
+
 @pytest.mark.parametrize("last", range(59))
 def test_parts_that_nothing_couples_are_solved_side_by_side(last):
     # a chain of 60 nodes, broken after one of them: some part ends where no separator is

@@ -17,7 +17,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
-from drystone.solvers.multifrontal import BlockOrdering
+from drystone.solvers.multifrontal import BlockOrdering, Precision
 from drystone.statics import Statics
 
 FULL = 60
@@ -48,8 +48,12 @@ class TangentSystem:
         few = 6 * self.statics.free_count <= FULL
         return few and self.statics.full_transposed is not None
 
-    def factorise(self, tangent: Floats, weight: Floats) -> Callable[[Floats], Floats]:
+    def factorise(
+        self, tangent: Floats, weight: Floats, precision: Precision = np.float64
+    ) -> Callable[[Floats], Floats]:
         """From wrenches to motions (n, 6): the inverse of ``A D A' + diag(weight)``.
+
+        A full matrix is always inverted in double precision.
 
         Raises
         ------
@@ -58,7 +62,8 @@ class TangentSystem:
         """
         few, size = self.statics.full_transposed, 6 * self.statics.free_count
         if few is None or not self.small:
-            return self.sparse.ordering.factorise(self.sparse.blocks(tangent, weight)).solve
+            blocks = self.sparse.blocks(tangent, weight)
+            return self.sparse.ordering.factorise(blocks, precision).solve
         matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
         return inverse(matrix)
