@@ -172,3 +172,10 @@ def bisected(holds: Callable[[float], bool], inside: float, outside: float, widt
         else:
             outside = middle
     return 0.5 * (inside + outside)
+
+
+def largest_warp(points: np.ndarray, polygons: list[tuple[int, ...]]) -> float:
+    """Largest distance of a corner from the least-squares plane of its polygon."""
+    corners = [points[list(polygon)] for polygon in polygons]
+    centred = [corner - corner.mean(axis=0) for corner in corners]
+    return max(float(np.abs(one @ np.linalg.svd(one)[2][2]).max()) for one in centred)

@@ -276,6 +276,3 @@ def running(program: str) -> Iterator[Browser]:
             yield browser
         finally:
             browser.close()
-
-
-__all__ = ["Browser", "BrowserError", "Tab", "executable", "running"]

@@ -31,6 +31,3 @@ def leave(tab: Tab, live: Live) -> None:
     assert tab.complaints() == []
     assert all(url.startswith(f"http://127.0.0.1:{live.port}/") for url in tab.requests())
     tab.close()
-
-
-__all__ = ["choose", "leave", "says", "verdict"]

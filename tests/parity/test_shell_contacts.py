@@ -6,7 +6,7 @@ import pytest
 from drystone.contacts import Contacts
 from drystone.detection import find_contacts
 from drystone.shells import Ground, Layout, Shell, ShellBody, barrel_vault, build_shell, dome
-from drystone.shells.samples import sample_shell
+from drystone.shells.shell_by_name import sample_shell
 
 SHELLS = {
     "barrel": lambda: sample_shell("barrel", 40),

@@ -6,7 +6,7 @@ from benchmarks.sequence import BY_COURSE, DOME_FRICTION, VAULT_FRICTION
 from drystone.assembly import Assembly
 from drystone.detection import find_contacts
 from drystone.model import Model
-from drystone.reproduce.assembly_cases import niche, ring_dome
+from drystone.reproduce.cases import niche, ring_dome
 from drystone.sequence import Evaluator, Plan, PlanOptions, Stage, Status, plan
 from drystone.sequence.search.best_first import OrderSearch
 

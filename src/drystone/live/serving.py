@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from drystone.base.errors import InputError
+from drystone.live.computing.helper import ToolCalls
 from drystone.live.desk import Desk
 from drystone.live.requests.guard import MIB
 from drystone.live.requests.web import WebServer
-from drystone.live.tool_calls import ToolCalls
 from drystone.view.web.page import Addition, page_of_data
 
 PORT = 8377

@@ -15,8 +15,7 @@ from drystone.design import DiagnosisOptions, MendOptions, diagnose, find_mends
 from drystone.detection import find_contacts
 from drystone.io import inspect as inspect_file
 from drystone.limits import Limit, limit_friction, limit_load, limit_shrink, limit_tilt
-from drystone.mcp.folder import Folder
-from drystone.mcp.given_model import load_of, model_of, opened
+from drystone.mcp.folder import Folder, load_of, model_of, opened
 from drystone.results import Result
 from drystone.sequence import Order, PlanOptions, Rules, plan
 from drystone.stability import check

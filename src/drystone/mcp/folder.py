@@ -1,14 +1,24 @@
-"""The folder of the models of a client: nothing outside it is read."""
+"""Models from the arguments of a client; of files, nothing outside its folder is read."""
 
 from __future__ import annotations
 
+import contextlib
+import json
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
+from typing import Any
 
+from drystone.assembly import Assembly
 from drystone.base.errors import InputError
-from drystone.io import FORMATS, jsontext
+from drystone.io import FORMATS, jsontext, read
+from drystone.io.jsontext import Field
+from drystone.io.own.load_parts import load_of_parts
+from drystone.loads import LoadCase
+from drystone.model import Model
+from drystone.supports import require_supports
 
 SUFFIXES = frozenset(suffix for known in FORMATS if known.read for suffix in known.suffixes)
 MIB = 2**20
@@ -100,3 +110,66 @@ class Folder:
                 file = Path(place) / name
                 if file.suffix.lower() in SUFFIXES and not file.is_symlink():
                     yield file.relative_to(self.path).as_posix(), file.stat().st_size
+
+
+@contextlib.contextmanager
+def opened(subject: Mapping[str, Any], folder: Folder) -> Iterator[Path]:
+    """The file of a model; errors have the name that the client gave.
+
+    A model that is given as an object is written to a temporary file.
+
+    Raises
+    ------
+    InputError
+        Neither or both are given, the model is too large, or see :meth:`Folder.model`.
+    """
+    name, content = subject.get("file"), subject.get("content")
+    if (name is None) == (content is None):
+        raise InputError("names no model", where="model", remedy="give either file or content")
+    if name is not None:
+        folder.model(name)
+        with contextlib.chdir(folder.path):
+            yield Path(name)
+        return
+    text = json.dumps(content)
+    folder.accept(len(text), "content")
+    with tempfile.TemporaryDirectory() as place, contextlib.chdir(place):
+        Path("content.json").write_text(text, "utf-8")
+        yield Path("content.json")
+
+
+def model_of(subject: Mapping[str, Any], folder: Folder) -> Model:
+    """The model with its supports, materials and loads.
+
+    Raises
+    ------
+    InputError
+        Something in it cannot be used, or no block is fixed, or ``supports`` fixes all.
+    """
+    gravity = subject.get("gravity")
+    if isinstance(gravity, int | float):
+        gravity = (0.0, 0.0, -gravity)
+    with opened(subject, folder) as path:
+        model = read(
+            path,
+            supports=subject.get("supports"),
+            friction=subject.get("friction"),
+            density=subject.get("density"),
+            units=subject.get("units"),
+            load=gravity,
+        )
+    chosen = subject.get("supports") is not None
+    require_supports(model.assembly, model.joints, chosen=chosen)
+    extra = subject.get("loads")
+    return replace(model, load=model.load + load_of(extra, model.assembly)) if extra else model
+
+
+def load_of(parts: Any, assembly: Assembly) -> LoadCase:
+    """A load case from its parts, as in our JSON.
+
+    Raises
+    ------
+    InputError
+        With the place of what is wrong.
+    """
+    return load_of_parts(Field(parts, "", Path("loads")), assembly, "loads")

@@ -7,8 +7,7 @@ with planar faces that touch exactly; lengths are in metres, gravity is along -z
 from drystone.models.curved import cube_curve, curve_three_blocks
 from drystone.models.joinery import bayonet, burr, dovetail, hooked_bar
 from drystone.models.masonry.arches import arch, buttressed_arch
-from drystone.models.masonry.domes import dome
-from drystone.models.masonry.lunes import lune
+from drystone.models.masonry.domes import dome, lune
 from drystone.models.masonry.vaults import barrel_vault, vault
 from drystone.models.masonry.walls import corbelled_wall, ferris_wall, wall
 from drystone.models.simple import (

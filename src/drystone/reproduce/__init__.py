@@ -10,20 +10,19 @@ from pathlib import Path
 
 from drystone.base.errors import InputError
 from drystone.base.files import PathLike
-from drystone.reproduce import analysis_cases as analysis
-from drystone.reproduce import assembly_cases as assembly
+from drystone.reproduce import cases
 from drystone.reproduce.published_case import Case, Line
 
 SECTIONS: dict[str, Callable[[], Case]] = {
-    "6.1": analysis.arches,
-    "6.1.2": analysis.buttressed_arch,
-    "6.1.3": analysis.dome,
-    "6.2": analysis.pinched_blocks,
-    "6.3": analysis.shelf,
-    "6.4.2": assembly.two_robots,
-    "7.2": assembly.snake,
-    "7.2.4": assembly.bridge,
-    "7.5": assembly.shells,
+    "6.1": cases.arches,
+    "6.1.2": cases.buttressed_arch,
+    "6.1.3": cases.dome,
+    "6.2": cases.pinched_blocks,
+    "6.3": cases.shelf,
+    "6.4.2": cases.two_robots,
+    "7.2": cases.snake,
+    "7.2.4": cases.bridge,
+    "7.5": cases.shells,
 }
 """Sections, and what computes each."""
 

@@ -2,8 +2,7 @@
 
 from drystone.shells.blocks.cell_sizes import shape_volume
 from drystone.shells.blocks.planarise import PlanarOptions, PlanarReport, planarise
-from drystone.shells.samples import SAMPLES, sample_shell
-from drystone.shells.shell_by_name import shell_by_name
+from drystone.shells.shell_by_name import SAMPLES, sample_shell, shell_by_name
 from drystone.shells.shell_of_blocks import Shell, build_shell
 from drystone.shells.shell_options import FormOptions, Ground, Intrados, Layout, ShellBody
 from drystone.shells.surface.formfinding import FormFound, find_form

@@ -235,8 +235,7 @@ def _finish(
     if body.ground is Ground.BLOCKS:
         depth = body.ground_depth if body.ground_depth is not None else float(thickness.mean())
         refuse_unless_positive(ground_depth=depth)
-        grounded = add_ground(mesh, pins, depth)
-        mesh, pins, ground = grounded.mesh, grounded.pins, grounded.ground
+        mesh, pins, ground = add_ground(mesh, pins, depth)
         fixed = ground
     else:
         fixed = springer

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from drystone.assembly import DEFAULT_DENSITY
+from drystone.base.arrays import whole
 from drystone.base.errors import InputError
 from drystone.base.settings import Options
 from drystone.shells.blocks.cell_sizes import Thickness
 from drystone.shells.blocks.planarise import PlanarOptions
 from drystone.shells.bond.wedge import Wedge
-from drystone.shells.surface.lengths import refuse_unless_count
 
 
 class Intrados(enum.Enum):
@@ -75,7 +75,7 @@ class Layout(Options):
         blocks: Any = self.blocks
         for number in blocks if isinstance(blocks, (Sequence, np.ndarray)) else (blocks,):
             if blocks is not None:
-                refuse_unless_count(number, "blocks")
+                whole(number, "the number of blocks")
 
 
 LEAST_JOGGLE, LARGEST_JOGGLE = 10.0, 25.0

@@ -14,17 +14,7 @@ from drystone.cli import main
 from drystone.model import Model
 from drystone.models import arch, box, incline, prism, tower, vault
 from drystone.view.style.palette import ROLE_COLOUR
-
-Capsys = pytest.CaptureFixture[str]
-
-
-def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:
-    """Exit code and the object of a command with --json; nothing else may be printed."""
-    code = main([*arguments, "--json"])
-    out, err = capsys.readouterr()
-    assert err == ""
-    assert out.count("\n") == 1
-    return code, json.loads(out)
+from tests.unit.cli.running import Capsys, answer
 
 
 def file(tmp_path: Path, assembly: Assembly, name: str = "model.json") -> str:

@@ -1,9 +1,7 @@
 """What the limits, the loads and the joint tables answer on the command line."""
 
 import csv
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +10,8 @@ from drystone import LoadCase, io
 from drystone.cli import main
 from drystone.io import Contents
 from drystone.models import tower
+from tests.unit.cli.running import Capsys, answer, refused
 
-Capsys = pytest.CaptureFixture[str]
 TOWER = tower(2)
 SLIDE = float(np.rad2deg(np.arctan(0.6)))
 
@@ -23,22 +21,6 @@ def model(tmp_path: Path) -> str:
     path = tmp_path / "tower.json"
     io.write(TOWER, path)
     return str(path)
-
-
-def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:
-    code = main([*arguments, "--json"])
-    out, err = capsys.readouterr()
-    assert err == ""
-    assert out.count("\n") == 1
-    return code, json.loads(out)
-
-
-def refused(capsys: Capsys, *arguments: str) -> str:
-    assert main(list(arguments)) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.count("\n") == 1
-    return err
 
 
 def test_tilt_has_both_definitions_and_the_blocks_that_fall(model: str, capsys: Capsys) -> None:

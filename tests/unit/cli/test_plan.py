@@ -11,6 +11,7 @@ from drystone import LoadCase, io
 from drystone.assembly import Assembly
 from drystone.cli import main
 from drystone.models import arch, box, tower
+from tests.unit.cli.running import answer
 
 
 @pytest.fixture
@@ -20,13 +21,8 @@ def stack(tmp_path: Path) -> str:
     return str(path)
 
 
-def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict]:
-    code = main(["plan", *arguments, "--json"])
-    return code, json.loads(capsys.readouterr().out)
-
-
 def test_a_stack_needs_no_help(stack, capsys):
-    code, data = answer(capsys, stack)
+    code, data = answer(capsys, "plan", stack)
     assert code == 0
     assert data["order"] == ["block-1", "block-2", "block-3"]
     assert data["counts"] == {"support": 1, "free": 3, "held": 0, "propped": 0, "impossible": 0}
@@ -41,7 +37,7 @@ def test_groups_within_reach_come_one_after_the_other(tmp_path, capsys):
         for i in range(3)
     )
     io.write(Assembly(blocks, np.arange(6) < 3), path)
-    code, data = answer(capsys, str(path), "--reach", "top1", "--reach", "top2,top0")
+    code, data = answer(capsys, "plan", str(path), "--reach", "top1", "--reach", "top2,top0")
     assert code == 0
     assert data["order"][0] == "top1"
 
@@ -59,8 +55,8 @@ def test_an_arch_names_its_props_and_writes_files(tmp_path, capsys):
     io.write(arch(0.3, 7), path)
     files = [str(tmp_path / name) for name in ("p.html", "print.html", "p.csv", "p.pdf")]
     code, data = answer(
-        capsys, str(path), "--friction", "0.4", "--hands", "1", "--margins", "--sweep", "0.4,0.1",
-        "--html", files[0], "--print", files[1], "--csv", files[2],
+        capsys, "plan", str(path), "--friction", "0.4", "--hands", "1", "--margins",
+        "--sweep", "0.4,0.1", "--html", files[0], "--print", files[1], "--csv", files[2],
         "--png", files[3],
     )  # fmt: skip
     assert code == 1
@@ -101,7 +97,7 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
     io.write(Assembly(blocks, np.array([True, False])), path)
     assert main(["plan", str(path)]) == 1
     assert "does not stand: top falls;" in capsys.readouterr().out
-    code, data = answer(capsys, str(path), "--anyway")
+    code, data = answer(capsys, "plan", str(path), "--anyway")
     assert code == 1
     assert data["counts"]["propped"] == 1
 
@@ -135,8 +131,8 @@ def test_a_load_case_of_the_file_can_be_chosen(tmp_path, capsys):
     dead = replace(LoadCase.gravity(pair), name="dead")
     pushed = replace(dead + LoadCase.point_load(pair, "block-2", (5e4, 0.0, 0.0)), name="pushed")
     io.write(io.Contents(pair, loads=(dead, pushed)), path)
-    assert answer(capsys, str(path), "--case", "1.35*dead")[0] == 0
-    assert answer(capsys, str(path), "--case", "pushed")[1]["steps"] == []
+    assert answer(capsys, "plan", str(path), "--case", "1.35*dead")[0] == 0
+    assert answer(capsys, "plan", str(path), "--case", "pushed")[1]["steps"] == []
     assert main(["plan", str(path), "--case", "wind"]) == 2
     assert "no load case is called 'wind'" in capsys.readouterr().err
 
@@ -180,7 +176,7 @@ def test_scaffolding_is_compared_and_planned_with(tmp_path, capsys):
     assert code == 0
     assert [(row["support"], row["failed_stages"]) for row in rows] == [("clamp", 0)]
     assert table.read_text().startswith("support,order")
-    _, data = answer(capsys, *given, "--scaffold", "clamp")
+    _, data = answer(capsys, "plan", *given, "--scaffold", "clamp")
     assert data["scaffolding"]["failed"] == []
     assert data["scaffolding"]["cost"] == pytest.approx(rows[0]["cost"])
     assert main(["plan", *given, "--scaffold", "strut", "--scaffold-foot", "nowhere"]) == 2

@@ -11,8 +11,8 @@ from drystone import Assembly, LoadCase, io
 from drystone.cli import main
 from drystone.io import Contents
 from drystone.models import arch, box, wedge
+from tests.unit.cli.running import Capsys, answer
 
-Capsys = pytest.CaptureFixture[str]
 FEET = [box((0.2, 1.0, 0.2), (x, 0.0, 0.0), n) for n, x in zip("abc", (0.0, 1.9, 3.8), strict=True)]
 BEAM = Assembly((*FEET, box((4.0, 1.0, 0.2), (0.0, 0.0, 0.2), "beam"))).with_fixed(list("abc"))
 WEIGHT = 0.8 * 2400.0 * 9.81
@@ -26,14 +26,6 @@ def model(tmp_path: Path) -> str:
     return str(path)
 
 
-def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:
-    code = main(["settle", *arguments, "--json"])
-    out, err = capsys.readouterr()
-    assert err == ""
-    assert out.count("\n") == 1
-    return code, json.loads(out)
-
-
 def given(told: Any, when: str) -> dict[str, float]:
     """Vertical force that each support gives, by the weight of the beam."""
     return {row["block"]: row[when][2] / WEIGHT for row in told["supports"]}
@@ -42,7 +34,7 @@ def given(told: Any, when: str) -> dict[str, float]:
 def test_a_support_that_goes_down_opens_its_joint_and_the_others_carry(
     model: str, capsys: Capsys
 ) -> None:
-    code, told = answer(capsys, model, *DROP)
+    code, told = answer(capsys, "settle", model, *DROP)
     assert (code, told["verdict"]) == (0, "stable")
     assert told["motion"] == [
         {"block": "b", "translation": [0.0, 0.0, -0.01], "rotation": [0.0, 0.0, 0.0]}
@@ -65,7 +57,7 @@ def test_a_load_case_of_the_file_settles_with_its_factor(model: str, capsys: Cap
         {"name": "pier", "parts": [{"kind": "settlement", "block": "b", "motion": [0, 0, -0.01]}]},
     ]
     path.write_text(json.dumps(content), encoding="utf-8")
-    code, told = answer(capsys, model, "--case", "2*dead", "--case", "-0.5*pier", *DROP)
+    code, told = answer(capsys, "settle", model, "--case", "2*dead", "--case", "-0.5*pier", *DROP)
     assert code == 0
     assert told["motion"][0]["translation"] == pytest.approx([0.0, 0.0, -0.005])
     assert given(told, "after") == pytest.approx({"a": 1.0, "b": 0.0, "c": 1.0}, abs=1e-6)
@@ -82,7 +74,7 @@ def test_what_is_no_settlement_refuses_a_case_that_moves_supports(
         out, err = capsys.readouterr()
         assert out == ""
         assert "the load case 'pier' moves supports; ask 'drystone settle'" in err
-    assert answer(capsys, str(path))[0] == 0
+    assert answer(capsys, "settle", str(path))[0] == 0
 
 
 def test_its_files_are_a_page_of_two_stages_a_figure_and_the_joints_after(
@@ -93,7 +85,7 @@ def test_its_files_are_a_page_of_two_stages_a_figure_and_the_joints_after(
     )
     io.write(arch(0.2, 8), path)
     code, told = answer(
-        capsys, str(path), "--move", "springer-right:0.01,0,0", "--friction", "0.7",
+        capsys, "settle", str(path), "--move", "springer-right:0.01,0,0", "--friction", "0.7",
         "--html", str(page), "--png", str(figure), "--joints", str(joints),
     )  # fmt: skip
     assert code == 0
@@ -114,7 +106,7 @@ def test_without_a_motion_the_blocks_are_followed_until_they_rest_or_fall(
     path, page = tmp_path / "wedge.json", tmp_path / "wedge.html"
     io.write(wedge("b"), path)
     gravity = ("--gravity", "0,-7.515,-6.306", "--friction", "0.84")
-    code, told = answer(capsys, str(path), *gravity, "--html", str(page))
+    code, told = answer(capsys, "settle", str(path), *gravity, "--html", str(page))
     assert (code, told["outcome"]) == (1, "the ends of the joints decide")
     ends = {one["carrier"]: one["outcome"] for one in told["paths"]}
     assert ends == {"moving": "comes to rest", "resting": "falls"}
@@ -164,6 +156,6 @@ def test_motions_that_cannot_be_used_are_one_line(
 
 
 def test_what_cannot_balance_has_exit_code_one(model: str, capsys: Capsys) -> None:
-    code, told = answer(capsys, model, *DROP, "--seismic", "0.7,0")
+    code, told = answer(capsys, "settle", model, *DROP, "--seismic", "0.7,0")
     assert (code, told["verdict"], told["joints"]) == (1, "undecided", [])
     assert "balance" in told["message"]

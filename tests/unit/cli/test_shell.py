@@ -1,25 +1,16 @@
 """What ``drystone shell`` builds, writes and refuses."""
 
 import csv
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from drystone import io
 from drystone.cli import main
+from tests.unit.cli.running import Capsys, answer
 
-Capsys = pytest.CaptureFixture[str]
 DOME = ("shell", "dome", "--courses", "4", "--blocks", "8", "--thickness", "0.4")
-
-
-def answer(capsys: Capsys, *arguments: str) -> tuple[int, Any]:
-    code = main([*arguments, "--json"])
-    out, err = capsys.readouterr()
-    assert err == ""
-    return code, json.loads(out)
 
 
 def test_shell_builds_checks_and_writes(tmp_path: Path, capsys: Capsys) -> None:

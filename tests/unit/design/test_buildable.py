@@ -17,7 +17,7 @@ from drystone.design.building.buildable_search import (
     lines_below,
     needs_of,
 )
-from drystone.reproduce.assembly_cases import NICHE, niche_shape
+from drystone.reproduce.cases import NICHE, niche_shape
 from drystone.sequence import Order, PlanOptions, Rules, plan
 from drystone.shells import Ground, Layout, Shell, ShellBody, barrel_vault, build_shell
 

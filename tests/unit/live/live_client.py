@@ -15,6 +15,8 @@ from typing import Any
 import drystone
 from drystone import io
 from drystone.assembly import Assembly
+from drystone.io.jsontext import Field
+from drystone.live.computing.wish import Wish
 from drystone.live.serving import Live
 from drystone.models import arch, box
 
@@ -63,6 +65,11 @@ def raw(live: Live, data: bytes) -> bytes:
         while part := connection.recv(2**16):
             found += part
     return found
+
+
+def wish_of(**values: object) -> Wish:
+    """A wish as the page sends it."""
+    return Wish.of(Field(values, "", Path("wish")))
 
 
 def overhang() -> Assembly:

@@ -19,9 +19,9 @@ import drystone
 from drystone import io
 from drystone.live import client
 from drystone.live.computing import helper
+from drystone.live.computing.helper import ToolCalls
 from drystone.live.requests import web
 from drystone.live.serving import Live
-from drystone.live.tool_calls import ToolCalls
 from drystone.mcp.answers import TOOLS
 from drystone.models import arch, tower, vault
 from tests.unit.live.live_client import PATIENCE, Window, ask, overhang, raw

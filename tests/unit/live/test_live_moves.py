@@ -2,7 +2,6 @@
 
 import base64
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,7 +20,7 @@ from drystone.live.computing.moved_supports import at_once, verdict_of
 from drystone.live.computing.python_lines import python_lines
 from drystone.live.computing.snapshot import Found, snapshot
 from drystone.live.computing.tasks import TASKS, Work
-from drystone.live.computing.wish import Wish, asked
+from drystone.live.computing.wish import asked
 from drystone.live.serving import Live
 from drystone.models import arch, box, tower
 from drystone.settlement import (
@@ -32,28 +31,11 @@ from drystone.settlement import (
 )
 from drystone.settlement.large import large_displacement
 from drystone.view import State
-from tests.unit.live.live_client import Window, ask, served_arch
+from tests.unit.live.live_client import Window, ask, wish_of
 
 FOOT = "springer-right"
 AWAY = (0.02, 0.0, 0.0)
 MOVE = [{"block": FOOT, "by": list(AWAY)}]
-
-
-def wish_of(**values: object) -> Wish:
-    return Wish.of(Field(values, "", Path("wish")))
-
-
-@pytest.fixture(scope="module")
-def live(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Live]:
-    with served_arch(tmp_path_factory.mktemp("moves")) as made:
-        yield made
-
-
-@pytest.fixture
-def window(live: Live, request: pytest.FixtureRequest) -> Iterator[Window]:
-    made = Window(live, f"window-{abs(hash(request.node.name))}")
-    yield made
-    made.close()
 
 
 def test_a_moved_support_is_answered_to_first_order_and_then_followed(

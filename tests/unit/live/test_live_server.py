@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -20,39 +20,14 @@ import drystone
 from drystone import Assembly, io
 from drystone.base.errors import InputError
 from drystone.cli import main
-from drystone.io.jsontext import Field
 from drystone.live import serving
 from drystone.live.computing.python_lines import python_lines
-from drystone.live.computing.wish import Wish, asked
+from drystone.live.computing.wish import asked
 from drystone.live.serving import Live, Watch
 from drystone.models import arch, leaning_column, prism
-from tests.unit.live.live_client import Window, ask, overhang
+from tests.unit.live.live_client import Window, ask, overhang, wish_of
 
 KEYSTONE = "voussoir-06"
-
-
-def wish_of(**values: object) -> Wish:
-    return Wish.of(Field(values, "", Path("wish")))
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("live")
-    io.write(drystone.Model.of(arch(0.15, 12), friction=0.9), made / "arch.json")
-    return made
-
-
-@pytest.fixture(scope="module")
-def live(folder: Path) -> Iterator[Live]:
-    with Live(folder / "arch.json", port=0) as made:
-        yield made
-
-
-@pytest.fixture
-def window(live: Live, request: pytest.FixtureRequest) -> Iterator[Window]:
-    made = Window(live, f"window-{abs(hash(request.node.name))}")
-    yield made
-    made.close()
 
 
 def test_a_wish_has_a_quick_answer_and_then_the_verdict(window: Window) -> None:

@@ -6,7 +6,7 @@ import pytest
 from drystone import Assembly, CheckOptions, LoadCase, Model, Verdict, check
 from drystone.checks import check_forces
 from drystone.models import arch, tower, wedge
-from drystone.reproduce.assembly_cases import niche
+from drystone.reproduce.cases import niche
 from drystone.stability import check_near
 
 X = (1.0, 0.0, 0.0)

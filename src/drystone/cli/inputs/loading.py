@@ -34,16 +34,7 @@ Seismic: TypeAlias = Annotated[
         expert=True,
     ),
 ]
-Cases: TypeAlias = Annotated[
-    tuple[str, ...],
-    Option(
-        "A load case of the file instead of the weight, such as 1.35*dead. Can be given several "
-        "times: they add up.",
-        LOADS,
-        metavar="[FACTOR*]NAME",
-        expert=True,
-    ),
-]
+
 Moves: TypeAlias = Annotated[
     tuple[str, ...],
     Option(

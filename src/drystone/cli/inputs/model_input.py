@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from drystone.base.errors import InputError, counted
+from drystone.cli.base import kinds
+from drystone.cli.base.command import CONTACTS, LOADS, MODEL, Argument, Option
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.inputs import loading, options
 from drystone.cli.inputs.joint_capacity_option import JointCapacities, with_joint_capacity
@@ -22,12 +24,29 @@ PAIRS = 5
 class Source:
     """A model file, and how it is read."""
 
-    model: options.ModelArgument
+    model: Annotated[
+        str, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
+    ]
     units: options.Units = None
-    split: options.Split = False
-    layer: options.Layers = ()
-    hidden: options.Hidden = False
-    max_size: options.MaxSize = None
+    split: Annotated[
+        bool, Option("Make a block of each separate part of a block.", MODEL, expert=True)
+    ] = False
+    layer: Annotated[
+        tuple[str, ...],
+        Option(
+            "Layer of a 3dm file to read, hidden or not. Can be given several times.",
+            MODEL,
+            metavar="NAME",
+            expert=True,
+        ),
+    ] = ()
+    hidden: Annotated[
+        bool, Option("Read hidden layers and objects of a 3dm file too.", MODEL, expert=True)
+    ] = False
+    max_size: Annotated[
+        float | None,
+        Option("Largest file that is read, in MiB (64).", MODEL, kind=kinds.POSITIVE, expert=True),
+    ] = None
 
     def how(self) -> dict[str, Any]:
         """Arguments of the functions that read a file."""
@@ -44,9 +63,30 @@ class Source:
 class Tolerances:
     """Tolerances of the contact search."""
 
-    gap: options.Gap = None
-    angle: options.Angle = None
-    edges: options.Edges = None
+    gap: Annotated[
+        float | None,
+        Option(
+            "Largest gap of a joint, by the size of the smaller block (0.005).",
+            CONTACTS,
+            expert=True,
+        ),
+    ] = None
+    angle: Annotated[
+        float | None,
+        Option(
+            "Largest angle in degrees between faces that make a joint (2).", CONTACTS, expert=True
+        ),
+    ] = None
+    edges: Annotated[
+        str | None,
+        Option(
+            "Contacts along edges and in corners: for isolated blocks, which touch nothing else, "
+            "always or never (isolated).",
+            CONTACTS,
+            kind=kinds.one_of(("isolated", "always", "never")),
+            expert=True,
+        ),
+    ] = None
 
     def options(self) -> DetectionOptions:
         """The tolerances of the contact search, from those options that were given."""
@@ -60,8 +100,18 @@ class Tolerances:
 class Finding(Tolerances):
     """Options of the contact search."""
 
-    find_contacts: options.FindContacts = False
-    anyway: options.Anyway = False
+    find_contacts: Annotated[
+        bool, Option("Search contacts even if the file has some.", CONTACTS, expert=True)
+    ] = False
+    anyway: Annotated[
+        bool,
+        Option(
+            "Accept blocks that overlap by more than a tenth of the smaller one; plan also if the "
+            "complete model does not stand.",
+            CONTACTS,
+            expert=True,
+        ),
+    ] = False
 
 
 @dataclass(frozen=True)
@@ -74,9 +124,25 @@ class Subject(Source):
     friction: options.Friction = None
     density: options.Density = None
     joint_capacity: JointCapacities = None
-    gravity: options.Gravity = None
+    gravity: Annotated[
+        tuple[float, float, float] | None,
+        Option(
+            "Gravity in m/s2: its size, or a vector (9.81 along -z).",
+            LOADS,
+            kind=kinds.OptionKind("SIZE|X,Y,Z", options.gravity_vector),
+        ),
+    ] = None
     load: loading.Loads = ()
-    case: loading.Cases = ()
+    case: Annotated[
+        tuple[str, ...],
+        Option(
+            "A load case of the file instead of the weight, such as 1.35*dead. Can be given "
+            "several times: they add up.",
+            LOADS,
+            metavar="[FACTOR*]NAME",
+            expert=True,
+        ),
+    ] = ()
 
     def prepared(
         self,

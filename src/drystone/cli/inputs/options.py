@@ -10,16 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from drystone.base.errors import InputError
 from drystone.cli.base import kinds
-from drystone.cli.base.command import CONTACTS, LOADS, MODEL, OUTPUT, Argument, Option
+from drystone.cli.base.command import MODEL, OUTPUT, Option
 from drystone.cli.base.waiting import Waiting
 
 if TYPE_CHECKING:
     from drystone.limits import LimitOptions
-
-
-ModelArgument: TypeAlias = Annotated[
-    str, Argument("MODEL", "Model file; its suffix determines the format.", kinds.FILE)
-]
 
 Supports: TypeAlias = Annotated[
     str | None,
@@ -58,74 +53,6 @@ Up: TypeAlias = Annotated[
 
 SkipDefects: TypeAlias = Annotated[
     bool, Option("Leave out blocks that cannot be used.", MODEL, expert=True)
-]
-
-Layers: TypeAlias = Annotated[
-    tuple[str, ...],
-    Option(
-        "Layer of a 3dm file to read, hidden or not. Can be given several times.",
-        MODEL,
-        metavar="NAME",
-        expert=True,
-    ),
-]
-
-Hidden: TypeAlias = Annotated[
-    bool, Option("Read hidden layers and objects of a 3dm file too.", MODEL, expert=True)
-]
-
-MaxSize: TypeAlias = Annotated[
-    float | None,
-    Option("Largest file that is read, in MiB (64).", MODEL, kind=kinds.POSITIVE, expert=True),
-]
-
-Split: TypeAlias = Annotated[
-    bool, Option("Make a block of each separate part of a block.", MODEL, expert=True)
-]
-
-Gravity: TypeAlias = Annotated[
-    tuple[float, float, float] | None,
-    Option(
-        "Gravity in m/s2: its size, or a vector (9.81 along -z).",
-        LOADS,
-        kind=kinds.OptionKind("SIZE|X,Y,Z", lambda text: gravity_vector(text)),
-    ),
-]
-
-Gap: TypeAlias = Annotated[
-    float | None,
-    Option("Largest gap of a joint, by the size of the smaller block (0.005).", CONTACTS,
-           expert=True),
-]  # fmt: skip
-
-Angle: TypeAlias = Annotated[
-    float | None,
-    Option("Largest angle in degrees between faces that make a joint (2).", CONTACTS, expert=True),
-]
-
-Edges: TypeAlias = Annotated[
-    str | None,
-    Option(
-        "Contacts along edges and in corners: for isolated blocks, which touch nothing else, "
-        "always or never (isolated).",
-        CONTACTS,
-        kind=kinds.one_of(("isolated", "always", "never")),
-        expert=True,
-    ),
-]
-
-FindContacts: TypeAlias = Annotated[
-    bool, Option("Search contacts even if the file has some.", CONTACTS, expert=True)
-]
-
-Anyway: TypeAlias = Annotated[
-    bool,
-    Option(
-        "Accept blocks that overlap by more than a tenth of the smaller one; plan also if the "
-        "complete model does not stand.",
-        CONTACTS,
-        expert=True,
-    ),
 ]
 
 Html: TypeAlias = Annotated[

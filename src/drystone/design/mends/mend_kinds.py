@@ -9,11 +9,11 @@ from drystone.design.mends.added_mends import ballast_mends, prop_mends, support
 from drystone.design.mends.bench import Bench, MendCandidate
 from drystone.design.mends.changed_mends import (
     friction_mends,
+    glue_mends,
     joints_mends,
     merge_mends,
     thicker_mends,
 )
-from drystone.design.mends.glue_mends import glue_mends
 
 MAKERS: Mapping[str, Callable[[Bench], Iterator[MendCandidate]]] = {
     "support": support_mends,

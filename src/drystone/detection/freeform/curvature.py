@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
@@ -22,28 +20,10 @@ TURNS = np.deg2rad(0.1)
 noise of coordinates stored in single precision."""
 
 
-@dataclass(frozen=True)
-class Curvature:
-    """The surface that each patch approximates, estimated from its neighbours.
-
-    Attributes
-    ----------
-    sag : (p,) [m], distance of the patch from the surface
-    bend : (p,) [rad], angle between them
-    bulges, hollow : (p,) bool
-        Whether the surface is convex, or concave, at the patch or at a neighbour of it.
-    """
-
-    sag: Floats
-    bend: Floats
-    bulges: Bools
-    hollow: Bools
-
-
 def curvature(
     faces: Faces, edges: HalfEdges, turn: Floats, group: Ints, area: Floats, triangle: Bools
-) -> Curvature:
-    """Curvature at patches, from the turning angles (h,) [rad] at the half-edges of their faces.
+) -> tuple[Floats, Floats, Bools, Bools]:
+    """The surface that each patch approximates, from the turning angles (h,) [rad] at half-edges.
 
     A strip of width w with the angle t to its neighbours is a chord of a curve. Its sag is w t / 8
     and its angle to the curve at its edges t / 2. The narrower of two neighbours gives w, so a
@@ -57,6 +37,13 @@ def curvature(
     group : (f,) patch of each face
     area : (p,) [m2]
     triangle : (p,) bool
+
+    Returns
+    -------
+    sag : (p,) [m], distance of the patch from the surface
+    bend : (p,) [rad], angle between them
+    bulges, hollow : (p,) bool
+        Whether the surface is convex, or concave, at the patch or at a neighbour of it.
     """
     count = len(area)
     sag, bend = np.zeros(count), np.zeros(count)
@@ -65,7 +52,7 @@ def curvature(
     curved = _across_curves(edges, turn, group, triangle)
     smooth = np.flatnonzero(border & curved)
     if len(smooth) == 0:
-        return Curvature(sag, bend, bulges, hollow)
+        return sag, bend, bulges, hollow
     here, there = group[edges.face[smooth]], group[edges.face[edges.twin[smooth]]]
     along = faces.point[faces.loop[edges.after[smooth]]] - faces.point[faces.loop[smooth]]
     length = np.maximum(np.linalg.norm(along, axis=1), np.finfo(np.float64).tiny)
@@ -82,7 +69,7 @@ def curvature(
         turns = sign * turn[smooth] > TURNS
         turned[here[turns]] = True
         turned[here[turned[there]]] = True  # extended to the neighbours
-    return Curvature(sag, bend, bulges, hollow)
+    return sag, bend, bulges, hollow
 
 
 def _across_curves(edges: HalfEdges, turn: Floats, group: Ints, triangle: Bools) -> Bools:

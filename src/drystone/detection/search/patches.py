@@ -137,7 +137,7 @@ def patches_of(assembly: Assembly) -> Patches:
     corners = Ragged(ring_start[first_ring])
     height = np.abs(dot(corner - corners.spread(centre), corners.spread(normal)))
     warp = corners.max(height)
-    curved = curvature(faces, edges, turn, group, area, corners.counts == 3)
+    sag, bend, bulges, hollow = curvature(faces, edges, turn, group, area, corners.counts == 3)
     width = np.sqrt(np.where(area > 0.0, area, 1.0))
     first_face = np.searchsorted(faces.owner, np.arange(len(assembly)))
     return Patches(
@@ -150,11 +150,11 @@ def patches_of(assembly: Assembly) -> Patches:
         centre=centre,
         area=area,
         warp=warp,
-        sag=curved.sag,
-        bend=curved.bend,
+        sag=sag,
+        bend=bend,
         tilt=np.arctan2(2.0 * warp, width),
-        bulges=curved.bulges,
-        hollow=curved.hollow,
+        bulges=bulges,
+        hollow=hollow,
         convex=_convex_patches(corner, ring_start, ring_patch, normal, len(face)),
         low=corners.min(corner),
         high=corners.max(corner),

@@ -1,15 +1,23 @@
-"""The JSON interface: what a call may say. The answers are those of :mod:`drystone.mcp.answers`."""
+"""What a window of the page sends, and what a call of the JSON interface may say.
+
+The answers to calls are those of :mod:`drystone.mcp.answers`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from drystone.io.jsontext import Field
+from drystone.io.jsontext import Field, parse
+from drystone.live.computing.wish import Wish
 
 VERSION = "v1"
 
 MODEL = ("file", "content", "supports", "friction", "density", "units", "gravity", "loads")
+
+TASKS = ("limit", "mends", "apply", "plan", "cut", "recut", "cases", "save")
 
 
 def _text(field: Field) -> str:
@@ -115,3 +123,54 @@ def given_of(tool: str, body: Field) -> dict[str, Any]:
         "model": {key: read(model[key]) for key, read in OF_MODEL.items() if model.has(key)},
         **given,
     }
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A wish of a window, as plain values that were looked at.
+
+    Attributes
+    ----------
+    window
+    number
+        The window counts its wishes.
+    model
+        Number of the model that it shows.
+    wish
+    task
+        Empty where a verdict is asked for.
+    extra
+        What the task is told.
+    """
+
+    window: str
+    number: int
+    model: int
+    wish: dict[str, Any]
+    task: str
+    extra: dict[str, Any]
+
+
+def sent(body: bytes) -> Sent:
+    """What the body of a request says.
+
+    Raises
+    ------
+    InputError
+        It is no JSON, or a value cannot be: friction below zero.
+    """
+    top = parse(body, Path("request"))
+    top.only(("window", "number", "model", "wish", "task", "extra"))
+    wish = top.get("wish", {})
+    Wish.of(Field(wish.value, "", Path("wish")))
+    task = top.get("task", "").text()
+    if task and task not in TASKS:
+        raise top["task"].error(f"there is no task '{task[:40]}'", f"there are {', '.join(TASKS)}")
+    return Sent(
+        top["window"].text(),
+        top.get("number", 0).integer(),
+        top.get("model", 0).integer(),
+        wish.value,
+        task,
+        top.get("extra", {}).object().value,
+    )

@@ -18,12 +18,11 @@ from urllib.parse import parse_qs, urlsplit
 
 import drystone
 from drystone.base.errors import DrystoneError
+from drystone.live.computing.helper import ToolCalls
 from drystone.live.computing.python_lines import python_lines
 from drystone.live.desk import Desk
 from drystone.live.requests.guard import LOOPBACK, WISH, Guard, Refusal
-from drystone.live.requests.interface import ARGUMENTS, VERSION
-from drystone.live.requests.parsing import Sent, sent
-from drystone.live.tool_calls import ToolCalls
+from drystone.live.requests.interface import ARGUMENTS, VERSION, Sent, sent
 
 CONNECTIONS = 64
 """At one time, chosen: each window has one for its events and a few more."""

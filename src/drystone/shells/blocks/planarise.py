@@ -82,13 +82,6 @@ class PlanarReport:
     reached: bool
 
 
-@dataclass(frozen=True, eq=False)
-class _Group:
-    """Polygons with the same number of corners: their points (m, k)."""
-
-    corner: Ints
-
-
 def planarise(
     points: Floats,
     polygons: list[tuple[int, ...]],
@@ -158,24 +151,13 @@ def planarise(
     return x, report
 
 
-def warps(points: Floats, polygons: list[tuple[int, ...]]) -> Floats:
-    """Largest distance [m] of a corner from the best plane of its polygon, per polygon."""
-    out = np.zeros(len(polygons))
-    sizes = np.array([len(p) for p in polygons], dtype=np.intp)
-    for count in np.unique(sizes[sizes > 3]):
-        chosen = np.flatnonzero(sizes == count)
-        corner = np.array([polygons[i] for i in chosen], dtype=np.intp)
-        centred, normal = _planes(points[corner])
-        out[chosen] = np.abs(np.einsum("mki,mi->mk", centred, normal)).max(axis=1)
-    return out
-
-
-def _groups(polygons: list[tuple[int, ...]]) -> list[_Group]:
+def _groups(polygons: list[tuple[int, ...]]) -> list[Ints]:
+    """Points (m, k) of the polygons with the same number k of corners, above three."""
     by_size: dict[int, list[tuple[int, ...]]] = {}
     for polygon in polygons:
         if len(polygon) > 3:
             by_size.setdefault(len(polygon), []).append(polygon)
-    return [_Group(np.array(by_size[k], dtype=np.intp)) for k in sorted(by_size)]
+    return [np.array(by_size[k], dtype=np.intp) for k in sorted(by_size)]
 
 
 def _planes(corners: Floats) -> tuple[Floats, Floats]:
@@ -185,19 +167,19 @@ def _planes(corners: Floats) -> tuple[Floats, Floats]:
     return centred, vectors[:, :, 0]
 
 
-def _warp(x: Floats, groups: list[_Group]) -> float:
+def _warp(x: Floats, groups: list[Ints]) -> float:
     largest = 0.0
     for group in groups:
-        centred, normal = _planes(x[group.corner])
+        centred, normal = _planes(x[group])
         largest = max(largest, float(np.abs(np.einsum("mki,mi->mk", centred, normal)).max()))
     return largest
 
 
 def _project(
-    x: Floats, groups: list[_Group], mass: Floats, goal: float, rounds: int
+    x: Floats, groups: list[Ints], mass: Floats, goal: float, rounds: int
 ) -> tuple[Floats, int]:
     """Rounds of local/global projection, near the starting points."""
-    centring = sparse.vstack([_centring(g.corner, len(x)) for g in groups]).tocsr()
+    centring = sparse.vstack([_centring(g, len(x)) for g in groups]).tocsr()
     stay = STAY * mass
     system = (centring.T @ centring + sparse.diags(stay)).tocsc()
     try:
@@ -208,7 +190,7 @@ def _project(
     for done in range(rounds):
         flat = []
         for group in groups:
-            centred, normal = _planes(x[group.corner])
+            centred, normal = _planes(x[group])
             off = np.einsum("mki,mi->mk", centred, normal)
             flat.append((centred - off[..., None] * normal[:, None]).reshape(-1, 3))
         x = factor.solve(centring.T @ np.concatenate(flat) + stay[:, None] * start)
@@ -226,7 +208,7 @@ def _centring(corner: Ints, count: int) -> sparse.csr_matrix:
     return sparse.csr_matrix((np.tile(block, (m, 1)).ravel(), (rows, columns)), (m * k, count))
 
 
-def _newton_move(x: Floats, groups: list[_Group], mass: Floats, scale: float) -> Floats:
+def _newton_move(x: Floats, groups: list[Ints], mass: Floats, scale: float) -> Floats:
     """The smallest move that satisfies the linearised conditions.
 
     One condition per corner beyond three, c = (x_j - x_0) . n with n the unit normal of a triangle
@@ -235,21 +217,21 @@ def _newton_move(x: Floats, groups: list[_Group], mass: Floats, scale: float) ->
     rows, columns, values, residual = [], [], [], []
     offset = 0
     for group in groups:
-        m, k = group.corner.shape
+        m, k = group.shape
         a, b = k // 3, (2 * k) // 3
         rest = [j for j in range(k) if j not in (0, a, b)]
-        o, p, q = x[group.corner[:, 0]], x[group.corner[:, a]], x[group.corner[:, b]]
+        o, p, q = x[group[:, 0]], x[group[:, a]], x[group[:, b]]
         raw = np.cross(p - o, q - o)
         area = np.linalg.norm(raw, axis=1, keepdims=True)
         n = raw / np.maximum(area, 1e-30 * scale**2)
         for j in rest:
-            r = x[group.corner[:, j]] - o
+            r = x[group[:, j]] - o
             # r . n with r = s (p - o) + t (q - o) + c n: the plane follows its three corners
             s = dot(np.cross(r, q - o), n)[:, None] / area
             t = dot(np.cross(p - o, r), n)[:, None] / area
             for at, weight in ((j, 1.0), (a, -s), (b, -t), (0, s + t - 1.0)):
                 rows.append(np.repeat(offset + np.arange(m), 3))
-                columns.append((3 * group.corner[:, at, None] + np.arange(3)).ravel())
+                columns.append((3 * group[:, at, None] + np.arange(3)).ravel())
                 values.append((weight * n).ravel())
             residual.append(dot(r, n))
             offset += m

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,32 +11,17 @@ from drystone.shells.blocks.materialise import Pins
 from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
 
 
-@dataclass(frozen=True, eq=False)
-class Grounded:
-    """A tessellation with its ground cells.
-
-    Attributes
-    ----------
-    mesh, pins
-    ground : (c,) which cells are ground
-    """
-
-    mesh: Tessellation
-    pins: Pins
-    ground: Bools
-
-
 def springers(mesh: Tessellation) -> Bools:
     """Which cells (c,) stand on a support."""
     supported = set(mesh.supported)
     return np.array([any(edge in supported for edge in directed(cell)) for cell in mesh.cells])
 
 
-def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> Grounded:
+def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> tuple[Tessellation, Pins, Bools]:
     """A ground block under every springer, with the same support face.
 
     Its other side is the support face moved out of the shell by ``depth`` [m], normal to the
-    border.
+    border. The third value tells which cells (c,) are ground.
     """
     outwards = _outwards(mesh)
     new_vertex = {old: len(mesh.point) + i for i, old in enumerate(outwards)}
@@ -67,7 +52,7 @@ def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> Grounded:
     )
     start = np.concatenate([pins.start, pins.start[-1] + 2 * np.arange(1, len(old) + 1)])
     ground = np.concatenate([np.zeros(len(mesh.cells), dtype=bool), np.ones(added, dtype=bool)])
-    return Grounded(grounded, Pins(np.concatenate([pins.point, far]), start), ground)
+    return grounded, Pins(np.concatenate([pins.point, far]), start), ground
 
 
 def _outwards(mesh: Tessellation) -> dict[int, Floats]:

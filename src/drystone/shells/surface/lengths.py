@@ -1,9 +1,9 @@
-"""Checks of lengths, counts and numbers."""
+"""Checks of lengths and numbers."""
 
 from __future__ import annotations
 
 import math
-from numbers import Integral, Real
+from numbers import Real
 
 import numpy as np
 
@@ -29,20 +29,6 @@ def refuse_unless_positive(where: str = "", **metres: float) -> None:
                 where=where,
                 remedy="give metres above zero",
             )
-
-
-def refuse_unless_count(value: object, name: str, where: str = "") -> None:
-    """Refuse a value that is no whole number.
-
-    Raises
-    ------
-    InputError
-        It is no whole number; 4.0 and True are refused too.
-    """
-    if not isinstance(value, Integral) or isinstance(value, bool):
-        raise InputError(
-            f"the number of {name} is {value!r}", where=where, remedy="give a whole number"
-        )
 
 
 def numbers(values: object, what: str, where: str = "") -> Floats:

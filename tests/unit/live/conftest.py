@@ -1,0 +1,28 @@
+"""The server that the tests of a module share, and a window of it for each test."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from drystone.live.serving import Live
+from tests.unit.live.live_client import Window, served_arch
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("live")
+
+
+@pytest.fixture(scope="module")
+def live(folder: Path) -> Iterator[Live]:
+    """A server of the arch, whose file is in the folder."""
+    with served_arch(folder) as made:
+        yield made
+
+
+@pytest.fixture
+def window(live: Live, request: pytest.FixtureRequest) -> Iterator[Window]:
+    made = Window(live, f"window-{abs(hash(request.node.name))}")
+    yield made
+    made.close()
