@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from drystone.assembly import Assembly, Blocks
-from drystone.base.arrays import Bools, Floats, Ints, frozen
+from drystone.base.arrays import Bools, Floats, Ints, dot, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError, counted
 from drystone.base.table import Table
@@ -96,7 +96,7 @@ def resultants_of(contacts: Contacts, force: Floats) -> Resultants:
         pressing[:, None], shift / np.where(pressing, normal, 1.0)[:, None], 0.0
     )
     moment = total(np.cross(contacts.point - position[interface], world))
-    torque = np.einsum("mi,mi->m", moment, n)
+    torque = dot(moment, n)
     tangential = np.linalg.norm(resultant - normal[:, None] * n, axis=1)
     return Resultants(*map(frozen, (resultant, position, torque, normal, tangential)))
 

@@ -12,7 +12,6 @@ from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.units import length
-from drystone.geometry.plane.polygon import area_vectors
 
 LOWEST = 0.1
 """Blocks whose lowest corner is within this share of the median block height of the lowest corner
@@ -219,7 +218,7 @@ def _list(assembly: Assembly, mask: Bools) -> str:
 def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:
     """Mask (n,) of the blocks whose lowest corner is one of a face that looks straight down."""
     faces = assembly.faces
-    area = area_vectors(faces.point[faces.loop], faces.start)
+    area = faces.area_vectors
     direction = np.asarray(up, dtype=np.float64)
     size = np.linalg.norm(area, axis=1)
     down = -(area @ direction) >= LEVEL * size

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, frozen_floats
+from drystone.base.arrays import Bools, Floats, Ints, dot, frozen_floats
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.contacts import Contacts
@@ -96,7 +96,7 @@ def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice 
         given = np.broadcast_to(unit(given, "direction"), (contacts.count, 3))
     given = frozen_floats(given, (contacts.count, 3), "direction")
     normal = contacts.frame[:, 0]
-    plane = given - np.einsum("mi,mi->m", given, normal)[:, None] * normal
+    plane = given - dot(given, normal)[:, None] * normal
     length = np.linalg.norm(plane, axis=1)
     lost = np.flatnonzero(mask & (length <= 1e-9 * np.linalg.norm(given, axis=1)))
     if len(lost):
@@ -106,7 +106,7 @@ def shift(contacts: Contacts, direction: Any, factor: float, interfaces: Choice 
             remedy="give a direction with a component in its plane, or leave the interface out",
         )
     plane /= np.where(length > 0.0, length, 1.0)[:, None]
-    along = np.einsum("ki,ki->k", contacts.point, plane[contacts.interface])
+    along = dot(contacts.point, plane[contacts.interface])
     far = contacts.corners.spread(contacts.corners.max(along))
     moved = contacts.point + ((1.0 - scale) * (far - along))[:, None] * plane[contacts.interface]
     return _reshaped(contacts, moved, mask)

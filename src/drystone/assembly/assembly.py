@@ -231,6 +231,3 @@ class Assembly(Card):
             ),
             self.fixed,
         )
-
-
-__all__ = ["Assembly", "Blocks"]

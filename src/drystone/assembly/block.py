@@ -170,6 +170,3 @@ def _density(value: Any, where: str) -> float:
     if not 0.0 < density < float("inf"):
         raise InputError(f"density is {density}", where=where, remedy="give kg/m3 above zero")
     return density
-
-
-__all__ = ["DEFAULT_DENSITY", "Block", "replace_block"]

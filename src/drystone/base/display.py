@@ -127,5 +127,3 @@ class _Short(reprlib.Repr):
 _SHORT = _Short()
 _DRAWN_BY: list[Callable[[object], str]] = []
 """The function that makes pictures, set by the package: this layer does not import drawing."""
-
-__all__ = ["Card", "OneLine", "draw_with", "named", "picture_of", "shortened"]

@@ -130,15 +130,3 @@ def _section(lines: list[str], begin: int) -> int:
             return at
     lines.append("")
     return len(lines)
-
-
-__all__ = [
-    "KEYWORDS",
-    "Clock",
-    "Progress",
-    "Stop",
-    "Stopped",
-    "Workers",
-    "check_keywords",
-    "with_keywords",
-]

@@ -226,6 +226,12 @@ def expand(first: Ints, count: Ints) -> tuple[Ints, Ints]:
     return source, value.astype(np.intp)
 
 
+def sum_by_owner(values: Floats, owner: Ints, count: int) -> Floats:
+    """Sums (count, d) of the rows (r, d) of each of ``count`` owners (r,), in any order."""
+    columns = [np.bincount(owner, column, minlength=count) for column in values.T]
+    return np.stack(columns, axis=1).astype(np.float64)
+
+
 def runs_by_length(first: Ints, total: int) -> list[tuple[Ints, Ints]]:
     """Runs of rows by their length c: numbers (r,) of the runs, and their rows (r c,).
 
@@ -247,6 +253,3 @@ def runs_by_length(first: Ints, total: int) -> list[tuple[Ints, Ints]]:
         runs = np.flatnonzero(count == length)
         found.append((runs, (first[runs, None] + np.arange(length)).ravel()))
     return found
-
-
-__all__ = ["Ragged", "expand", "runs_by_length"]

@@ -122,6 +122,3 @@ def checked_call(function: Callable[P, R]) -> Callable[P, R]:
 
     asked.__doc__ = with_keywords(function.__doc__, known)
     return asked
-
-
-__all__ = ["Options", "checked_call"]

@@ -163,6 +163,3 @@ def _told(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.4g}"
     return "" if value is None else shortened(str(value), 60)
-
-
-__all__ = ["Table"]

@@ -27,6 +27,3 @@ def commit() -> str:
     except (OSError, subprocess.SubprocessError):
         return ""
     return said.stdout.strip()
-
-
-__all__ = ["commit"]

@@ -296,6 +296,3 @@ class _DaskExecutor(Executor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
         """Disconnect; the scheduler keeps running."""
         self._client.close()
-
-
-__all__ = ["LOST_WORKER", "DaskWorkers", "ExecutorFactory", "LocalWorkers", "WorkerPool"]

@@ -22,7 +22,7 @@ from drystone.cli.analysis.limit_commands import friction, load, push, shrink, t
 from drystone.cli.analysis.limit_models import imperfections, thickness
 from drystone.cli.analysis.settle_command import settle
 from drystone.cli.base import kinds, output
-from drystone.cli.base.command import SETTINGS, Command, write_examples
+from drystone.cli.base.command import SETTINGS, write_examples
 from drystone.cli.base.waiting import INTERRUPTED, NOTHING, UNDER_WAY
 from drystone.cli.design.cut_command import cut
 from drystone.cli.design.mend_command import mend
@@ -215,6 +215,3 @@ def _in_our_words(error: click.UsageError) -> output.UsageFault:
 def _meant(given: str, known: Any, ctx: click.Context | None) -> str:
     close = difflib.get_close_matches(given, list(known), n=1)
     return f"did you mean '{close[0]}'? {kinds.see(ctx)}" if close else kinds.see(ctx)
-
-
-__all__ = ["Command", "Interrupted", "Program", "app", "limit", "main"]

@@ -20,7 +20,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import DefectKind, InputError, MissingDependency
 from drystone.contacts import DEFAULT_FRICTION, Contacts
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 from drystone.io.compas.compas_contacts import frame_of, joined
 from drystone.io.compas.compas_json_write import assembly_content, block_model_content
 from drystone.io.draft import Contents
@@ -146,7 +146,7 @@ def interface_frame(stored: Any, points: Floats) -> Floats:
     frame = frame_of(np.array(list(stored.frame.xaxis)), np.array(list(stored.frame.yaxis)))
     if frame is not None:
         return frame
-    area = area_vectors(points, np.array([0, len(points)]))[0]
+    area = area_vector(points)
     if not area.any():
         raise InputError("an interface has neither a frame nor an area")
     return frames_from_normals((area / np.linalg.norm(area))[None])[0]

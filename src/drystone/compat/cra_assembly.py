@@ -116,6 +116,3 @@ def _factor(eps: float, d_bnd: float, read: Taken, result: Result) -> float:
     else:
         now, wanted = float(np.abs(moved).max(initial=0.0)), d_bnd
     return wanted / now if now > 0.0 else 1.0
-
-
-__all__ = ["Taken", "blocks_of", "taken", "write_back"]

@@ -79,6 +79,3 @@ class DetectionOptions(Options):
             value = getattr(self, name)
             if not 0.0 <= value <= largest:
                 raise InputError(f"{name} is {value}", remedy=f"give 0 to {largest:g}")
-
-
-__all__ = ["LARGEST", "DetectionOptions", "EdgeContacts"]

@@ -269,6 +269,3 @@ def _duplicates(assembly: Assembly, patches: Patches, pairs: Pairs) -> tuple[tup
     blocks = np.unique(np.concatenate([a[alike], b[alike]])).tolist()
     twins = duplicates([assembly.blocks[i].vertices for i in blocks], SAME)
     return tuple((blocks[i], blocks[j]) for i, j in twins)
-
-
-__all__ = ["Detection", "find_contacts", "find_overlaps"]

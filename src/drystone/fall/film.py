@@ -136,6 +136,3 @@ class Film(OfModel, OneLine):
         from drystone.io.mesh.glb_film import write_film  # only for those who want one
 
         write_film(self.model, self.time, self.positions, path)
-
-
-__all__ = ["FallOptions", "Film"]

@@ -236,6 +236,3 @@ def _nearest(vector: Floats, before: Floats) -> Floats:
     turns = np.round(((before * axis).sum(axis=1) - angle) / (2.0 * np.pi))
     nearest: Floats = axis * (angle + 2.0 * np.pi * turns)[:, None]
     return nearest
-
-
-__all__ = ["fall", "require_mujoco"]

@@ -86,6 +86,3 @@ def touching(low_a: Floats, high_a: Floats, low_b: Floats, high_b: Floats) -> Bo
         apart |= low_a[:, axis] > high_b[:, axis]
         apart |= low_b[:, axis] > high_a[:, axis]
     return ~apart
-
-
-__all__ = ["between", "overlapping", "touching"]

@@ -252,6 +252,3 @@ def _refuse(how: How, names: Sequence[str], what: str) -> None:
     for name in names:
         if name in how:
             raise InputError(f"{what} takes no '{name}'", remedy="it is an argument of read")
-
-
-__all__ = ["Given", "How", "as_model", "read", "supported_model"]

@@ -305,6 +305,3 @@ def _put(window: Window, event: dict[str, Any] | None) -> bool:
                 window.events.put_nowait(None)
         return False
     return True
-
-
-__all__ = ["Desk", "Window"]

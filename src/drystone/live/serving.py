@@ -231,6 +231,3 @@ def page_of(desk: Desk) -> str:
     script = "\n".join(read(name) for name in SCRIPTS)
     added = Addition(controls, read("live.css"), script, connects=True)
     return page_of_data(kept.scene, f"drystone live: {desk.file.name}", added=added)
-
-
-__all__ = ["PORT", "SIZE_LIMIT", "TIME_LIMIT", "Live", "Watch", "page_of", "serve"]

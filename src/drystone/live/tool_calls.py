@@ -49,6 +49,3 @@ class ToolCalls:
 
 def _error(what: str, remedy: str, where: str = "") -> str:
     return json.dumps({"error": {"what": what, "where": where, "remedy": remedy}})
-
-
-__all__ = ["ToolCalls"]

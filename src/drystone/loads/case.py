@@ -341,6 +341,3 @@ class LoadCase(OneLine):
 
     __rmul__ = __mul__
     __array_ufunc__ = None  # a numpy number times a load case is a load case
-
-
-__all__ = ["DOWN", "STANDARD_GRAVITY", "LoadCase"]

@@ -13,7 +13,6 @@ from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Faces, fan_triangles, stack_faces
 from drystone.geometry.body.solid import outside_distance
 from drystone.geometry.frames import unit
-from drystone.geometry.plane.polygon import area_vectors
 from drystone.geometry.plane.triangulate import triangulate
 
 OFF_BLOCK = 1e-6
@@ -111,12 +110,9 @@ def _chosen_faces(part: Faces, faces: Sequence[int] | None, facing: Any, name: s
         return chosen
     if facing is None:
         return np.arange(part.count, dtype=np.intp)
-    area = area_vectors(part.point[part.loop], part.start)
+    area = part.area_vectors
     along = area @ unit(facing, "facing")
     chosen = np.flatnonzero(along > (FACING - 1e-12) * np.linalg.norm(area, axis=1))
     if len(chosen) == 0:
         raise InputError("no face has this direction", where=where, remedy="choose faces by number")
     return chosen
-
-
-__all__ = ["free_block", "off_block", "surface_forces", "wrench_at", "wrench_of_masses"]

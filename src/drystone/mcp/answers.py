@@ -284,6 +284,3 @@ def _short(value: Any) -> Any:
         return value
     number = float(value)
     return float(f"{number:.{DIGITS}g}") if math.isfinite(number) else None
-
-
-__all__ = ["TOOLS", "answer"]

@@ -100,6 +100,3 @@ class Folder:
                 file = Path(place) / name
                 if file.suffix.lower() in SUFFIXES and not file.is_symlink():
                     yield file.relative_to(self.path).as_posix(), file.stat().st_size
-
-
-__all__ = ["Folder"]

@@ -82,6 +82,3 @@ def load_of(parts: Any, assembly: Assembly) -> LoadCase:
         With the place of what is wrong.
     """
     return load_of_parts(Field(parts, "", Path("loads")), assembly, "loads")
-
-
-__all__ = ["load_of", "model_of", "opened"]

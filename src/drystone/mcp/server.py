@@ -44,6 +44,3 @@ def serve(
     from drystone.mcp.tools import build  # needs the package
 
     build(models, time_limit).run()
-
-
-__all__ = ["serve"]

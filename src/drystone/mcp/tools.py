@@ -198,6 +198,3 @@ def build(folder: Folder, seconds: float) -> MCPServer[Any]:
     for tool in (files, inspect, check, diagnose, limit, mend, plan):
         server.add_tool(tool, annotations=reads)
     return server
-
-
-__all__ = ["build"]

@@ -155,6 +155,3 @@ def _along(axis: int, place: Floats, side: float, z: ArrayLike) -> Floats:
     other = np.full(len(place), side)
     level = np.broadcast_to(np.asarray(z, dtype=np.float64), (len(place),))
     return np.column_stack([place, other, level] if axis == 0 else [other, place, level])
-
-
-__all__ = ["cube_curve", "curve_three_blocks"]

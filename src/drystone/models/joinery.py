@@ -222,6 +222,3 @@ def _surface(cells: set[tuple[int, int, int]], edge: float) -> list[Floats]:
                 corners = np.insert(square, axis, side, axis=1) + np.array(cell)
                 loops.append(edge * corners.astype(np.float64))
     return loops
-
-
-__all__ = ["bayonet", "burr", "dovetail", "hooked_bar"]

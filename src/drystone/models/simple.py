@@ -215,16 +215,3 @@ def random_pack(count: int = 30, seed: int = 0, edge: float = 1.0) -> Assembly:
         for i, (low, high) in enumerate(corners)
     )
     return Assembly(blocks, np.array([low[2] == 0.0 for low, _ in corners]))
-
-
-__all__ = [
-    "BOX_FACES",
-    "box",
-    "harmonic_offsets",
-    "incline",
-    "overhang",
-    "random_pack",
-    "stool",
-    "tower",
-    "two_blocks_on_incline",
-]

@@ -120,6 +120,3 @@ def rectangle(axis: int, at: float, first: Sequence[float], second: Sequence[flo
     (a0, a1), (b0, b1) = first, second
     plane = np.array([(a0, b0), (a1, b0), (a1, b1), (a0, b1)], dtype=np.float64)
     return np.insert(plane, axis, at, axis=1)
-
-
-__all__ = ["prism", "rectangle", "require", "welded"]

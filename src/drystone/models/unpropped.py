@@ -166,6 +166,3 @@ def _stacked(base: Block, joints: Floats, depth: float) -> Assembly:
         for i, (a, b) in enumerate(pairwise(joints), 1)
     ]
     return Assembly((base, *made), np.arange(len(made) + 1) == 0)
-
-
-__all__ = ["corbelled_bridge", "leaning_column", "winding_column"]

@@ -114,6 +114,3 @@ def _middle(bracket: Bracket | None) -> float:
 
 def _word(verdict: Verdict) -> str:
     return "stable" if verdict is Verdict.EQUILIBRIUM_EXISTS else str(verdict.value)
-
-
-__all__ = ["arches", "buttressed_arch", "dome", "pinched_blocks", "shelf"]

@@ -174,6 +174,3 @@ def _told(found: Plan) -> str:
 
 def _stands(result: Result) -> bool:
     return result.stable
-
-
-__all__ = ["bridge", "niche", "ring_dome", "shells", "snake", "two_robots"]

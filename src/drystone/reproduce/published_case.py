@@ -84,6 +84,3 @@ class Case(OneLine):
             "note": [line.note for line in self.lines],
         }
         return Table(f"section {self.section}: {self.title}", columns)
-
-
-__all__ = ["Case", "Line"]

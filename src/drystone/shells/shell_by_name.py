@@ -143,6 +143,3 @@ def shell_by_name(
         wedge=wedge,
     )
     return build_shell(shape, layout, ShellBody(thickness=thickness, joggle_deg=joggle))
-
-
-__all__ = ["COURSES", "EYE", "SHARE", "SPAN", "SurfaceKind", "shape_by_name", "shell_by_name"]

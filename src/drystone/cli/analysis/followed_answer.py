@@ -85,6 +85,3 @@ def _degrees(vector: list[float]) -> str:
     """The angle of a rotation vector [rad]."""
     size = sum(one * one for one in vector) ** 0.5
     return f"{math.degrees(size):.2g} deg" if size > NO_TURN else "0 deg"
-
-
-__all__ = ["answer"]

@@ -92,6 +92,3 @@ def _show(found: LargeDisplacement, data: dict[str, Any], screen: Screen) -> Non
     )
     if len(events) > SHOWN:
         screen.line(f"and {len(events) - SHOWN} more, see --json")
-
-
-__all__ = ["Curves", "answer"]

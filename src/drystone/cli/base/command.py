@@ -255,9 +255,3 @@ def _param(name: str, hint: Any, default: Any) -> click.Parameter:
         multiple=several,
         **({} if several else left_out),
     )
-
-
-__all__ = [
-    *("ANALYSIS", "CONTACTS", "LOADS", "MODEL", "OUTPUT"),
-    *("Argument", "Command", "Experts", "GroupedOption", "Option", "command", "write_examples"),
-]

@@ -123,6 +123,3 @@ def _layout(one: dict[str, Any]) -> str:
         f"{size}, {width}{bond}: {one['voussoirs']} voussoirs, {needs['propped']} propped, "
         f"{needs['held']} held{kind}"
     )
-
-
-__all__ = ["Asked", "find_buildable", "layouts_to_try", "show_buildable"]

@@ -148,6 +148,3 @@ def show_front(data: Mapping[str, Any], screen: Screen) -> None:
 
 def _short(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-__all__ = ["SearchRequest", "parameter_range", "show_front"]

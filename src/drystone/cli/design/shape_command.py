@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @command(
     "drystone shape arch.json --friction 0.8 --most 0.05 --out stands.json",
-    "drystone shape arch.json --aim volume --margin tilt=2deg --time-limit 5 --html light.html",
+    "drystone shape arch.json --aim volume --margin tilt=2deg --time-limit 2 --html light.html",
 )
 def shape(
     *,
@@ -155,6 +155,3 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
         screen.line(told)
     moved = max((abs(one) for one in data["variables"]), default=0.0)
     screen.line(f"{len(data['variables'])} variables, the largest move {1e3 * moved:.1f} mm")
-
-
-__all__ = ["shape"]

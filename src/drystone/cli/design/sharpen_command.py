@@ -89,6 +89,3 @@ def _show(data: dict[str, Any], screen: Screen) -> None:
     for one in data["joints"]:
         a, b = one["blocks"]
         screen.line(f"{a} and {b}: {one['sharpness_deg']:.2f} degrees")
-
-
-__all__ = ["sharpen"]

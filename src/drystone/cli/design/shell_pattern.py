@@ -151,6 +151,3 @@ def varied_shell(wanted: SurfaceRequest, pattern: ShellPattern, **values: Any) -
     """The shell with other values of some of its options; processes of a search can import it."""
     surface, division = with_values(wanted, pattern, **values)
     return shell_on(surface_of(surface), surface, division)
-
-
-__all__ = ["ShellPattern", "shell_on", "varied_shell", "with_values"]

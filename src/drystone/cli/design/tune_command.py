@@ -95,6 +95,3 @@ def _files(
 def _show(data: dict[str, Any], screen: Screen) -> None:
     screen.line(data["family"], data["message"], "bold")
     show_front(data, screen)
-
-
-__all__ = ["tune"]

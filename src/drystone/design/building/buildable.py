@@ -193,6 +193,3 @@ def message_of(needs: BuildNeeds, before: BuildNeeds, deeper: Sequence[int], lat
         words += f", with deeper wedges below course{plural} {courses}"
     words += f"; {before.propped} propped and {before.held} held with the shallowest wedges"
     return words + ("; it was stopped before all was tried" if late else "")
-
-
-__all__ = ["BuildNeeds", "Buildable", "BuildableOptions", "TriedLayout", "message_of"]

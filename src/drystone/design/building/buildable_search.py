@@ -313,6 +313,3 @@ def needs_of(made: Plan) -> BuildNeeds:
 def _rank(found: Buildable) -> tuple[int, int, float]:
     """Fewest props, then fewest held blocks, then the shallowest wedges."""
     return (*found.needs.cost, sum(abs(one) for one in found.wedges))
-
-
-__all__ = ["course_of", "make_buildable", "needs_of"]

@@ -261,6 +261,3 @@ def _stands(made: Model, found: Plan, block: int, held: tuple[int, ...]) -> bool
     still = sorted({*np.flatnonzero(made.assembly.fixed).tolist(), *held} - {block})
     stage = made.with_supports([b for b in still if there[b]])
     return check_once(stage.subset(np.flatnonzero(there).tolist())).stable
-
-
-__all__ = ["Recut", "RecutJoint", "RecutOptions", "recut_joints"]

@@ -210,6 +210,3 @@ def _plain_region(model: Model, region: Region) -> dict[str, Any]:
             ],
         },
     }  # fmt: skip
-
-
-__all__ = ["Diagnosis", "Region"]

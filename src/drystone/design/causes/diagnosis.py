@@ -231,6 +231,3 @@ def _friction_of_all(model: Model, regions: list[Region], late: Callable[[], boo
     with contextlib.suppress(Stopped):
         return most if quickly_stands(model.with_friction(rough), late) else None
     return None
-
-
-__all__ = ["Diagnosis", "DiagnosisOptions", "Region", "diagnose"]

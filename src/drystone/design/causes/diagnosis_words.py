@@ -226,18 +226,3 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
         ways.append(glue_words(model, needs.glue[0].interfaces, needs.glue[0].strength))
     hold = f"{', or '.join(ways)} would hold {them}" if ways else ""
     return "; ".join(part for part in (missing, hold) if part)
-
-
-__all__ = [
-    "force_words",
-    "friction_of_all",
-    "friction_words",
-    "glue_words",
-    "joint_name",
-    "names_of",
-    "newtons",
-    "nothing",
-    "place",
-    "rounded_up",
-    "sentence",
-]

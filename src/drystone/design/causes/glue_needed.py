@@ -93,6 +93,3 @@ def glued(model: Model, joints: Ints, strength: float) -> Model:
     tension[joints] = np.maximum(tension[joints], strength)
     cohesion[joints] = np.maximum(cohesion[joints], strength)
     return model.with_capacity(JointCapacity(tension, cohesion, before.shear))
-
-
-__all__ = ["GlueTrial", "glue_needed", "glue_trials", "glued"]

@@ -161,6 +161,3 @@ def _edge(contacts: Contacts, interface: int, moved: Floats) -> Floats:
     order = np.argsort(moved[:, 0], kind="stable")[:2]
     corners: Floats = contacts.polygon(interface)[np.sort(order)]
     return frozen(np.array(corners))
-
-
-__all__ = ["JointMotion", "JointState", "joint_states"]

@@ -315,19 +315,3 @@ def _entry(
     shape = (len(corner), 3)
     hit, share = crossings(np.broadcast_to(start, shape), np.broadcast_to(end, shape), corner)
     return float((2.0 * share[hit].min() - 1.0) * reach) if hit.any() else np.inf
-
-
-__all__ = [
-    "Ballast",
-    "Glue",
-    "JointTurn",
-    "Needs",
-    "Pull",
-    "ballast_needed",
-    "ballasted",
-    "friction_needed",
-    "least",
-    "one_force",
-    "pulls_of",
-    "turn_needed",
-]

@@ -118,6 +118,3 @@ def solve_alone(local: Model, stop: Callable[[], bool]) -> Result:
     if answer.stable or stop():
         return answer
     return replace(with_wrenches(answer, stop), tension=solve_rbe(local, stop=stop).tension)
-
-
-__all__ = ["least_wrenches", "solve_alone", "with_wrenches"]

@@ -15,7 +15,7 @@ from drystone.base.progress import Stopped
 from drystone.contacts import Contacts
 from drystone.design.surgery.changed_model import changed, fresh_name, usual_friction
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
 from drystone.results import Result
 from drystone.stability import CheckOptions, check, check_near
@@ -186,7 +186,7 @@ def seats(
     half = 0.5 * HEAD * body.size
     for loop in body.faces:
         corner = body.vertices[list(loop)]
-        area = area_vectors(corner, np.array([0, len(corner)]))[0]
+        area = area_vector(corner)
         size = float(np.linalg.norm(area))
         middle = corner.mean(axis=0)
         speed = motion[:3] + np.cross(motion[3:], middle - body.centroid)
@@ -231,7 +231,7 @@ def propped(model: Model, seat: PropSeat) -> tuple[Model, int]:
     sides = [(i, (i + 1) % count, (i + 1) % count + count, i + count) for i in here]
     faces = (tuple(i + count for i in here), tuple(reversed(here)), *sides)
     prop = Block(np.concatenate([foot, patch]), faces, fresh_name(model, "prop"))
-    area = area_vectors(patch, np.array([0, count]))[0]
+    area = area_vector(patch)
     contacts = Contacts(
         np.array([len(model)]),
         np.array([seat.block]),
@@ -282,14 +282,3 @@ def least_prop(
             if best is None or found.size < best.size:
                 best = found
     return best
-
-
-__all__ = [
-    "PropForce",
-    "PropSeat",
-    "least_prop",
-    "propped",
-    "quick_check",
-    "quickly_stands",
-    "seats",
-]

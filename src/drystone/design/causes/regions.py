@@ -86,6 +86,3 @@ def first_motion_of(model: Model, prop: Floats) -> Floats:
     speed += assembly.size * np.linalg.norm(motion[:, 3:], axis=1)
     fastest = float(speed.max(initial=0.0))
     return motion * (statics.mean_length / fastest) if fastest > 0.0 else motion
-
-
-__all__ = ["first_motion_of", "interfaces_of", "local_model", "regions_of"]

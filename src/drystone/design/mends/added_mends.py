@@ -227,6 +227,3 @@ def ballast_mends(bench: Bench) -> Iterator[MendCandidate]:
         )  # fmt: skip
     else:
         bench.fail("ballast", "the least weight does not keep the margin")
-
-
-__all__ = ["ballast_mends", "fewest_props", "prop_mends", "support_mends", "tie_mends", "tied"]

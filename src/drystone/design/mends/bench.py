@@ -266,6 +266,3 @@ def volume_changed(before: Model, after: Model) -> float:
     new = dict(zip(after.assembly.names, after.assembly.volume.tolist(), strict=True))
     names = set(old) | set(new)
     return float(sum(abs(new.get(name, 0.0) - old.get(name, 0.0)) for name in names))
-
-
-__all__ = ["MANY", "Bench", "MendCandidate", "Tried", "volume_changed"]

@@ -196,6 +196,3 @@ def merge_mends(bench: Bench) -> Iterator[MendCandidate]:
         bench.fail("merge", f"its blocks may not be changed (kept: {stay})")
     elif not found:
         bench.fail("merge", "it falls with any two of its blocks made one", *tried)
-
-
-__all__ = ["friction_mends", "joints_mends", "merge_mends", "thicker_mends"]

@@ -81,6 +81,3 @@ def _change(joints: tuple[int, ...], strength: float) -> Change:
         return glued(model, interfaces[np.array(joints)], strength)
 
     return make
-
-
-__all__ = ["glue_mends"]

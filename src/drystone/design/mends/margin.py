@@ -136,6 +136,3 @@ def tilted(model: Model, axis: tuple[float, float, float], angle: float) -> Mode
         [model.load.wrench[:, :3] @ turn, model.load.wrench[:, 3:] @ turn], axis=1
     )
     return model.with_load(replace(model.load, wrench=wrench))
-
-
-__all__ = ["DesignMargin", "tilted"]

@@ -32,5 +32,3 @@ MAKERS: Mapping[str, Callable[[Bench], Iterator[MendCandidate]]] = {
 
 KINDS = tuple(MAKERS)
 """The kinds of mends."""
-
-__all__ = ["KINDS", "MAKERS"]

@@ -192,6 +192,3 @@ def _changed(before: Model, after: Model) -> set[str]:
     )
     same = {name for name in old if name in new and np.array_equal(old[name], new[name])}
     return (set(old) | set(new)) - same
-
-
-__all__ = ["Mending", "mend"]

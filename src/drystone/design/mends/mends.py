@@ -453,6 +453,3 @@ def _verified(model: Model, bench: Bench, candidate: MendCandidate, held: list[i
         result,
         tuple(still),
     )
-
-
-__all__ = ["Mend", "MendOptions", "Mends", "find_mends", "kept_blocks", "stands_already"]

@@ -10,7 +10,7 @@ from drystone.base.arrays import Bools, Floats
 from drystone.base.errors import InputError
 from drystone.design.shaping.vertex_measures import BlockVertices, owners_of
 from drystone.design.shaping.vertex_places import Places, axis_of
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
 
 SIDES = {"intrados": 1.0, "extrados": -1.0}
@@ -46,7 +46,7 @@ def on_side(model: Model, side: str, along: str | None) -> Bools:
         own = (contacts.block_a == i) | (contacts.block_b == i)
         for loop in block.faces:
             corner = block.vertices[list(loop)]
-            area = area_vectors(corner, np.array([0, len(corner)]))[0]
+            area = area_vector(corner)
             normal = area / np.linalg.norm(area)
             if along is not None and abs(normal[axis_of(along)]) > 1.0 - NEAR:
                 continue
@@ -101,6 +101,3 @@ def slides(model: Model, places: Places) -> list[Floats]:
             remedy="move vertices freely, or blocks as a whole",
         )
     return ways
-
-
-__all__ = ["SIDES", "on_side", "slides"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints, cross
+from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.geometry.body.polyhedron import edges_of
@@ -99,7 +99,7 @@ class Corners:
             np.ones(contacts.count), following, preceding,
         )  # fmt: skip
         normal, _ = made._normals(contacts.point)
-        made.turn[np.einsum("mi,mi->m", normal, contacts.frame[:, 0]) < 0.0] = -1.0
+        made.turn[dot(normal, contacts.frame[:, 0]) < 0.0] = -1.0
         offset += contacts.point - made.points(bodies.vertex)
         return made
 
@@ -119,7 +119,7 @@ class Corners:
         normal, size = self._normals(point)
         plane = size > 0.0
         n = np.where(plane[:, None], normal / np.where(plane, size, 1.0)[:, None], self.frame[:, 0])
-        u = self.frame[:, 1] - np.einsum("mi,mi->m", self.frame[:, 1], n)[:, None] * n
+        u = self.frame[:, 1] - dot(self.frame[:, 1], n)[:, None] * n
         u = u / np.linalg.norm(u, axis=1, keepdims=True)
         return np.stack([n, u, cross(n, u)], axis=1)
 
@@ -132,9 +132,9 @@ class Corners:
         # axes u and v follow the normal; a turn about it changes nothing that is asked here
         by_normal = by_frame[:, 0].copy()
         for axis in (1, 2):
-            along = np.einsum("mi,mi->m", by_frame[:, axis], n)
+            along = dot(by_frame[:, axis], n)
             by_normal -= along[:, None] * frame[:, axis]
-        by_normal -= np.einsum("mi,mi->m", by_normal, n)[:, None] * n
+        by_normal -= dot(by_normal, n)[:, None] * n
         by_area = np.where(plane[:, None], by_normal / np.where(plane, size, 1.0)[:, None], 0.0)
         by_area *= self.turn[:, None]
         across = point[self.following] - point[self.preceding]
@@ -219,6 +219,3 @@ def _edges_at(
         off = float(np.linalg.norm(point - p - t * along))
         if off <= near and -near <= t <= length + near and abs(float(along @ normal)) < SLANT:
             yield np.array([start + i, start + j]), along
-
-
-__all__ = ["Corners"]

@@ -252,6 +252,3 @@ def _largest(most: float, count: int) -> Floats:
     if not 0.0 < number(most, "the largest move") < np.inf:
         raise InputError(f"the largest move is {most} m", remedy="give metres above zero")
     return np.full(count, float(most))
-
-
-__all__ = ["Moves", "block_moves", "free_vertices", "joint_moves", "prism_axis", "thickening"]

@@ -245,6 +245,3 @@ class Form:
         by_volume = self.density * (whole[:, :3] @ self.acceleration)
         by_centroid = -cross(self.extra[:, :3], whole[:, 3:])
         return self.bodies.measures_pulled_back(vertex, by_volume, by_centroid)
-
-
-__all__ = ["Form"]

@@ -83,6 +83,3 @@ def _largest(search: ShapeSearch, model: Model) -> float:
         else:
             high = middle
     return low
-
-
-__all__ = ["raise_tilt"]

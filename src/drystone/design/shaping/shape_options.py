@@ -120,6 +120,3 @@ class Shaped(ChangedStructure):
         """Plain values."""
         own = {"value": self.value, "first": self.first, "variables": self.x.tolist()}
         return super().to_dict() | own
-
-
-__all__ = ["HelpMeasure", "ShapeAim", "ShapeOptions", "Shaped"]

@@ -290,6 +290,3 @@ class ShapeSearch(ShapeValues):
                 words += f", with {counted(ends, 'move')} of {len(x)} as large as allowed: "
                 words += "larger ones may help"
         return Shaped(self.model, model, result, stands, rounds, words, x, *values)
-
-
-__all__ = ["ShapeSearch"]

@@ -180,6 +180,3 @@ class ShapeValues:
             return changed(self.model, moved)
         except InputError:
             return None
-
-
-__all__ = ["ShapeValues"]

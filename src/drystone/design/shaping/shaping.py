@@ -91,6 +91,3 @@ def shape(
             remedy=f"give a least edge of {shortest:.4g} m or less",
         )
     return raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
-
-
-__all__ = ["shape"]

@@ -20,12 +20,12 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints, cross, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.shaping.vertex_measures import BlockVertices
 from drystone.design.shaping.vertex_places import TOGETHER, places_of
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
 
 TURNED = 1e-6
@@ -87,7 +87,7 @@ class SharedPlanes(OneLine):
     def distances(self, vertex: Floats) -> Floats:
         """Of the fourth vertices from the planes of the others (r,) [m]."""
         one, other, last = self._edges(vertex)
-        out: Floats = np.einsum("ri,ri->r", cross(one, other), last) / self.area
+        out: Floats = dot(cross(one, other), last) / self.area
         return out
 
     def slopes(self, vertex: Floats, matrix: sparse.csr_matrix) -> Floats:
@@ -228,7 +228,7 @@ def _plane_sets(model: Model, bodies: BlockVertices) -> Iterator[Ints]:
         first = len(loops)
         for loop in block.faces:
             corner = block.vertices[list(loop)]
-            area = area_vectors(corner, np.array([0, len(corner)]))[0]
+            area = area_vector(corner)
             loops.append(int(bodies.start[i]) + np.array(loop, dtype=np.intp))
             normals.append(area / np.linalg.norm(area))
         of_block.append(range(first, len(loops)))
@@ -262,6 +262,3 @@ def _rows(vertex: Floats, some: Ints) -> list[list[int]]:
     third = int(np.argmax(np.linalg.norm(np.cross(along, point - point[first]), axis=1)))
     base = [first, second, third]
     return [[*some[base].tolist(), int(some[j])] for j in range(len(some)) if j not in base]
-
-
-__all__ = ["PlaneMoves", "SharedPlanes"]

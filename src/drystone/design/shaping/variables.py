@@ -136,6 +136,3 @@ class FamilyMoves(OneLine):
             )
             columns.append(((ahead - behind) / (2.0 * size)).reshape(-1, 1))
         return sparse.csr_matrix(np.hstack(columns))
-
-
-__all__ = ["FamilyMoves", "ShapeVariables"]

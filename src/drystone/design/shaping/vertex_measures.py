@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from drystone.assembly import Assembly, replace_block
-from drystone.base.arrays import Floats, Ints, cross
+from drystone.base.arrays import Floats, Ints, cross, dot
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.selfcontact import self_contacts
@@ -131,9 +131,9 @@ class BlockVertices:
         a, b, c, six, total, middle = self._tetrahedra(vertex)
         volume, centroid = self.measures(vertex)
         by_moment = by_centroid / volume[:, None]
-        rest = by_volume - np.einsum("ni,ni->n", by_moment, centroid - middle)
+        rest = by_volume - dot(by_moment, centroid - middle)
         moment = by_moment[self.triangle_owner]
-        along = rest[self.triangle_owner] / 6.0 + np.einsum("ti,ti->t", moment, total) / 24.0
+        along = rest[self.triangle_owner] / 6.0 + dot(moment, total) / 24.0
         shared = moment * (six / 24.0)[:, None]
         out = np.zeros((self.mean.shape[0], 3))
         for k, (one, other) in enumerate(((b, c), (c, a), (a, b))):
@@ -147,7 +147,4 @@ class BlockVertices:
         middle = np.add.reduceat(vertex, self.start[:-1], axis=0) / np.diff(self.start)[:, None]
         local = self.mean @ (vertex - middle[self.owner])
         a, b, c = (local[self.triangle[:, k]] for k in range(3))
-        return a, b, c, np.einsum("ti,ti->t", a, cross(b, c)), a + b + c, middle
-
-
-__all__ = ["BlockVertices", "owners_of", "vertices_of"]
+        return a, b, c, dot(a, cross(b, c)), a + b + c, middle

@@ -205,15 +205,3 @@ def _images(place: Floats, turn: Floats, near: float) -> Ints:
             )
         found.append(image)
     return np.array(found, dtype=np.intp)
-
-
-__all__ = [
-    "AXES",
-    "TOGETHER",
-    "Places",
-    "axis_of",
-    "flattened",
-    "is_prism",
-    "places_of",
-    "require_prisms",
-]

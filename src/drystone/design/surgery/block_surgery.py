@@ -18,7 +18,7 @@ from drystone.design.surgery.joint_plane import (
 )
 from drystone.geometry.body.glue import cut_cell, glue
 from drystone.geometry.frames import unit
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
 
 
@@ -143,7 +143,7 @@ def _by_area(block: Block) -> list[int]:
     size = []
     for loop in block.faces:
         corner = block.vertices[list(loop)]
-        size.append(float(np.linalg.norm(area_vectors(corner, np.array([0, len(corner)]))[0])))
+        size.append(float(np.linalg.norm(area_vector(corner))))
     return sorted(range(len(size)), key=lambda k: -size[k])
 
 
@@ -177,9 +177,8 @@ def _with_moved(body: Block, distances: Mapping[int, float]) -> Block:
             np.array([plane[k][0] for k in meeting]), np.array([plane[k][1] for k in meeting])
         )
     for loop in body.faces:
-        some, start = list(loop), np.array([0, len(loop)])
-        before = area_vectors(body.vertices[some], start)[0]
-        after = area_vectors(vertices[some], start)[0]
+        before = area_vector(body.vertices[list(loop)])
+        after = area_vector(vertices[list(loop)])
         sizes = float(np.linalg.norm(before) * np.linalg.norm(after))
         if before @ after < 0.999 * sizes or sizes == 0.0:
             raise InputError("would remove a whole face", where=where, remedy="move it less")
@@ -189,7 +188,7 @@ def _with_moved(body: Block, distances: Mapping[int, float]) -> Block:
 def _plane(block: Block, face: int) -> tuple[Floats, float]:
     """Unit normal and offset of a face."""
     corner = block.vertices[list(block.faces[face])]
-    area = area_vectors(corner, np.array([0, len(corner)]))[0]
+    area = area_vector(corner)
     normal = area / np.linalg.norm(area)
     return normal, float(normal @ corner.mean(axis=0))
 
@@ -211,13 +210,3 @@ def insert_block(model: Model, block: Block, *, fixed: bool = False) -> Model:
         A block has its name already.
     """
     return changed(model, added=(block,), fixed=(fixed,))
-
-
-__all__ = [
-    "cut_block",
-    "faces_toward",
-    "insert_block",
-    "merge_blocks",
-    "move_face",
-    "thicken_blocks",
-]

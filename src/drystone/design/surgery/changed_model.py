@@ -306,13 +306,3 @@ class ChangedStructure(OneLine):
             "check": self.result.message,
             "rounds": self.rounds,
         }
-
-
-__all__ = [
-    "ChangedStructure",
-    "acceleration_of",
-    "carried_load",
-    "changed",
-    "fresh_name",
-    "usual_friction",
-]

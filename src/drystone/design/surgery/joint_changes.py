@@ -77,6 +77,3 @@ def interface_near(model: Model, one: int, other: int, centre: Floats) -> int:
 def with_block(body: Block, model: Model, *_: Ints) -> Model:
     """The model with a free block more."""
     return insert_block(model, body)
-
-
-__all__ = ["Change", "change_of", "interface_near", "joint_width", "with_block", "words_of"]

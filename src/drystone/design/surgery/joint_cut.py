@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import Block
-from drystone.base.arrays import Floats, frozen
+from drystone.base.arrays import Floats, dot, frozen
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.design.surgery.changed_model import changed
@@ -25,7 +25,7 @@ from drystone.design.surgery.joint_plane import (
 )
 from drystone.geometry.body.glue import cut_cell, glue
 from drystone.geometry.body.split import Piece
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
 
 KEPT = 1e-9
@@ -53,7 +53,7 @@ class Cell(OneLine):
     def below(cls, normals: Floats, points: Floats) -> Cell:
         """The space behind planes, given by normals and a point of each."""
         unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-        return cls(frozen(unit), frozen(np.einsum("pi,pi->p", unit, points)))
+        return cls(frozen(unit), frozen(dot(unit, points)))
 
     def within(self, other: Cell) -> Cell:
         """The intersection of both."""
@@ -212,7 +212,7 @@ def _side(body: Piece, start: Floats, end: Floats, square: Floats) -> Floats:
     best = square
     for face in faces:
         corner = vertices[list(face)]
-        area = area_vectors(corner, np.array([0, len(corner)]))[0]
+        area = area_vector(corner)
         normal = area / np.linalg.norm(area)
         if np.abs((np.array([start, end]) - corner[0]) @ normal).max() > near:
             continue
@@ -284,6 +284,3 @@ def _refuse_swallowed(
             continue
         if any(cell.holds(corner, near) for cell in cells):
             raise InputError("would remove a whole face", where=where, remedy="make it smaller")
-
-
-__all__ = ["Cell", "JointCut", "one_body", "recut"]

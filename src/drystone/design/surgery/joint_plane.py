@@ -13,7 +13,7 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.body.split import Piece
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 from drystone.model import Model
 
 WHOLE = 0.999
@@ -133,17 +133,4 @@ def covers_face(body: Piece, joint: JointPlane) -> bool:
 
 
 def _area(corner: Floats) -> float:
-    return float(np.linalg.norm(area_vectors(corner, np.array([0, len(corner)]))[0]))
-
-
-__all__ = [
-    "ON",
-    "JointPlane",
-    "block_with",
-    "body_of",
-    "covers_face",
-    "ends_of",
-    "faces_at",
-    "joint_plane",
-    "snapped",
-]
+    return float(np.linalg.norm(area_vector(corner)))

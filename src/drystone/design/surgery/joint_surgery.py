@@ -241,15 +241,3 @@ def _axis(joint: JointPlane, axis: Floats | None) -> Floats:
     if float(np.linalg.norm(flat)) < 1e-6:
         raise InputError("the axis is normal to the joint", remedy="give one that lies in it")
     return unit(flat, "axis")
-
-
-__all__ = [
-    "hook_joint",
-    "key_joint",
-    "move_joint",
-    "still_edge",
-    "turn_joint",
-    "wedge_cells",
-    "wedge_joint",
-    "wedge_words",
-]

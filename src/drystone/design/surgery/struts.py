@@ -176,6 +176,3 @@ def _in_the_way(model: Model, body: Block) -> bool:
         if common > 1e-6 * body.volume:
             return True
     return False
-
-
-__all__ = ["StrutBlock", "struts"]

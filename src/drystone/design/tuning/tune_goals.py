@@ -114,14 +114,3 @@ def planned_counts(model: Model, clock: Clock | None = None) -> tuple[Mapping[st
     if not made.steps or made.counts["impossible"] or made.verdict is not Verdict.STABLE:
         return made.counts, f"it cannot be built: {made.message}"
     return made.counts, ""
-
-
-__all__ = [
-    "MEASURES",
-    "PLANNED",
-    "Outcome",
-    "TuneGoals",
-    "model_of",
-    "outcome_of",
-    "planned_counts",
-]

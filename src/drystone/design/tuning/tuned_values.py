@@ -139,6 +139,3 @@ def _beats(one: Sequence[float], other: Sequence[float]) -> bool:
     """Whether costs are no higher anywhere, and lower somewhere."""
     both = list(zip(one, other, strict=True))
     return all(a <= b for a, b in both) and any(a < b for a, b in both)
-
-
-__all__ = ["Parameter", "TuneTrial", "Tuned"]

@@ -293,6 +293,3 @@ def told(made: Any) -> str:
 def _failed(_: Mapping[str, Any]) -> Outcome:
     """The outcome of a trial that ended its worker twice."""
     return (), False, "its worker ended twice"
-
-
-__all__ = ["Parameter", "TuneOptions", "TuneTrial", "Tuned", "tune"]

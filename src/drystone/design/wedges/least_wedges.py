@@ -126,6 +126,3 @@ def _with(sharpness: Floats, joint: int, value: float) -> Floats:
     out = sharpness.copy()
     out[joint] = value
     return out
-
-
-__all__ = ["least_value", "least_wedges"]

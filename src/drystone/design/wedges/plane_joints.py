@@ -163,6 +163,3 @@ class PlaneJoints(OneLine):
             except InputError:  # two blocks touch that did not touch before
                 continue
         return tension
-
-
-__all__ = ["PlaneJoints"]

@@ -287,6 +287,3 @@ class _Sharpening:
     def holds(self, sharpness: Floats) -> bool:
         """Whether the structure stands with a sharpness (j,)."""
         return self.options.margin.stands(self.joints.wedged(sharpness))
-
-
-__all__ = ["SharpenOptions", "Sharpened", "sharpen"]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints, dot
+from drystone.base.ragged import sum_by_owner
 from drystone.geometry.body.halfedge import HalfEdges
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors
 
 SMOOTH = np.deg2rad(35.0)
 """[rad] Neighbouring faces with a smaller angle approximate a curved surface. Chosen: a circle of
@@ -106,15 +106,11 @@ def _turn_to_corners(
     beside = edges.after[edges.twin[joins]]  # the same corner, in the face across the edge
     count = len(edges.face)
     graph = coo_array((np.ones(len(joins)), (joins, beside)), shape=(count, count))
-    fan = connected_components(graph, directed=False)[1]
-    vector = area_vectors(faces.point[faces.loop], faces.start)[edges.face]
-    summed = [np.bincount(fan, vector[:, i]) for i in range(3)]
-    mean: Floats = np.stack(summed, axis=1).astype(np.float64)[fan]
+    fan = connected_components(graph, directed=False)[1].astype(np.intp)
+    vector = faces.area_vectors[edges.face]
+    mean = sum_by_owner(vector, fan, int(fan.max()) + 1)[fan]
     sine = np.linalg.norm(np.cross(vector, mean), axis=1)
     angle = np.arctan2(sine, dot(vector, mean))
     patch = group[edges.face]
     chosen = triangle[patch]
     np.maximum.at(bend, patch[chosen], angle[chosen])
-
-
-__all__ = ["Curvature", "curvature"]

@@ -14,7 +14,7 @@ from drystone.contacts import DEFAULT_FRICTION, Contacts, check_friction
 from drystone.detection.freeform.regroup import contacts_of
 from drystone.geometry.body.solid import distance
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector, area_vectors
 
 FARTHEST = 0.1
 """Largest warp of a face of a given joint, and its largest distance from its blocks, as a share of
@@ -152,12 +152,9 @@ def _normal_near(assembly: Assembly, block: int, point: Floats) -> Floats:
     best, normal = np.inf, np.zeros(3)
     for face in body.faces:
         corner = body.vertices[list(face)]
-        vector = area_vectors(corner, np.array([0, len(corner)], dtype=np.intp))[0]
+        vector = area_vector(corner)
         away = float(distance(point[None], _fan(corner))[0])
         length = float(np.sqrt(vector @ vector))
         if away < best and length > 0.0:
             best, normal = away, vector / length
     return normal
-
-
-__all__ = ["contacts_from_mesh"]

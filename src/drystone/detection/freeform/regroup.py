@@ -209,6 +209,3 @@ def contacts_of(rows: Sequence[tuple[Floats, Floats, int, int, float]]) -> Conta
         point,
         np.repeat(np.arange(len(rows), dtype=np.intp), count),
     )
-
-
-__all__ = ["contacts_of", "merge_slivers", "regroup"]

@@ -110,6 +110,3 @@ def _needed(
     gap = np.maximum((most - checked.slack) / planes.size, options.gap)
     angle = np.rad2deg(np.maximum(checked.angle - checked.limit, 0.0)) + options.angle
     return gap, angle
-
-
-__all__ = ["Shortfall", "shortfalls"]

@@ -114,6 +114,3 @@ def _rounded_up(value: float, digits: int) -> float:
     """The value rounded up to a few significant digits."""
     step = 10.0 ** (np.floor(np.log10(value)) - digits + 1)
     return float((np.floor(value / step * (1.0 + 1e-9)) + 1.0) * step)
-
-
-__all__ = ["suggestions"]

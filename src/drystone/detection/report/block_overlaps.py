@@ -113,6 +113,3 @@ def _named(names: Sequence[str], pair: Overlap) -> str:
 def _shared(pair: Overlap) -> str:
     share = f"{float(f'{100.0 * pair.share:.2g}'):g} % of the smaller one"
     return f"{pair.volume:.3g} m3 ({share}), {millimetres(pair.depth)} mm deep"
-
-
-__all__ = ["REFUSED", "Overlap", "block_overlaps", "overlap_lines", "require_apart"]

@@ -329,6 +329,3 @@ def _first(lines: list[str]) -> list[str]:
     """The first of several lines of one kind."""
     more = [f"and {len(lines) - SHOWN} more like this"] if len(lines) > SHOWN else []
     return lines[:SHOWN] + more
-
-
-__all__ = ["ContactReport", "Missed", "Overlap", "Reason"]

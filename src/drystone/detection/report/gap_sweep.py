@@ -137,6 +137,3 @@ def gap_sweep(
 def _counts(assembly: Assembly, options: DetectionOptions, gap: float) -> tuple[int, int, int]:
     report = find_contacts(assembly, options=replace(options, gap=gap)).report
     return len(report.area), report.pair_count, len(report.isolated)
-
-
-__all__ = ["GapSweep", "gap_sweep"]

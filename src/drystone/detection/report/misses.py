@@ -214,6 +214,3 @@ def _across(point: Floats, normal: Floats, gap: float) -> Floats:
     half = 0.5 * gap * normal
     band: Floats = np.concatenate([point - half, point[::-1] + half])
     return band
-
-
-__all__ = ["ToleranceCheck", "compare_with_tolerances", "dropped", "edge_misses", "misses"]

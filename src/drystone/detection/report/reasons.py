@@ -80,6 +80,3 @@ def millimetres(length: float) -> str:
     """
     value = round(1e3 * float(length), 6) + 0.0
     return f"{value:,.0f}" if abs(value) >= 1e3 else f"{value:.3g}"
-
-
-__all__ = ["SHOWN", "Missed", "Reason", "listed", "millimetres"]

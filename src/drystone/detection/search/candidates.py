@@ -147,15 +147,3 @@ def _products(patches: Patches, one: Pairs, other: Pairs, count: int, margin: Fl
         found_f.append(mine[i])
         found_g.append(theirs[j])
     return np.concatenate(found_f), np.concatenate(found_g)
-
-
-__all__ = [
-    "Pairs",
-    "facing_patches",
-    "fits",
-    "granted_to",
-    "most_slack",
-    "near_blocks",
-    "reach",
-    "warp_slack",
-]

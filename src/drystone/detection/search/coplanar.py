@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints, cross, dot
-from drystone.base.ragged import Ragged
+from drystone.base.ragged import Ragged, sum_by_owner
 from drystone.geometry.body.halfedge import HalfEdges, joined_faces, outlines
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors
@@ -30,12 +30,11 @@ def coplanar_groups(faces: Faces, edges: HalfEdges, turn: Floats, size: Floats) 
     many = np.bincount(group)[group] > 1
     corner_face = edges.face
     point = faces.point[faces.loop]
-    weight = area_vectors(point, faces.start)
-    total = _summed(weight, group, int(group.max()) + 1)
+    total = sum_by_owner(faces.area_vectors, group, int(group.max()) + 1)
     normal = unit_rows(total, np.linalg.norm(total, axis=1))
     corner_group = group[corner_face]
     share = np.bincount(corner_group)
-    middle = _summed(point, corner_group, len(share)) / share[:, None]
+    middle = sum_by_owner(point, corner_group, len(share)) / share[:, None]
     height = np.abs(dot(point - middle[corner_group], normal[corner_group]))
     worst = np.zeros(len(share))
     np.maximum.at(worst, corner_group, height)
@@ -54,8 +53,7 @@ def rings_of(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
         return faces.loop, faces.start, group, face.astype(np.intp)
     loop, start, owner = outlines(faces, edges, group)
     vectors = area_vectors(faces.point[loop], start)
-    whole = area_vectors(faces.point[faces.loop], faces.start)
-    total = _summed(whole, group, len(number))
+    total = sum_by_owner(faces.area_vectors, group, len(number))
     hole = -dot(vectors, total[owner])  # holes have the opposite orientation
     order = np.lexsort((hole, owner))
     length = np.diff(start)
@@ -89,12 +87,3 @@ def unit_rows(vectors: Floats, length: Floats) -> Floats:
     safe = np.where(length > 0.0, length, 1.0)[:, None]
     unit: Floats = np.where(length[:, None] > 0.0, vectors / safe, 0.0)
     return unit
-
-
-def _summed(values: Floats, group: Ints, count: int) -> Floats:
-    """Sum (count, 3) of the rows of each group."""
-    columns = [np.bincount(group, values[:, i], minlength=count) for i in range(3)]
-    return np.stack(columns, axis=1).astype(np.float64)
-
-
-__all__ = ["STRAIGHT", "coplanar_groups", "rings_of", "unit_rows", "without_straight"]

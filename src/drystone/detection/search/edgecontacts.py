@@ -278,6 +278,3 @@ def _crossings(
         p, q = start[i] + s[i, j] * along[i], begin[j] + t[i, j] * run[j]
         if (p - q) @ (p - q) <= distance**2:
             yield i, j, p, q
-
-
-__all__ = ["edge_contacts"]

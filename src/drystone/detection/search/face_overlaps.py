@@ -172,6 +172,3 @@ def _bands(pieces: Pieces, planes: Planes, tolerance: Floats) -> Rings:
     ).reshape(-1, 2)
     count = np.arange(pieces.count + 1, dtype=np.intp)
     return corner, 4 * count, count[:-1]
-
-
-__all__ = ["negligible", "overlaps", "within"]

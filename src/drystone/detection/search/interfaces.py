@@ -142,6 +142,3 @@ def angles(patches: Patches, f: Ints, g: Ints) -> Floats:
     half = np.minimum(0.5 * np.sqrt(dot(apart, apart)), 1.0)
     angle: Floats = 2.0 * np.arcsin(half)
     return angle
-
-
-__all__ = ["Interfaces", "angles", "from_pieces", "joined"]

@@ -90,6 +90,3 @@ def _in_plane_of(planes: Planes, pieces: Pieces, which: Ints, reference: Ints) -
     start = Ragged.from_counts(length).start
     seen = planes.flat(space, target)
     return planar.regions(seen, start, np.arange(len(which), dtype=np.intp))
-
-
-__all__ = ["gaps", "uncovered"]

@@ -110,7 +110,7 @@ def patches_of(assembly: Assembly) -> Patches:
     """
     faces, origin = _centred(assembly)
     _refuse_rounded(assembly, origin)
-    vectors = area_vectors(faces.point[faces.loop], faces.start)
+    vectors = faces.area_vectors
     area = np.linalg.norm(vectors, axis=1)
     surface: Floats = np.bincount(faces.owner, area, minlength=len(assembly)).astype(np.float64)
     size = 6.0 * assembly.volume / surface
@@ -243,6 +243,3 @@ def _convex_patches(
     rings = np.bincount(ring_patch, minlength=count)
     convex: Bools = (bad == 0) & (rings == 1)
     return convex
-
-
-__all__ = ["Patches", "patches_of"]

@@ -144,6 +144,3 @@ def tidy(pieces: Pieces, planes: Planes) -> Pieces:
     filled = np.diff(start) > 0
     result = Pieces(corner, start[np.concatenate([[True], filled])], pieces.row[filled])
     return result.select(result.width > TOUCH * planes.size[result.row])
-
-
-__all__ = ["Pieces", "Planes", "merged", "planes_between", "tidy"]

@@ -179,6 +179,3 @@ def _mesh(solid: manifold3d.Manifold) -> tuple[Floats, Ints]:
     place = np.arange(len(point))
     place[np.asarray(mesh.merge_from_vert, dtype=np.intp)] = mesh.merge_to_vert
     return point, place[np.asarray(mesh.tri_verts).astype(np.intp)]
-
-
-__all__ = ["ConvexPiece", "convex_pieces", "solid_of"]

@@ -9,7 +9,6 @@ import numpy as np
 from drystone.base.arrays import Bools, Floats, unit
 from drystone.base.ragged import expand
 from drystone.geometry.body.polyhedron import Faces, Loop, stack_faces
-from drystone.geometry.plane import polygon
 
 CONVEX = 1e-9
 """A body is convex when no vertex lies farther than this share of its size over a face plane."""
@@ -56,6 +55,4 @@ def _convex_batch(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
 
 def planes(faces: Faces) -> tuple[Floats, Floats]:
     """Unit normal (zero for a face without area) and mean corner of each face."""
-    here = faces.point[faces.loop]
-    area = polygon.area_vectors(here, faces.start)
-    return unit(area)[0], faces.corners.mean(here)
+    return unit(faces.area_vectors)[0], faces.corners.mean(faces.point[faces.loop])

@@ -9,7 +9,6 @@ import numpy as np
 
 from drystone.base.arrays import Bools, Floats
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors
 
 
 def clip_loop(corner: Floats, height: Floats, marked: Bools) -> tuple[Floats, Bools]:
@@ -86,7 +85,7 @@ def cut_faces(faces: Faces, normal: Floats, offset: float) -> list[tuple[int, Fl
     follows: dict[tuple[int, int], tuple[int, int]] = {}
     place: dict[tuple[int, int], Floats] = {}
     body: dict[tuple[int, int], int] = {}
-    area = area_vectors(faces.point[faces.loop], faces.start)
+    area = faces.area_vectors
     for face in np.flatnonzero(mixed).tolist():
         loop = faces.loop[faces.start[face] : faces.start[face + 1]]
         crossed = [
@@ -110,6 +109,3 @@ def cut_faces(faces: Faces, normal: Floats, offset: float) -> list[tuple[int, Fl
             at = follows.pop(at)
         rings.append((body[first], np.array([place[one] for one in ring])))
     return rings
-
-
-__all__ = ["clip_loop", "cut_faces"]

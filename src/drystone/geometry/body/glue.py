@@ -22,7 +22,7 @@ from drystone.geometry.mend.coincidence import distinct
 from drystone.geometry.mend.merge import merge_coplanar
 from drystone.geometry.mend.soup import split_solids
 from drystone.geometry.plane.planar import overlay, valid
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector, area_vectors
 
 TOUCH = 1e-8
 """Points nearer than this share of the extent are one point. Faces nearer than it touch. Ten times
@@ -114,7 +114,7 @@ def _cut(piece: Piece, normal: Floats, offset: float) -> tuple[list[Piece], list
         for loops, sign in ((below, -1.0), (above, 1.0)):
             loops += _beyond(vertices[some], sign * height[some], extent)
         if not height[some].any():
-            area = area_vectors(vertices[some], np.array([0, len(some)]))[0]
+            area = area_vector(vertices[some])
             (below if area @ normal > 0.0 else above).append(vertices[some])
     return (
         _bodies([*below, *_lids(below, normal, offset, extent)], extent),
@@ -145,7 +145,7 @@ def _beyond(corner: Floats, height: Floats, extent: float) -> list[Floats]:
 
 def _beyond_concave(corner: Floats, height: Floats, extent: float) -> list[Floats]:
     """As :func:`_beyond`, where a line cuts a loop more than twice."""
-    area = area_vectors(corner, np.array([0, len(corner)]))[0]
+    area = area_vector(corner)
     frame = frames_from_normals((area / np.linalg.norm(area))[None])[0]
     flat = (corner - corner[0]) @ frame[1:].T
     slope, *_ = np.linalg.lstsq(np.column_stack([flat, np.ones(len(flat))]), height, rcond=None)
@@ -323,6 +323,3 @@ def _straightened(vertices: Floats, faces: Sequence[Loop], near: float) -> Piece
     new = np.cumsum(bends) - 1
     loops = [tuple(int(new[v]) for v in face if bends[v]) for face in faces]
     return vertices[bends], [loop for loop in loops if len(loop) > 2]
-
-
-__all__ = ["cut_cell", "glue"]

@@ -106,6 +106,3 @@ def outlines(faces: Faces, edges: HalfEdges, group: Ints) -> tuple[Ints, Ints, I
     picked = np.array(chain, dtype=np.intp)
     begin = np.array(start, dtype=np.intp)
     return faces.loop[picked], begin, of_edge[picked[begin[:-1]]]
-
-
-__all__ = ["HalfEdges", "half_edges", "joined_faces", "outlines", "turn_angles"]

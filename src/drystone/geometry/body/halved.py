@@ -115,6 +115,3 @@ def _used(corner: Floats, faces: Sequence[Loop]) -> Piece:
     used = sorted({i for face in faces for i in face})
     new = dict(zip(used, range(len(used)), strict=True))
     return corner[used], [tuple(new[i] for i in face) for face in faces]
-
-
-__all__ = ["halved"]

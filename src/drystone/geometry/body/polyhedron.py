@@ -15,9 +15,10 @@ from itertools import chain
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, frozen
 from drystone.base.display import OneLine
 from drystone.base.ragged import Ragged
+from drystone.geometry.plane.polygon import area_vectors
 
 Loop = tuple[int, ...]
 Edge = tuple[int, int]
@@ -49,6 +50,11 @@ class Faces(OneLine):
     def corners(self) -> Ragged:
         """Which corners belong to which face."""
         return Ragged(self.start)
+
+    @cached_property
+    def area_vectors(self) -> Floats:
+        """Area vectors (f, 3) [m2] of the faces."""
+        return frozen(area_vectors(self.point[self.loop], self.start))
 
 
 def stack_faces(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> Faces:

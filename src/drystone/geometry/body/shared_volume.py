@@ -313,6 +313,3 @@ def _away(bodies: _Bodies, body: Ints, point: Floats, tolerance: Floats) -> Floa
     left = each.spread(deep) & ~flat
     square[left] = squared_distance(place[left], bodies.point[triangle[row[left]]])
     return np.where(deep, np.sqrt(each.min(square)), 0.0)
-
-
-__all__ = ["SharedVolume", "shared_volumes"]

@@ -132,13 +132,3 @@ def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Bools, Flo
     share: Floats = _dot(turned, two) / safe
     hit: Bools = ~flat & (u >= 0) & (v >= 0) & (u + v <= 1) & (share >= 0) & (share <= 1)
     return hit, share
-
-
-__all__ = [
-    "crossings",
-    "distance",
-    "outside_distance",
-    "solid_angles",
-    "squared_distance",
-    "winding_number",
-]

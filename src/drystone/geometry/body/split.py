@@ -15,7 +15,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.mend.coincidence import distinct
 from drystone.geometry.mend.holes import faces_with_holes
 from drystone.geometry.mend.soup import split_solids
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 
 SAME = 1e-9
 """Points closer than this share of the body's extent are one point. The value is above the rounding
@@ -66,7 +66,7 @@ def split(
     chords: list[list[Floats]] = [[] for _ in normals]
     for loop in faces:
         corner = vertices[list(loop)]
-        area = area_vectors(corner, np.array([0, len(corner)]))[0]
+        area = area_vector(corner)
         frame = frames_from_normals((area / np.linalg.norm(area))[None])[0]
         flat = (corner - corner[0]) @ frame[1:].T
         polygon = shapely.Polygon(flat)
@@ -182,6 +182,3 @@ def _pieces(loops: Sequence[Floats], extent: float) -> list[Piece]:
     faces = [tuple(dict.fromkeys(part.tolist())) for part in np.split(number, ends)]
     faces = [face for face in faces if len(face) > 2]
     return [(vertices, [faces[i] for i in some]) for some in split_solids(vertices, faces)]
-
-
-__all__ = ["Piece", "half_plane", "parts_of", "rings_of", "split"]

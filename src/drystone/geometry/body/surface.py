@@ -146,6 +146,3 @@ def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
     """The first edges, with the caller's vertex numbers."""
     shown = ", ".join(f"{number[a]}-{number[b]}" for a, b in edges[:4])
     return shown + (f" and {len(edges) - 4} more" if len(edges) > 4 else "")
-
-
-__all__ = ["SurfaceTopology", "closed_surface"]

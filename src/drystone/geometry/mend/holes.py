@@ -11,7 +11,7 @@ from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
+from drystone.geometry.plane.polygon import area_vector
 
 
 def faces_with_holes(vertices: Floats, faces: Sequence[Sequence[Loop]]) -> list[Loop]:
@@ -45,7 +45,7 @@ def faces_with_holes(vertices: Floats, faces: Sequence[Sequence[Loop]]) -> list[
 
 def _triangles(vertices: Floats, outline: Loop, holes: Sequence[Loop], number: int) -> list[Loop]:
     corners = np.array([*outline, *(corner for hole in holes for corner in hole)], dtype=np.intp)
-    area = area_vectors(vertices[list(outline)], np.array([0, len(outline)]))[0]
+    area = area_vector(vertices[list(outline)])
     length = float(np.linalg.norm(area))
     if length == 0.0:
         raise InputError(f"face {number} has no area")

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
+from drystone.base.ragged import sum_by_owner
 from drystone.geometry.body.halfedge import half_edges, joined_faces, outlines, turn_angles
 from drystone.geometry.body.polyhedron import Loop, stack_faces
-from drystone.geometry.plane.polygon import area_vectors
 
 TURN = 1e-3
 """[rad] Neighbours with a smaller angle between them are candidates for merging. Chosen. They are
@@ -46,7 +46,7 @@ def merge_coplanar(
     if len(vertices) == 0:
         return []
     stacked = stack_faces(vertices, faces)
-    vectors = area_vectors(stacked.point[stacked.loop], stacked.start)
+    vectors = stacked.area_vectors
     length = np.linalg.norm(vectors, axis=1)
     normal = vectors / np.where(length > 0.0, length, 1.0)[:, None]
     edges = half_edges(stacked)
@@ -79,14 +79,9 @@ def merge_coplanar(
 def _deviation(corner: Floats, corner_group: Ints, group: Ints, vectors: Floats) -> Floats:
     """Largest distance of a corner from the plane of each group of faces."""
     total = int(group.max(initial=-1)) + 1
-
-    def summed(values: Floats, of: Ints) -> Floats:
-        columns = [np.bincount(of, values[:, i], minlength=total) for i in range(3)]
-        return np.stack(columns, axis=1).astype(np.float64)
-
     share = np.maximum(np.bincount(corner_group, minlength=total), 1)
-    middle = summed(corner, corner_group) / share[:, None]
-    normal = summed(vectors, group)
+    middle = sum_by_owner(corner, corner_group, total) / share[:, None]
+    normal = sum_by_owner(vectors, group, total)
     length = np.linalg.norm(normal, axis=1)
     normal = normal / np.where(length > 0.0, length, 1.0)[:, None]
     height = np.abs(((corner - middle[corner_group]) * normal[corner_group]).sum(axis=1))

@@ -18,7 +18,6 @@ from drystone.geometry.body.polyhedron import (
 )
 from drystone.geometry.body.solid import winding_number
 from drystone.geometry.frames import frames_from_normals
-from drystone.geometry.plane.polygon import area_vectors
 
 SAME_ANGLE = 1e-6
 """[rad] Faces about an edge with a smaller angle between them coincide. Chosen: far above the
@@ -171,7 +170,7 @@ def _sector_pairs(
     length = np.linalg.norm(along, axis=1)
     along = along / np.where(length > 0.0, length, 1.0)[:, None]
     frame = frames_from_normals(along)
-    normal = area_vectors(faces.point[faces.loop], faces.start)[face[half]]
+    normal = faces.area_vectors[face[half]]
     inwards = np.cross(normal, np.where(forward[:, None], along, -along))
     angle = np.arctan2((inwards * frame[:, 2]).sum(axis=1), (inwards * frame[:, 1]).sum(axis=1))
     one: list[int] = []

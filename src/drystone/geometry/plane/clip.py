@@ -163,16 +163,3 @@ def _alternate(spare: Bools, before: Ints, loops: Ragged) -> Bools:
     first = np.zeros(len(spare), dtype=bool)
     first[loops.first[loops.all(spare) & (loops.counts > 0)]] = True
     return first & spare[before]
-
-
-__all__ = [
-    "Flat",
-    "Padded",
-    "areas",
-    "cleaned",
-    "cut",
-    "flatten",
-    "intersect_convex",
-    "pad",
-    "perimeters",
-]

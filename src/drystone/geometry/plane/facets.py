@@ -284,16 +284,3 @@ def _flat(point: Floats, origin: Floats, frame: Floats) -> Any:
     """A polygon seen in a plane, as a valid shapely polygon."""
     shape = shapely.polygons((point - origin) @ frame[1:].T)
     return planar.valid(np.array([shape], dtype=object))[0]
-
-
-__all__ = [
-    "Facet",
-    "common_edges",
-    "divide_to_count",
-    "facets_of",
-    "join_by_angle",
-    "join_to_count",
-    "merge_slivers",
-    "neighbours",
-    "united",
-]

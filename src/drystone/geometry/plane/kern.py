@@ -182,13 +182,3 @@ def edge_ratio(made: Sections, corners: Floats, start: Ints, position: Floats) -
         reach = ((hull - made.centroid[i]) * normal).sum(axis=1)
         out[i] = max(0.0, float((normal @ away / reach).max()))
     return out
-
-
-__all__ = [
-    "Sections",
-    "convex_hull",
-    "edge_ratio",
-    "kern",
-    "kern_ratio",
-    "sections",
-]

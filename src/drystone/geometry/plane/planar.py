@@ -131,6 +131,3 @@ def _halved(polygon: Any) -> list[Any]:
     side = far * along
     halves = [shapely.polygons(np.concatenate([ends, ends[::-1] + s * side])) for s in (1.0, -1.0)]
     return [overlay(shapely.intersection, polygon, half) for half in halves]
-
-
-__all__ = ["Overlay", "Regions", "overlay", "pieces_of", "regions", "valid"]

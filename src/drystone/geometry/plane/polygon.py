@@ -21,6 +21,12 @@ def area_vectors(corners: Floats, start: Ints) -> Floats:
     return area
 
 
+def area_vector(corners: Floats) -> Floats:
+    """Newell's area vector (3,) [m2] of one polygon (c, 3)."""
+    vector: Floats = area_vectors(corners, np.array([0, len(corners)]))[0]
+    return vector
+
+
 def tributary_areas(corners: Floats, start: Ints) -> Floats:
     """Share (l,) [m2] of its polygon's area that belongs to each corner.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.ragged import Ragged
 from drystone.geometry.plane.kern import Sections, edge_ratio, sections
 
@@ -106,7 +106,7 @@ def _opened(corners: Floats, start: Ints, position: Floats) -> Floats:
     local = (corners - position[owner]) / size[owner, None]  # unit area, the force at the origin
     away = (position - made.centroid) / size[:, None]
     slope = size[:, None] ** 2 * np.einsum("mij,mj->mi", made.inverse, away)
-    plane = np.column_stack([1.0 + np.einsum("mi,mi->m", slope, away), slope])
+    plane = np.column_stack([1.0 + dot(slope, away), slope])
     state = _state(local, loops, plane)
     share = np.ones(len(plane))
     for _ in range(MOST_STEPS):
@@ -184,6 +184,3 @@ def _state(local: Floats, loops: Ragged, plane: Floats) -> _State:
     )
     value = np.where(some, 0.5 * steepness**2 * squared - plane[:, 0], np.inf)
     return _State(value, step, np.where(some, decrement, 0.0))
-
-
-__all__ = ["peak_pressure"]

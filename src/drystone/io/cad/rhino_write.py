@@ -110,6 +110,3 @@ def mesh_of(block: Block) -> Any:
         for triangle in corners[triangulate(block.vertices[corners], start)[0]].tolist():
             mesh.Faces.AddFace(*triangle)
     return mesh
-
-
-__all__ = ["add_layer", "attributes_of", "empty_file", "mesh_of", "save", "write"]

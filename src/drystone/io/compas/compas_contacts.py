@@ -141,7 +141,7 @@ def _frame(interface: Field, points: Floats) -> Floats:
     """Rows n, u, v: the stored frame made orthonormal, or one about the polygon's own normal."""
     inside = _plain(interface)
     if not inside.has("frame"):
-        area = polygon.area_vectors(points, np.array([0, len(points)]))[0]
+        area = polygon.area_vector(points)
         if not area.any():
             raise interface.error("has neither a frame nor an area")
         return frames_from_normals((area / np.linalg.norm(area))[None])[0]

@@ -92,6 +92,3 @@ class _Keys:
     def binary(self) -> bytes:
         """All of them."""
         return b"".join(self.parts)
-
-
-__all__ = ["write_film"]

@@ -125,5 +125,3 @@ _MAKERS: dict[str, Callable[[Field, Assembly], LoadCase]] = {
     "mass": _mass,
     "settlement": _settlement,
 }
-
-__all__ = ["KEYS", "load_of_parts"]

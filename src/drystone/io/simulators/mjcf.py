@@ -105,6 +105,3 @@ def write_mjcf(
 
 def _numbers(values: Floats) -> str:
     return " ".join(f"{value:.9g}" for value in values.tolist())
-
-
-__all__ = ["mjcf_text", "write_mjcf"]

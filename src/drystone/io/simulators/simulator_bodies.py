@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from drystone.assembly import Block
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import InputError
 from drystone.geometry.body.convex_pieces import convex_pieces
 from drystone.model import Model
@@ -109,7 +109,7 @@ def _inertia(block: Block, pieces: tuple[tuple[Floats, Ints], ...]) -> Floats:
     second, volume = np.zeros((3, 3)), 0.0
     for point, triangle in pieces:
         corner = point[triangle]
-        six = np.einsum("ti,ti->t", corner[:, 0], np.cross(corner[:, 1], corner[:, 2]))
+        six = dot(corner[:, 0], np.cross(corner[:, 1], corner[:, 2]))
         total = corner.sum(axis=1)
         moment = np.einsum("tki,tkj->tij", corner, corner) + np.einsum("ti,tj->tij", total, total)
         second += np.einsum("t,tij->ij", six, moment) / 120.0
@@ -117,6 +117,3 @@ def _inertia(block: Block, pieces: tuple[tuple[Floats, Ints], ...]) -> Floats:
     second *= block.mass / volume
     inertia: Floats = np.trace(second) * np.eye(3) - second
     return inertia
-
-
-__all__ = ["SimulatorBody", "bodies", "gravity_of"]

@@ -88,6 +88,3 @@ def _obj(point: Floats, triangle: Ints) -> str:
 
 def _put(path: Path, *, text: str) -> None:
     path.write_text(text, encoding="utf-8")
-
-
-__all__ = ["write_urdf"]

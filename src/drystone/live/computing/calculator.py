@@ -297,6 +297,3 @@ def calculate(pipe: Connection) -> None:
     jobs = Jobs(pipe, gone=lambda: os._exit(0))  # a calculation would go on for nobody
     jobs.send({"event": "ready"})
     Calculator(jobs).run()
-
-
-__all__ = ["calculate"]

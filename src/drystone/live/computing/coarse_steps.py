@@ -123,6 +123,3 @@ class CoarseSteps:
         moment = DrivenState(1.0, 0.0, driver.pose, driver.placed, driver.response)
         state = large_state(self.model, self.apart, self.bodies, moment, driver.met, length, 1.0)
         return state, done
-
-
-__all__ = ["CoarseSteps"]

@@ -141,6 +141,3 @@ class Helper:
 
 def _failed(what: str, remedy: str) -> dict[str, Any]:
     return {"event": "error", "what": what, "where": "", "remedy": remedy, "late": True}
-
-
-__all__ = ["Helper"]

@@ -82,6 +82,3 @@ class Jobs:
                 raised = ctypes.py_object(Cancelled)
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(self._worker, raised)
             self._dropped = job
-
-
-__all__ = ["Cancelled", "Jobs"]

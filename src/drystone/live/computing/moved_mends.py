@@ -106,6 +106,3 @@ def moved_model(found: LargeDisplacement) -> Model:
     pressing = replace(pressing, area=pressing.corners.sum(pressing.tributary))
     there = moved_assembly(model.assembly, last.positions)
     return replace(model, assembly=there, contacts=pressing, report=None)
-
-
-__all__ = ["FOLLOWED_KINDS", "AfterMoving", "moved_model"]

@@ -228,6 +228,3 @@ def _carried(model: Model, motion: Floats) -> Contacts:
         of = block[contacts.interface]
         moved += motion[of, :3] + cross(motion[of, 3:], contacts.point - centroid[of])
     return replace(contacts, point=contacts.point + 0.5 * moved)
-
-
-__all__ = ["after_moving", "at_once", "follow", "verdict_of"]

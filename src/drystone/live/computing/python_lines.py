@@ -85,6 +85,3 @@ def _case(wish: Wish, own: float) -> dict[str, Any]:
 
 def _rounded(values: Any) -> list[float]:
     return [float(f"{x:.12g}") + 0.0 for x in values]
-
-
-__all__ = ["python_lines"]

@@ -95,6 +95,3 @@ def widened(stage: SceneStage, asked: WishedModel) -> SceneStage:
     here[asked.kept] = True
     interface = np.flatnonzero(here[contacts.block_a] & here[contacts.block_b])
     return stage_among(stage, blocks, contacts, asked.kept, interface)
-
-
-__all__ = ["Found", "snapshot", "widened"]

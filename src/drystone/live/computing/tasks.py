@@ -316,5 +316,3 @@ TASKS: Mapping[str, Callable[[Work], Iterator[Event]]] = {
     "cases": _cases,
     "save": _save,
 }
-
-__all__ = ["TASKS", "Work", "as_json", "gravity_of"]

@@ -214,6 +214,3 @@ def more_gravity(model: Model, gravity: float) -> LoadCase:
     size = float(np.linalg.norm(acceleration))
     down = DOWN if size == 0.0 else acceleration
     return LoadCase.gravity(model.assembly, gravity - size, down)
-
-
-__all__ = ["Wish", "WishedModel", "asked", "more_gravity"]

@@ -94,6 +94,3 @@ class Guard:
             what = f"the body has {int(text) / MIB:.3g} MiB, more than the {most / MIB:.3g} allowed"
             raise Refusal(413, what, "give a smaller model, or start the server with --size-limit")
         return int(text)
-
-
-__all__ = ["LOOPBACK", "WISH", "Guard", "Refusal"]

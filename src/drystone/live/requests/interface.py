@@ -115,6 +115,3 @@ def given_of(tool: str, body: Field) -> dict[str, Any]:
         "model": {key: read(model[key]) for key, read in OF_MODEL.items() if model.has(key)},
         **given,
     }
-
-
-__all__ = ["ARGUMENTS", "VERSION", "given_of"]

@@ -61,6 +61,3 @@ def sent(body: bytes) -> Sent:
         task,
         top.get("extra", {}).object().value,
     )
-
-
-__all__ = ["TASKS", "Sent", "sent"]

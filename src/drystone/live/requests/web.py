@@ -319,6 +319,3 @@ def _refuse(connection: socket.socket, status: int, what: str, remedy: str) -> N
 def _shut(connection: socket.socket) -> None:
     with contextlib.suppress(OSError):
         connection.shutdown(socket.SHUT_RDWR)
-
-
-__all__ = ["WebServer"]

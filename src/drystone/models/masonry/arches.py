@@ -120,6 +120,3 @@ def buttressed_arch(
     fixed = np.zeros(len(blocks), dtype=bool)
     fixed[[0, courses]] = True
     return Assembly(tuple(blocks), fixed).with_density(density)
-
-
-__all__ = ["arch", "buttressed_arch"]

@@ -87,6 +87,3 @@ def _shell_faces(shell: Floats) -> list[Floats]:
         faces += [shell[side, :, i : i + 2].reshape(4, 3)[[0, 1, 3, 2]] for side in (0, 1)]
         faces += [shell[:, bed, i : i + 2].reshape(4, 3)[[0, 1, 3, 2]] for bed in (0, 1)]
     return faces
-
-
-__all__ = ["dome"]

@@ -66,6 +66,3 @@ def lune(
         rotation = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]
         walls.append(prism(plane, y, f"wall-{name}").transformed(rotation))
     return Assembly((ground, *walls, *blocks), np.arange(3 + rings) < 3)
-
-
-__all__ = ["lune"]

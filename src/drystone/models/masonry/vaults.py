@@ -133,6 +133,3 @@ def _in_courses(joints: Floats, half: float, lean: float, blocks: int, staggered
             made.append(welded([*ends, *sides], f"c{course:02d}-b{i:02d}"))
             fixed.append(course in (0, count - 1))
     return Assembly(tuple(made), np.array(fixed))
-
-
-__all__ = ["barrel_vault", "vault"]

@@ -119,6 +119,3 @@ def corbelled_wall(
         "reduce the step of each course",
     )
     return wall(courses, length, size, corbel=corbel)
-
-
-__all__ = ["corbelled_wall", "course_ends", "ferris_wall", "wall"]

@@ -171,6 +171,3 @@ def _plank_faces(end: float) -> list[Floats]:
             rectangle(1, 0.5 * side, (-0.5, 0.1), (0.1, 0.2)),
         ]
     return loops
-
-
-__all__ = ["a_model", "concave", "h_model", "wedge"]

@@ -101,6 +101,3 @@ def bridge(*, load: bool = False) -> Assembly:
                 made[name] = prism(box * (side, 1.0), span, f"load-{name}", density)
     blocks = tuple(made[number] for number in sorted(made))
     return Assembly(blocks, np.arange(len(blocks)) < 2)
-
-
-__all__ = ["bridge"]

@@ -152,6 +152,3 @@ def _lid(fix: int) -> list[Point2]:
     (left, right), outer = SHELF_INNER[1:3], SHELF_OUTER[1:3]
     notch = [(0.381899, 0.872753), (0.393648, 0.894588), (0.419334, 0.872753)] if fix == 2 else []
     return [left, *notch, right, outer[1], outer[0]]
-
-
-__all__ = ["shelf"]

@@ -94,6 +94,3 @@ def snake() -> Assembly:
     names = ("foot", "block-1", "block-2", "block-3")
     made = [prism(section, (0.0, 1.0), name) for name, section in zip(names, SECTIONS, strict=True)]
     return Assembly(tuple(made), np.arange(len(made)) == 0)
-
-
-__all__ = ["snake"]

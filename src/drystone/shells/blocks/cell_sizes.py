@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, dot
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.geometry.plane import polygon
@@ -122,7 +122,7 @@ def fit_cells(mesh: Tessellation, shape: Shape) -> tuple[Tessellation, float]:
     area = polygon.area_vectors(mesh.point[loop], start)
     size = np.linalg.norm(area, axis=1)
     middle = Ragged(start).mean(mesh.point[loop])
-    rise = np.einsum("ci,ci->c", mesh.crest - middle, area) / np.maximum(size, 1e-300)
+    rise = dot(mesh.crest - middle, area) / np.maximum(size, 1e-300)
     move = vertex_means(mesh, np.nan_to_num(rise))[:, None] * mesh.normal
     known = np.isfinite(rise)
     wanted = _surface_area(shape)

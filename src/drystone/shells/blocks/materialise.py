@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from drystone.assembly import DEFAULT_DENSITY, Block
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
@@ -87,7 +87,7 @@ def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
     loop, start = flat_loops(mesh.cells)
     area = polygon.area_vectors(point[loop], start)
     facet = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-300)
-    across = np.einsum("li,li->l", vector[loop], np.repeat(facet, np.diff(start), axis=0))
+    across = dot(vector[loop], np.repeat(facet, np.diff(start), axis=0))
     return _corner_means(loop, across, len(point))
 
 
@@ -139,11 +139,11 @@ def add_joggle(mesh: Tessellation, pins: Pins, joggle_deg: float) -> Pins:
     up = mesh.up.copy()
     heads = np.array(sorted(mesh.heads), dtype=np.intp).reshape(-1, 2)
     rise = middle[heads[:, 1]] - middle[heads[:, 0]]
-    rise *= np.sign(np.einsum("hi,hi->h", rise, mesh.up[heads[:, 0]]))[:, None]
+    rise *= np.sign(dot(rise, mesh.up[heads[:, 0]]))[:, None]
     up[heads[:, 0]] = rise
     up[heads[:, 1]] = rise
     axis = along / length
-    up -= np.einsum("vi,vi->v", up, axis)[:, None] * axis
+    up -= dot(up, axis)[:, None] * axis
     up /= np.linalg.norm(up, axis=1, keepdims=True)
     half, slope = 0.5 * length, np.tan(np.deg2rad(abs(joggle_deg)))
     side = 1.0 if joggle_deg >= 0.0 else -1.0

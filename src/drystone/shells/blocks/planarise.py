@@ -18,7 +18,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, dot
 from drystone.base.errors import SolverError
 from drystone.base.progress import Progress
 from drystone.base.settings import Options
@@ -245,13 +245,13 @@ def _newton_move(x: Floats, groups: list[_Group], mass: Floats, scale: float) ->
         for j in rest:
             r = x[group.corner[:, j]] - o
             # r . n with r = s (p - o) + t (q - o) + c n: the plane follows its three corners
-            s = np.einsum("mi,mi->m", np.cross(r, q - o), n)[:, None] / area
-            t = np.einsum("mi,mi->m", np.cross(p - o, r), n)[:, None] / area
+            s = dot(np.cross(r, q - o), n)[:, None] / area
+            t = dot(np.cross(p - o, r), n)[:, None] / area
             for at, weight in ((j, 1.0), (a, -s), (b, -t), (0, s + t - 1.0)):
                 rows.append(np.repeat(offset + np.arange(m), 3))
                 columns.append((3 * group.corner[:, at, None] + np.arange(3)).ravel())
                 values.append((weight * n).ravel())
-            residual.append(np.einsum("mi,mi->m", r, n))
+            residual.append(dot(r, n))
             offset += m
     J = sparse.csr_matrix(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),

@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 from scipy.sparse.linalg import spsolve
 
-from drystone.base.arrays import Floats, frozen_floats
+from drystone.base.arrays import Floats, dot, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.geometry.mend.coincidence import first_coincident
@@ -192,7 +192,7 @@ def _sharpest(points: Floats, border: list[int], name: str) -> list[int]:
     """Four corners by the turn of the border, the lowest side first."""
     run = points[border]
     before, after = run - np.roll(run, 1, axis=0), np.roll(run, -1, axis=0) - run
-    cosine = np.einsum("bi,bi->b", before, after)
+    cosine = dot(before, after)
     cosine /= np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
     turn = np.rad2deg(np.arccos(np.clip(cosine, -1.0, 1.0)))
     picked = np.sort(np.argsort(-turn, kind="stable")[:4])

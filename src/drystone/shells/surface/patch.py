@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, dot
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 
@@ -189,10 +189,6 @@ def _forms(patch: Patch, u: Any, v: Any) -> tuple[tuple[Floats, ...], tuple[Floa
     du_n = (patch.normal(high_u, v) - patch.normal(low_u, v)) / (high_u - low_u)[..., None]
     dv_n = (patch.normal(u, high_v) - patch.normal(u, low_v)) / (high_v - low_v)[..., None]
 
-    def dot(a: Floats, b: Floats) -> Floats:
-        product: Floats = np.einsum("...i,...i->...", a, b)
-        return product
-
     first = dot(by_u, by_u), dot(by_u, by_v), dot(by_v, by_v)
     second = dot(du_n, by_u), 0.5 * (dot(du_n, by_v) + dot(dv_n, by_u)), dot(dv_n, by_v)
     return first, second
@@ -208,8 +204,8 @@ def check_patch(patch: Patch) -> None:
     """
     grid = (np.arange(FOLD_GRID) + 0.5) / FOLD_GRID
     normal = patch.normal(*np.meshgrid(grid, grid, indexing="ij"))
-    along_u = np.einsum("ijk,ijk->ij", normal[1:], normal[:-1]) < 0.0
-    along_v = np.einsum("ijk,ijk->ij", normal[:, 1:], normal[:, :-1]) < 0.0
+    along_u = dot(normal[1:], normal[:-1]) < 0.0
+    along_v = dot(normal[:, 1:], normal[:, :-1]) < 0.0
     folded = np.argwhere(along_u).tolist() or np.argwhere(along_v).tolist()
     if folded:
         i, j = folded[0]

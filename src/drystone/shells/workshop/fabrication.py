@@ -100,7 +100,7 @@ def flat_faces(shell: Shell, block: int | str) -> tuple[FlatFace, ...]:
     faces = []
     for face in cell_faces(shell.mesh, shell.pins, shell.mesh.cells[i])[2]:
         corner = point[list(face)]
-        out = polygon.area_vectors(corner, np.array([0, len(corner)]))[0]
+        out = polygon.area_vector(corner)
         along = corner[1] - corner[0] if len(face) == 4 else corner[0] - corner[-1]
         x = along / np.linalg.norm(along)
         y = np.cross(out / np.linalg.norm(out), x)

@@ -72,7 +72,7 @@ def block_frame(shell: Shell, block: int) -> tuple[Floats, Floats]:
     cell = shell.mesh.cells[block]
     low, high, _ = cell_faces(shell.mesh, shell.pins, cell)
     middle = 0.5 * (shell.pins.point[list(reversed(low))] + shell.pins.point[list(high)])
-    out = polygon.area_vectors(middle, np.array([0, len(middle)]))[0]
+    out = polygon.area_vector(middle)
     out /= np.linalg.norm(out)
     up = shell.mesh.up[list(cell)].mean(axis=0)
     up -= (up @ out) * out
@@ -151,7 +151,7 @@ def _angles(shell: Shell, block: int, out: Floats) -> tuple[tuple[float, ...], t
     along = np.array([shell.pins.point[b] - shell.pins.point[a] for _, _, a, b in shared])
     along /= np.linalg.norm(along, axis=1, keepdims=True)
     one, other = (normal[[edge[k] for edge in shared]] for k in (0, 1))
-    turn = np.arctan2(np.einsum("ei,ei->e", cross(one, other), along), dot(one, other))
+    turn = np.arctan2(dot(cross(one, other), along), dot(one, other))
     corner = 180.0 - np.rad2deg(turn)
     return tuple(_rounded(bevel)), tuple(_rounded(corner))
 

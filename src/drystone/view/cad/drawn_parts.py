@@ -207,20 +207,3 @@ def block_groups(stage: SceneStage) -> tuple[BlockGroup, ...]:
             BlockGroup("blocks that need help", ROLE_COLOUR["light"]["help"], np.flatnonzero(needy))
         )
     return tuple(groups)
-
-
-__all__ = [
-    "BlockGroup",
-    "Triangles",
-    "arrow_ends",
-    "arrows",
-    "block_groups",
-    "cones",
-    "fall_moments",
-    "joined",
-    "marks",
-    "matrix_of",
-    "quaternions",
-    "stage_of_scene",
-    "tubes",
-]

@@ -191,6 +191,3 @@ def _motion(file: Any, scene: Scene, motion: Floats, number: int) -> None:
         attributes.ObjectDecoration = rhino3dm.ObjectDecoration.EndArrowhead
         end = at + motion[i, :3]
         file.Objects.AddLine(rhino3dm.Point3d(*at), rhino3dm.Point3d(*end), attributes)
-
-
-__all__ = ["write_3dm"]

@@ -81,6 +81,3 @@ def save_cad(
     if chosen not in PRESETS:
         raise InputError(f"there is no picture '{chosen}'", remedy=f"choose {', '.join(PRESETS)}")
     writer(scene, target, stage, chosen)
-
-
-__all__ = ["save_cad"]

@@ -108,6 +108,3 @@ def _numbered_drawing(plan: Plan) -> str:
     figure.savefig(text, format="svg")
     drawn = text.getvalue()
     return drawn[drawn.index("<svg") :]
-
-
-__all__ = ["instructions_text", "save_instructions"]

@@ -70,6 +70,3 @@ def shown_middle(block: Block, toward: Floats) -> Floats:
     weight = np.where(alike, normal @ toward, 0.0)
     middle: Floats = weight @ triangles.mean(axis=1) / weight.sum()
     return middle
-
-
-__all__ = ["draw_labels", "shown_middle"]

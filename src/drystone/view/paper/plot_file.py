@@ -45,7 +45,7 @@ FormatError
 Subject = TypeVar("Subject", contravariant=True)
 
 
-class SavedPlot(Protocol[Subject]):
+class _SavedPlot(Protocol[Subject]):
     """A function that draws something, and writes the figure if there is a path."""
 
     def __call__(
@@ -53,7 +53,7 @@ class SavedPlot(Protocol[Subject]):
     ) -> Figure: ...
 
 
-def saved_plot(draw: Callable[[Subject, str], Figure]) -> SavedPlot[Subject]:
+def saved_plot(draw: Callable[[Subject, str], Figure]) -> _SavedPlot[Subject]:
     """A function that draws, as one that also writes its figure if there is a path."""
 
     def save(
@@ -102,6 +102,3 @@ def save_plot(
 
     write_whole(path, fill)
     return drawing
-
-
-__all__ = ["save_plot", "saved_plot"]

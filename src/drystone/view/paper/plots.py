@@ -240,6 +240,3 @@ def _label(goal: str) -> str:
     name = goal.removeprefix("-")
     unit = f" [{GOAL_UNITS[name]}]" if name in GOAL_UNITS else ""
     return f"{name}{unit}, {'most' if goal.startswith('-') else 'least'} is best"
-
-
-__all__ = ["save_curve", "save_front", "save_gravity", "save_polar", "save_share"]

@@ -192,6 +192,3 @@ def _number(value: float) -> str:
 
 def _share(value: float) -> str:
     return f"{100.0 * value:.0f}\N{NO-BREAK SPACE}%" if np.isfinite(value) else "∞"
-
-
-__all__ = ["report_text", "save_report"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drystone.assembly import Assembly
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, dot
 from drystone.base.ragged import Ragged
 
 TOUCHING = 1e-3
@@ -59,7 +59,7 @@ class SeparationData:
         bounds = assembly.bounds - assembly.centroid[0]
         _, support = _spans(point, start, faces.owner, normal)
         middle = faces.corners.mean(point[faces.loop])
-        sticks_out = support - np.einsum("fi,fi->f", middle, normal)
+        sticks_out = support - dot(middle, normal)
         worst = Ragged(face_start).max(sticks_out)
         convex = worst <= NEARLY_CONVEX * assembly.size
         return cls(
@@ -77,7 +77,7 @@ def _spans(point: Floats, start: Ints, block: Ints, direction: Floats) -> tuple[
     points = Ragged(start)
     for some in Ragged.from_counts(points.counts[block]).batches(CHUNK):
         part, row = points.take(block[some])
-        reach = np.einsum("ri,ri->r", point[row], part.spread(direction[some]))
+        reach = dot(point[row], part.spread(direction[some]))
         lowest[some], highest[some] = part.min(reach), part.max(reach)
     return lowest, highest
 

@@ -107,6 +107,3 @@ def taken_apart(scene: Scene, share: float) -> Scene:
             for one in scene.stages
         ),
     )
-
-
-__all__ = ["exploded", "taken_apart", "ways_apart"]

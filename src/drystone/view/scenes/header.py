@@ -134,6 +134,3 @@ def _range(values: Floats, unit: str) -> str:
     low, high = float(values.min()), float(values.max())
     text = f"{low:.4g}" if high - low <= 1e-9 * abs(high) else f"{low:.4g} to {high:.4g}"
     return text + unit
-
-
-__all__ = ["asked_line", "directions", "facts_of", "sentence"]

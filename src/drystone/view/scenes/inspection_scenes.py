@@ -246,6 +246,3 @@ def _ticks(sweep: GapSweep, most: int) -> list[str]:
         "gap by block size: pairs that touch</text>"
     )
     return ticks
-
-
-__all__ = ["inspection_scene", "missed_layers", "save_inspection"]

@@ -168,6 +168,3 @@ def film_scene(film: Film, source: str = "") -> Scene:
     facts = facts_of(assembly, film.contacts, model.load, source)
     title = f"drystone: {film.message}"
     return Scene(assembly, film.contacts, (stage,), title, facts, preset="solid")
-
-
-__all__ = ["blocks_that_fall", "curve_panel", "film_scene", "large_scene", "moved_headline"]

@@ -290,6 +290,3 @@ def polar_panel(sweep: TiltSweep) -> str:
       <p>Blue: stands. Dashed: some forces balance the loads. The circle is {most:.3g} degrees. Red:
       {sweep.rank}, {rest[lowest]:.3g} degrees towards {sweep.azimuth[lowest]:g} degrees.</p>
     </fieldset>"""
-
-
-__all__ = ["evaluations_panel", "limit_scene", "polar_panel", "quantity_text", "sweep_scene"]

@@ -204,6 +204,3 @@ def counts_text(plan: Plan) -> str:
     kinds = ("free", "held", "propped", "impossible")
     said = ", ".join(f"{counts[k]} {k}" for k in kinds if counts[k] or k != "impossible")
     return f"{len(plan.steps)} steps: {said}"
-
-
-__all__ = ["block_numbers", "counts_text", "plan_scene", "plan_sentence", "summary_stage"]

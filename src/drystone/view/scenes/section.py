@@ -155,6 +155,3 @@ def _polygons_behind(layer: Layer, height: Floats) -> Layer:
         interface=None if layer.interface is None else layer.interface[kept],
         block=None if layer.block is None else layer.block[kept],
     )
-
-
-__all__ = ["Plane", "behind", "cut_at", "plane_of", "read_section", "section_through"]

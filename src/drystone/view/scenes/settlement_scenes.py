@@ -171,6 +171,3 @@ def _openings(settlement: SupportResponse) -> tuple[Layer, ...]:
             start=gaps.start,
         ),
     )  # fmt: skip
-
-
-__all__ = ["followed_scene", "moved_assembly", "moved_scene", "settlement_scene"]

@@ -91,6 +91,3 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
                 f"there is no picture of {shortened(repr(subject), 60)}",
                 remedy="give a model, an assembly, a result, a limit, a plan or a settlement",
             )
-
-
-__all__ = ["Subject", "scene_of"]

@@ -102,6 +102,3 @@ def side_by_side(
         for stage, (kept, joints) in zip(stages, places, strict=True)
     )
     return Assembly(tuple(blocks), np.concatenate(fixed)), contacts, made
-
-
-__all__ = ["side_by_side", "stage_among"]

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, unit
 from drystone.geometry.body.polyhedron import Faces
-from drystone.geometry.plane.polygon import area_vectors
 
 SMOOTH = 1e-6
 """Faces of one block whose unit normals differ by less are drawn as one plane, without the edge
@@ -15,10 +14,7 @@ between them (1 - cos 0.08 degrees, chosen: cuts of a flat face, not facets of a
 
 def face_normals(faces: Faces) -> Floats:
     """Outward unit normals (f, 3); zero for a face without area."""
-    area = area_vectors(faces.point[faces.loop], faces.start)
-    length = np.linalg.norm(area, axis=1, keepdims=True)
-    normal: Floats = np.divide(area, length, out=np.zeros_like(area), where=length > 0.0)
-    return normal
+    return unit(faces.area_vectors)[0]
 
 
 def sharp_edges(faces: Faces, normal: Floats) -> tuple[Ints, Ints, Bools]:

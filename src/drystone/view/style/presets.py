@@ -69,6 +69,3 @@ def first_preset(scene: Scene, stage: int = 0) -> str:
 def is_shown(layer: Layer, preset: str) -> bool:
     """Whether a preset shows a layer; a layer in no preset has its own default."""
     return layer.key in PRESETS[preset].layers or (layer.key not in KNOWN and layer.visible)
-
-
-__all__ = ["PRESETS", "Preset", "first_preset", "is_shown"]

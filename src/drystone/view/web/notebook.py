@@ -146,6 +146,3 @@ def thumbnail(value: object) -> str:
         save_figure(scene, path, size=SIZE, dpi=DPI)
         data = base64.b64encode(path.read_bytes()).decode("ascii")
     return f'<img alt="{html.escape(scene.title)}" src="data:image/png;base64,{data}">'
-
-
-__all__ = ["Frame", "beside", "framed", "packed", "show", "thumbnail"]

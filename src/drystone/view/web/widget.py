@@ -126,6 +126,3 @@ def _widget_class() -> Any:
         "__doc__": "The page of a value with sliders; see :func:`interact`.",
     }
     return type("PageWidget", (anywidget.AnyWidget,), fields)
-
-
-__all__ = ["interact"]
