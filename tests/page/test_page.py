@@ -327,3 +327,14 @@ def test_a_settlement_plays_its_states_and_blocks_come_apart(opened):
         after = pixels(tab)
         assert after != before, (slider, value)
         before = after
+
+
+def test_a_picture_of_another_size_shows_the_whole_model_until_it_is_moved(opened, standing):
+    tab = opened(standing)
+    for moved in (False, True):
+        tab.key("ArrowLeft" if moved else "f")
+        tab.send("Emulation.setDeviceMetricsOverride", width=1000 if moved else 560, height=480,
+                 deviceScaleFactor=0.5, mobile=False)  # fmt: skip
+        seen = pixels(tab)
+        tab.key("f")
+        assert (seen == pixels(tab)) != moved

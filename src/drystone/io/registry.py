@@ -132,8 +132,10 @@ FORMATS: tuple[Format, ...] = (
 """In order of preference where several formats share a suffix."""
 
 
-def format_of(path: PathLike, name: str | None = None) -> Format:
+def format_of(path: PathLike, name: str | None = None, *, writing: bool = False) -> Format:
     """The format with this name, else the first with the suffix of ``path``.
+
+    Where there is none, the error names the suffixes that can be read, or written.
 
     Raises
     ------
@@ -150,7 +152,8 @@ def format_of(path: PathLike, name: str | None = None) -> Format:
     for known in FORMATS:
         if suffix in known.suffixes:
             return known
-    suffixes = ", ".join(sorted({s for f in FORMATS if f.read for s in f.suffixes}))
+    able = [f for f in FORMATS if (f.write if writing else f.read)]
+    suffixes = ", ".join(sorted({s for f in able for s in f.suffixes}))
     has = f"suffix '{suffix}' is not known" if suffix else "the name has no suffix"
     raise FormatError(has, where=str(path), remedy=f"these are: {suffixes}")
 
@@ -264,7 +267,7 @@ def write(
     FormatError
         No format has the suffix, it cannot hold the model, or the folder cannot be written.
     """
-    chosen = format_of(path, format)
+    chosen = format_of(path, format, writing=True)
     if chosen.write is None:
         raise FormatError(f"{chosen.title} can be read but not written", where=str(path))
     chosen.write(contents_of(model), Path(path))

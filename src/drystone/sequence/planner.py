@@ -320,7 +320,7 @@ class _Planner:
         if not complete.stands:
             words.append("the complete structure does not stand without its props")
         if impossible:
-            words.append(f"{len(impossible)} blocks cannot be inserted")
+            words.append(f"{counted(len(impossible), 'block')} cannot be inserted")
         if unsure:
             last = self.model.assembly.names[unsure[0].blocks[-1]]
             words.append(

@@ -108,6 +108,9 @@ def test_a_model_that_does_not_stand_says_so_and_is_planned_anyway_on_request(tm
         (["--robots", "0"], "give 1 or more"),
         (["--scaffold-limit", "5"], "add --scaffold"),
         (["--scaffold-foot", "block-1"], "add --scaffold"),
+        (["--scaffold", "rope", "--scaffold-foot", "block-1"], "is for struts"),
+        (["--scaffold", "clamp", "--scaffold-length", "2"], "is for struts"),
+        (["--robot", "a:0,0,0:3:50:7"], "NAME:X,Y,Z:REACH:PAYLOAD"),
         (["--payload", "-1"], "payload"),
         (["--before", "block-1"], "FIRST:THEN"),
         (["--before", "block-1:block-7"], "no block is called 'block-7'"),
@@ -181,3 +184,31 @@ def test_scaffolding_is_compared_and_planned_with(tmp_path, capsys):
     assert data["scaffolding"]["cost"] == pytest.approx(rows[0]["cost"])
     assert main(["plan", *given, "--scaffold", "strut", "--scaffold-foot", "nowhere"]) == 2
     assert "no block is called 'nowhere'" in capsys.readouterr().err
+    _, data = answer(capsys, *given, "--scaffold", "strut")
+    strut = data["scaffolding"]["items"][0]
+    assert strut["block"] == data["props"][0]["block"]
+    assert strut["limit"] is None
+    assert strut["length"] == pytest.approx(strut["head"][2] - strut["foot"][2])
+
+
+def test_a_plan_says_which_step_needs_help_and_why(tmp_path, capsys):
+    path = tmp_path / "arch.json"
+    io.write(arch(0.3, 5), path)
+    assert main(["plan", str(path), "--hands", "1", "--friction", "0.6"]) == 1
+    told = " ".join(capsys.readouterr().out.split())
+    _, data = answer(capsys, str(path), "--hands", "1", "--friction", "0.6")
+    why = [step["why"] for step in data["steps"] if step["why"]]
+    assert why
+    for one in why[:3]:
+        assert one in told
+
+
+def test_struts_that_are_too_short_are_the_reason_that_is_told(tmp_path, capsys):
+    path = tmp_path / "arch.json"
+    io.write(arch(0.3, 5), path)
+    short = ["--hands", "1", "--with", "strut", "--order", "top", "--length", "0.2"]
+    assert main(["scaffold", str(path), "--friction", "0.6", *short]) == 1
+    told = " ".join(capsys.readouterr().out.split())
+    assert "m long, more than 0.2 m" in told
+    assert main(["scaffold", str(path), "--with", "rope", "--length", "0.2"]) == 2
+    assert "is for struts" in capsys.readouterr().err

@@ -34,6 +34,12 @@ def test_the_inertia_of_a_concave_block_is_that_of_the_boxes_it_is_made_of():
     np.testing.assert_allclose(found.inertia, expected, atol=1e-4 * expected.max())
 
 
+@pytest.mark.parametrize("contact_s", [0.0, -1.0, float("nan")])
+def test_a_time_constant_that_is_not_above_zero_is_refused(contact_s):
+    with pytest.raises(InputError, match="contact_s is"):
+        mjcf_text(MODEL, contact_s=contact_s)
+
+
 def test_mjcf_has_a_body_per_block_and_frees_only_free_ones():
     root = ET.fromstring(mjcf_text(MODEL))
     found = root.findall("./worldbody/body")

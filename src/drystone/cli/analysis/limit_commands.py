@@ -207,7 +207,7 @@ def push(
     live: Annotated[
         str,
         Argument(
-            "[CASE]",
+            "CASE",
             "The load that grows: a load case of the file by name, seismic:KX,KY, or "
             "BLOCK:WHAT[@X,Y,Z] as for --load (seismic:1,0).",
         ),

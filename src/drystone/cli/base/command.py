@@ -131,6 +131,10 @@ class _Argument(click.Argument):
         super().__init__(names, **more)
         self.told = told
 
+    def get_usage_pieces(self, ctx: click.Context) -> list[str]:
+        """Its name, in brackets where it can be left out."""
+        return super().get_usage_pieces(ctx) if self.required else [f"[{self.metavar}]"]
+
 
 def write_examples(examples: tuple[str, ...], formatter: click.HelpFormatter) -> None:
     """A section with a line for each example."""

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 LISTED = 40
 """Rows shown of a table; --json has all."""
+REASONS = 3
+"""Steps whose need of help is explained."""
 HANDS = 2
 SCAFFOLDS = ("strut", "rope", "clamp", "centring")
 STYLE = {"held": "bold", "propped": "bold red", "impossible": "bold magenta"}
@@ -81,14 +83,14 @@ def _robot(text: str) -> Robot:
 
     name, *rest = text.split(":")
     try:
-        base, *most = rest
-        reach, payload = (float(one) if one else float("inf") for one in (*most, "", "")[:2])
+        base, reach, payload = (*rest, "", "")[: max(3, len(rest))]
+        most = [float(one) if one else float("inf") for one in (reach, payload)]
         x, y, z = (float(one) for one in base.split(","))
     except ValueError as error:
         raise InputError(
             f"'{text}' is no robot", remedy="write NAME:X,Y,Z:REACH:PAYLOAD"
         ) from error
-    return Robot(name, (x, y, z), reach, payload)
+    return Robot(name, (x, y, z), *most)
 
 
 @command(
@@ -284,6 +286,17 @@ def _refuse_unused(scaffold: str | None, *limits: float | str | None) -> None:
                 f"--scaffold-{name} is given without --scaffold",
                 remedy=f"add --scaffold, with one of {', '.join(SCAFFOLDS)}",
             )
+    refuse_strutless([] if scaffold is None else [scaffold], *limits[1:], flag="--scaffold-")
+
+
+def refuse_strutless(kinds: Sequence[str], *limits: float | str | None, flag: str) -> None:
+    """Refuse the foot and the length of struts where nothing is held by struts."""
+    for name, value in zip(("foot", "length"), limits, strict=True):
+        if value is not None and kinds and "strut" not in kinds:
+            raise InputError(
+                f"{flag}{name} is for struts, and there are none",
+                remedy="leave it out, or hold with struts",
+            )
 
 
 def _rules(
@@ -347,6 +360,11 @@ def _show(data: Mapping[str, Any], found: Plan, screen: Screen) -> None:
         styles=[STYLE.get(row["status"], "") for row in rows],
     )  # fmt: skip
     _show_impossible(data, screen)
+    reasons = [(step["step"] + 1, step["why"]) for step in data["steps"] if step["why"]]
+    for number, why in reasons[:REASONS]:
+        screen.line(why, f"step {number},", "bold", " ")
+    if len(reasons) > REASONS:
+        screen.dim(f"and {counted(len(reasons) - REASONS, 'more step')} with help (--json has why)")
     if data["scaffolding"] is not None:
         made = data["scaffolding"]
         fails = f"{counted(len(made['failed']), 'stage')} without a rest state or over the limit"

@@ -17,6 +17,7 @@ from drystone.cli.design.plan_command import (
     ScaffoldFoot,
     ScaffoldLength,
     ScaffoldLimit,
+    refuse_strutless,
     scaffold_options,
 )
 from drystone.cli.inputs import options
@@ -67,9 +68,10 @@ def scaffold(
 
     Exit code 0: with some of them every stage stands. 1: with none. 2: bad input.
     """
-    model = subject.prepared(waiting, finding)
     from drystone import sequence
 
+    refuse_strutless(with_, foot, length, flag="--")
+    model = subject.prepared(waiting, finding)
     few = len(model.assembly.free) <= FEW
     orders = order or (("top", "course", "fewest-props") if few else ("top", "course"))
     waiting.stage("plan", "planning")
@@ -107,3 +109,6 @@ def _show(rows: list[dict[str, Any]], screen: Screen) -> None:
         ],
         styles=["red" if row["failed_stages"] else "" for row in rows],
     )  # fmt: skip
+    told = {row["support"]: row["message"] for row in reversed(rows) if row["failed_stages"]}
+    for support, message in told.items():
+        screen.line(message, f"{support}:", "bold red", " ")

@@ -53,7 +53,7 @@ def convert(
     from drystone.supports import select
 
     model = source.model
-    chosen = io.format_of(target, to)
+    chosen = io.format_of(target, to, writing=True)
     _refuse_other_suffix(target, chosen)
     if not overwrite and same_place(target) == same_place(model):
         raise InputError(

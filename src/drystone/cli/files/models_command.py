@@ -72,7 +72,7 @@ def models(
         "fixed": int(assembly.fixed.sum()),
         "mass": float(assembly.mass.sum()),
         "size": size.tolist(),
-        "loses": "" if out is None else format_of(out).loses,
+        "loses": "" if out is None else format_of(out, writing=True).loses,
     }
 
     def files() -> Files:

@@ -9,7 +9,8 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, number
+from drystone.base.errors import InputError
 from drystone.base.files import PathLike, write_bytes
 from drystone.io.simulators.simulator_bodies import bodies, gravity_of
 from drystone.model import Model
@@ -39,7 +40,7 @@ def mjcf_text(model: Model, *, name: str = "drystone", contact_s: float = 0.005)
     Raises
     ------
     InputError
-        The load differs from block to block.
+        The load differs from block to block, or ``contact_s`` is not above zero.
 
     Examples
     --------
@@ -48,6 +49,8 @@ def mjcf_text(model: Model, *, name: str = "drystone", contact_s: float = 0.005)
     >>> text.count("<body"), text.count("<freejoint")
     (2, 1)
     """
+    if not number(contact_s, "contact_s") > 0.0:
+        raise InputError(f"contact_s is {contact_s}", remedy="give seconds above zero")
     found = bodies(model)
     friction = float(model.contacts.friction.min(initial=np.inf))
     friction = friction if np.isfinite(friction) else 0.6

@@ -7,7 +7,7 @@ with them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -22,7 +22,7 @@ from drystone.base.table import Table
 from drystone.base.workers import WorkerPool
 from drystone.results import Result
 from drystone.sequence.plans import Plan
-from drystone.sequence.scaffold.scaffold_items import Clamp, ScaffoldedModel
+from drystone.sequence.scaffold.scaffold_items import Clamp, ScaffoldedModel, ScaffoldItem
 from drystone.sequence.scaffold.scaffold_places import ScaffoldOptions, Support
 from drystone.sequence.scaffold.scaffolded_stages import ScaffoldedStages
 from drystone.sequence.stage.stage_checks import Check, check_once
@@ -47,6 +47,8 @@ class Scaffolding(OneLine):
         How often what holds a block is set up.
     cost
         ``stage_cost * metre_stages + move_cost * moves``.
+    items
+        Everything that is set up, block by block.
     failed
         Steps, from 0, that do not stand with it, or overload it, or that do not stand and have
         nothing that is held.
@@ -60,6 +62,7 @@ class Scaffolding(OneLine):
     peak_force: float
     moves: int
     cost: float
+    items: tuple[ScaffoldItem, ...]
     failed: tuple[int, ...]
     stopped: str = ""
 
@@ -77,6 +80,7 @@ class Scaffolding(OneLine):
             "moves": self.moves,
             "cost": self.cost,
             "failed": list(self.failed),
+            "items": [_plain(item) for item in self.items],
             "stages": list(self.stages),
         }
 
@@ -159,9 +163,18 @@ def scaffolding(
     columns = {key: [row[i] for row in rows] for i, key in enumerate(keys)}
     table = Table("scaffolding", columns, {"length": "m", "peak_force": "N"})
     cost = chosen.stage_cost * total + chosen.move_cost * moves
+    items = tuple(item for prop in plan.props for item in stages.items(prop.block))
     return Scaffolding(
-        stages.support, table, total, peak, moves, cost, tuple(sorted(failed)), stopped
+        stages.support, table, total, peak, moves, cost, items, tuple(sorted(failed)), stopped
     )
+
+
+def _plain(item: ScaffoldItem) -> dict[str, Any]:
+    """An item as plain values; limits that it does not have are None."""
+    told = {one.name: getattr(item, one.name) for one in fields(item)}
+    told = {key: v.tolist() if isinstance(v, np.ndarray) else v for key, v in told.items()}
+    told = {key: None if v == float("inf") else v for key, v in told.items()}
+    return told | {"length": item.length}
 
 
 def _checked(stages: ScaffoldedStages, stage: tuple[int, int]) -> tuple[ScaffoldedModel, Result]:

@@ -55,7 +55,7 @@ class ScaffoldedStages:
         if self.support is Support.STRUT and self.options.foot is not None:
             self.foot = model.assembly.index(self.options.foot)
         self._rest = np.zeros((len(model.assembly), 6))
-        self._refused: list[str] = []
+        self._refused: list[InputError] = []
         self._items: dict[int, tuple[ScaffoldItem, ...]] = {}
         self._known: dict[tuple[int, int], tuple[ScaffoldedModel, Result]] = {}
 
@@ -123,7 +123,7 @@ class ScaffoldedStages:
         if bare:
             names = ", ".join(self.model.assembly.names[b] for b in members(bare))
             kind = self.support.value
-            return StageAnswer(Verdict.UNSTABLE, f"no free face of {names} takes a {kind}")
+            return StageAnswer(Verdict.UNSTABLE, f"{names} can have no {kind}")
         missing = self._missing(placed, held)
         if missing:
             return StageAnswer(Verdict.UNSTABLE, missing)
@@ -153,17 +153,21 @@ class ScaffoldedStages:
         try:
             self.items(block)
         except InputError as error:
-            self._refused.append(str(error))
+            self._refused.append(error)
             return False
         return True
 
     @property
     def refusal(self) -> str:
-        """How many blocks take no item, and why the first one does not; empty where all do."""
+        """How many blocks take no item, and why, of each reason the first; empty where all do."""
         count = len(self.model.assembly.free) - self.takes.bit_count()
         if not count:
             return ""
-        return f"{counted(count, 'block')} can have no {self.support.value}: {self._refused[0]}"
+        first: dict[str, InputError] = {}
+        for error in self._refused:
+            first.setdefault(error.remedy, error)
+        why = "; ".join(str(error) for error in first.values())
+        return f"{counted(count, 'block')} can have no {self.support.value}: {why}"
 
 
 __all__ = ["ScaffoldedStages"]

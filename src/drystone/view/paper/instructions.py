@@ -7,6 +7,8 @@ import io
 from dataclasses import replace
 from os import PathLike
 
+import numpy as np
+
 from drystone.base.files import write_bytes
 from drystone.sequence.plans import Plan, Step
 from drystone.view.paper.figure import draw
@@ -84,7 +86,7 @@ def _row(plan: Plan, step: Step) -> str:
             (names[block], False),
             (status, False),
             (", ".join(str(numbers[b]) for b in plan.partners(block)), False),
-            (", ".join(f"{x:.2f}" for x in motion + 0.0), False),
+            (", ".join(f"{x:.2f}" for x in np.round(motion, 2) + 0.0), False),
             (f"{one.force:,.0f}" if one else "", True),
             (str(one.stages) if one else "", True),
             (str(len(step.props)) if step.props else "", True),

@@ -80,8 +80,10 @@ function connect() {
   });
   let seen = canvas.clientWidth > 0;
   new ResizeObserver(() => {
-    if (!seen && canvas.clientWidth > 0) fit(camera.azimuth, camera.elevation, 0); // hidden at first
-    seen ||= canvas.clientWidth > 0;
+    const shown = canvas.clientWidth > 0;
+    const fits = camera.fits && !camera.flight;
+    if (shown && (!seen || fits)) fit(camera.azimuth, camera.elevation, 0); // hidden at first
+    seen ||= shown;
     redraw();
   }).observe(canvas);
   window.addEventListener("resize", () => redraw()); // a new pixel ratio

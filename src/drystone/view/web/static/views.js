@@ -17,6 +17,7 @@ function insets() {
 function fit(azimuth = camera.azimuth, elevation = camera.elevation, soon = flightTime()) {
   const { width, height } = sizeOf();
   camera.go(camera.fitted(azimuth, elevation, width / height, insets()), soon);
+  camera.fits = true;
 }
 
 // Straight views are parallel projections, as on a drawing.
