@@ -258,7 +258,7 @@ def _finish(
         remedy = special_remedy(shape, body)
         if remedy is None:
             raise
-        raise InputError(error.what, where=error.where, remedy=remedy) from error
+        raise error.located(error.where, remedy) from error
     return Shell(
         shape=shape,
         assembly=assembly,

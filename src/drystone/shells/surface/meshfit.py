@@ -126,7 +126,7 @@ def patch_from_mesh(
     try:
         check_patch(patch)
     except InputError as error:
-        raise InputError(error.what, where=f"mesh '{name}'", remedy=REMEDY) from error
+        raise error.located(f"mesh '{name}'", REMEDY) from error
     return MeshFit(
         patch,
         farthest,
