@@ -288,12 +288,12 @@ def _self_contact_defects(blocks: list[Block], path: Path) -> tuple[list[InputEr
     found = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
     return [
         FormatError(
-            f"its surface {fault.what}",
-            where=f"{path}, block '{blocks[fault.body].name}'",
+            f"its surface {what}",
+            where=f"{path}, block '{blocks[body].name}'",
             remedy="separate the parts there, or split it into two blocks",
         )
-        for fault in found
-    ], [fault.body for fault in found]
+        for body, what in found
+    ], [body for body, _ in found]
 
 
 def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:

@@ -208,7 +208,7 @@ def build_shell(
             partial=plan.partial,
         )
         bond = lay_bond(courses, blocks=plan.blocks, width=plan.width, staggered=plan.staggered)
-        patterns.append(lay_pattern(bond.courses, bond.joints, wedge=plan.wedge))
+        patterns.append(lay_pattern(*bond, wedge=plan.wedge))
     mesh, moved = fit_cells(weld(shape, patterns), shape)
     given = body.thickness if body.thickness is not None else shape.default_thickness
     thickness = vertex_thickness(mesh, given)
