@@ -46,6 +46,15 @@ FROM_OTHER = replace(AT_REST, warm_relaxation=1e-4, stall=8, give_up=0.02)
 """From the rest state of other stiffnesses: given up early. Measured: where it converges, on walls
 and domes, it takes 6 to 16 steps, from nothing 12 to 18; elsewhere it ends after 3 or 4."""
 
+FROM_PATH = replace(AT_REST, stall=8, give_up=0.02)
+"""From the last iterate of the relaxed law with uniform stiffness. With another friction law
+Newton's method on the unrelaxed law converges after one to three steps there."""
+
+SLOW = 0.35
+"""Share of the merit function after two such steps from which on other normal stiffnesses begin
+from nothing. Measured on 15 arches, walls, vaults and domes: 650 factorisations for all stiffnesses
+in place of 667 without it, and of 717 without starts on the path."""
+
 SHARES = (0.0, 0.5, 1.0)
 """Steps of the stiffness, by the logarithm, from the uniform one to another. Measured on the
 bridge and on vaults: of 8 rest states that were not found from the uniform one at once or from
@@ -74,6 +83,12 @@ def _after_newton(options: RestOptions) -> RestOptions:
     return replace(options, polish=POLISH_AGAIN * options.warm_relaxation)
 
 
+def _on_path(start: Start, same: bool) -> RestOptions:
+    """Options for an iterate of the relaxed law, with the same normal stiffnesses or others."""
+    below = 0.5 * (start.relaxation or 1.0)
+    return replace(FROM_PATH, polish=below, slow=np.inf if same else SLOW)
+
+
 @dataclass(frozen=True, eq=False)
 class Candidate:
     """Forces and a motion that may prove that the model stands.
@@ -83,11 +98,14 @@ class Candidate:
     force : (k, 3) [N]
     displacement : (n, 6) [m, rad]
     residuals
+    path
+        The last iterate of the relaxed law before it, from which similar springs may begin.
     """
 
     force: Floats
     displacement: Floats
     residuals: Residuals
+    path: Start | None = None
 
     @property
     def stands(self) -> bool:
@@ -104,10 +122,13 @@ class Rest(NamedTuple):
     same
         Whether the normal stiffnesses are the same. Newton's method on the unrelaxed law reaches
         the other one then in a few steps, or it stops soon.
+    path
+        The last iterate of the relaxed law before it.
     """
 
     displacement: Floats
     same: bool
+    path: Start | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,6 +245,7 @@ class Attempts(Record):
         if not again and (candidate.stands or falling or not self.clock.late()):
             self.tried += 1
         if candidate.stands:
+            candidate = replace(candidate, path=state.before)
             self.standing.append(candidate)
         elif falling:
             self.falling.append(Falling(state, springs, candidate.force, candidate.residuals))
@@ -279,7 +301,10 @@ class Attempts(Record):
             from_other = _after_newton(FROM_OTHER) if rests[-1].same else FROM_OTHER
             ways: list[tuple[RestOptions, Start | None]] = [(from_other, last)]
             if not briefly:  # what Newton's method did not reach from the same stiffnesses is far
-                ways.insert(0 if rests[-1].same else 1, (STRAIGHT, None))
+                path = rests[-1].path
+                ways.insert(0 if rests[-1].same or path else 1, (STRAIGHT, None))
+                if path:
+                    ways.insert(0, (_on_path(path, rests[-1].same), path))
             for options, begin in ways:
                 state = self._rest(springs, options, begin)
                 found = self._stood(state) if state.converged else None

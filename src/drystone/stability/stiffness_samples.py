@@ -73,7 +73,9 @@ def samples_to_try(
         missed = near is not None and not len(near)
         rests = [] if near is None or missed else [Rest(near, True)]
         if uniform.stands:
-            rests.append(Rest(uniform.displacement, compliance.is_even(statics, sample)))
+            rests.append(
+                Rest(uniform.displacement, compliance.is_even(statics, sample), uniform.path)
+            )
         # a start is scaled as if forces were in proportion to the motion
         out.append(StiffnessSample(sample, rests if statics.dry else [], missed))
     first = [

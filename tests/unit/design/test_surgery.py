@@ -28,7 +28,7 @@ from drystone.design.surgery import (
 from drystone.geometry.body.glue import cut_cell, glue
 from drystone.geometry.frames import rotation_about
 from drystone.joint_capacity import NO_LIMIT, JointCapacity
-from drystone.models import arch, box, prism, shelf, tower
+from drystone.models import arch, box, prism, shelf, snake, tower
 
 CHANGES: list[tuple[Callable[..., Model], tuple[Any, ...], list[float]]] = [
     (turn_joint, (20.0,), [1.0 / np.cos(np.deg2rad(20.0))]),
@@ -285,3 +285,9 @@ def test_blocks_that_would_overlap_are_refused_and_those_that_did_before_are_not
     deep = Model.of(both, friction=0.6)
     upward = faces_toward(sunk, (0.0, 0.0, 1.0))[0]
     assert move_face(deep, "sunk", upward, 0.1).assembly.volume[1] == pytest.approx(1.1)
+
+
+def test_a_face_that_runs_back_over_itself_where_it_is_cut_is_glued() -> None:
+    model = Model.of(snake(), friction=0.4)
+    made = turn_joint(wedge_joint(model, 2, 20.0, first=2), 6, 10.0, pivot=1.0, first=3)
+    assert made.assembly.volume.sum() == pytest.approx(model.assembly.volume.sum())

@@ -89,6 +89,17 @@ def test_a_warm_start_takes_fewer_steps():
     assert np.allclose(cold.force, warm.force, atol=1e-8)
 
 
+def test_other_friction_laws_take_fewer_steps_from_the_last_iterate_of_the_relaxed_law():
+    problem = problem_of(wall(8, 8), 0.6)
+    reached = find_rest(problem.system, compliance.uniform(problem.statics))
+    springs = compliance.uniform(problem.statics, slip=10.0)
+    cold = find_rest(problem.system, springs)
+    warm = find_rest(problem.system, springs, RestOptions(polish=1e-4), start=reached.before)
+    assert warm.converged
+    assert warm.iterations <= 0.5 * cold.iterations
+    np.testing.assert_allclose(warm.force, cold.force, atol=1e-6 * abs(cold.force).max())
+
+
 def test_stopping_returns_what_is_there():
     problem = problem_of(arch(0.15), 0.9)
     state = find_rest(problem.system, compliance.uniform(problem.statics), stop=lambda: True)

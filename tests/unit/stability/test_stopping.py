@@ -3,7 +3,7 @@
 import itertools
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -27,6 +27,14 @@ ARCH = models.arch(0.15)
 JOINTS = find_contacts(ARCH, friction=0.9).contacts
 FALLING = LoadCase.tilt(ARCH, (0.0, 1.0, 0.0), 40.0)
 INTERRUPTED = "it was interrupted"
+
+
+@pytest.fixture
+def interrupts() -> Iterator[None]:
+    """Python's own handler: a suite that was started in the background ignores Ctrl-C."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 def after(calls: int) -> Callable[[], bool]:
@@ -152,7 +160,7 @@ def test_what_stop_raises_comes_through(capfd: pytest.CaptureFixture[str]):
 
 @pytest.mark.skipif(os.name == "nt", reason="there os.kill ends the process")
 def test_an_interrupt_within_a_program_is_raised_and_breaks_nothing(
-    capfd: pytest.CaptureFixture[str],
+    capfd: pytest.CaptureFixture[str], interrupts: None
 ):
     def stop() -> bool:
         os.kill(os.getpid(), signal.SIGINT)

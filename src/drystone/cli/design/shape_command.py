@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @command(
     "drystone shape arch.json --friction 0.8 --most 0.05 --out stands.json",
-    "drystone shape arch.json --aim volume --margin tilt=2deg --time-limit 5 --html light.html",
+    "drystone shape arch.json --aim volume --margin tilt=2deg --time-limit 2 --html light.html",
 )
 def shape(
     *,

@@ -133,10 +133,11 @@ class _Path:
         motion, normal, tau = self.begin(start)
         point = self.evaluate(motion, normal, tau)
         best, since = point.merit, 0
+        first = point.merit
         polish_at = options.polish
         while True:
             if tau <= polish_at:
-                state = self.polish(point, stop)
+                state = self.polish(point, tau, stop)
                 if state is not None:
                     return state
                 polish_at = tau * POLISH_AGAIN
@@ -163,6 +164,8 @@ class _Path:
             reduced = following.merit < 0.1 * point.merit
             point = following
             since += 1
+            if since == self.steps == 2 and point.merit > options.slow * first:
+                break
             if point.merit < tau * np.sqrt(len(normal) + 1.0) or (length > 0.9 and reduced):
                 # near the end of the path the error is far below tau: reduce tau more
                 tau = max((0.1 if tau > 1e-6 else 0.01) * tau, options.relaxation)
@@ -180,14 +183,17 @@ class _Path:
             return False
         return bool((wrench_size(self.ground * motion) > SINKING * self.row_scale[:, 0]).any())
 
-    def polish(self, point: _Point, stop: Callable[[], bool] | None) -> RestState | None:
+    def polish(
+        self, point: _Point, tau: float, stop: Callable[[], bool] | None
+    ) -> RestState | None:
         """The rest state by Newton steps on the unrelaxed law; None if they do not converge.
 
         Near the end of the path few corners still change between closed and open.
         """
         state, steps = descend(self.system, self.compliance, self.options, point.motion, stop)
         self.steps += steps
-        return None if state is None else replace(state, iterations=self.steps)
+        before = Start(point.motion, point.normal, tau)
+        return None if state is None else replace(state, iterations=self.steps, before=before)
 
     def begin(self, start: RestState | Start | None) -> tuple[Floats, Floats, float]:
         statics = self.statics
@@ -196,6 +202,8 @@ class _Path:
             motion = np.zeros((statics.free_count, 6))
             return motion, self.relaxed_normal(gap, self.unit), 1.0
         tau = self.options.warm_relaxation
+        if isinstance(start, Start) and start.relaxation is not None:
+            tau = start.relaxation
         gap = statics.displacement(start.motion)[:, 0] + self.overlap
         return start.motion, np.clip(start.normal, *self.limits(gap, tau)), tau
 

@@ -42,6 +42,9 @@ class RestOptions:
     polish
         Relative tau at which the unrelaxed law is tried first. Measured: walls, vaults and domes at
         rest take 9 to 14 factorisations where they took 11 to 22 with 1e-7.
+    slow
+        The iteration stops if two steps at the first tau leave more than this share of the merit
+        function.
     """
 
     ground: float = 1e-8
@@ -53,6 +56,24 @@ class RestOptions:
     stall: int = STALL
     give_up: float = 0.0
     polish: float = 1e-3
+    slow: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Initial state of an iteration.
+
+    Attributes
+    ----------
+    motion : (n, 6) q
+    normal : (k,) fn, zero or more
+    relaxation
+        Relative tau of an iterate of the relaxed law; ``None`` for other states.
+    """
+
+    motion: Floats
+    normal: Floats
+    relaxation: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +92,9 @@ class RestState:
         forces that act on it.
     converged
     iterations
+    before
+        The last iterate of the relaxed law, where Newton's method on the unrelaxed law converged
+        from it.
     """
 
     motion: Floats
@@ -81,20 +105,7 @@ class RestState:
     unbalanced: float
     converged: bool
     iterations: int
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """Initial state of an iteration.
-
-    Attributes
-    ----------
-    motion : (n, 6) q
-    normal : (k,) fn, zero or more
-    """
-
-    motion: Floats
-    normal: Floats
+    before: Start | None = None
 
 
 def start_from(system: TangentSystem, compliance: Compliance, motion: Floats) -> Start:

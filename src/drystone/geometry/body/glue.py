@@ -21,6 +21,7 @@ from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.mend.coincidence import distinct
 from drystone.geometry.mend.merge import merge_coplanar
 from drystone.geometry.mend.soup import split_solids
+from drystone.geometry.plane.planar import overlay, valid
 from drystone.geometry.plane.polygon import area_vector, area_vectors
 
 TOUCH = 1e-8
@@ -151,7 +152,7 @@ def _beyond_concave(corner: Floats, height: Floats, extent: float) -> list[Float
     region = half_plane(slope[:2], float(slope[2]), 4.0 * extent)
     if region is None:
         return [corner] if height.mean() > 0.0 else []
-    shape = shapely.intersection(shapely.Polygon(flat), region)
+    shape = overlay(shapely.intersection, shapely.Polygon(flat), region)
     return [
         corner[0] + ring @ frame[1:]
         for part in parts_of(shape, "Polygon")
@@ -179,7 +180,7 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
     lines = [shapely.LineString(flat[list(edge)]) for edge in open_edges]
     section = shapely.Polygon()
     for ring in shapely.get_parts(shapely.polygonize(lines)):
-        section = shapely.symmetric_difference(section, shapely.Polygon(ring.exterior))
+        section = overlay(shapely.symmetric_difference, section, shapely.Polygon(ring.exterior))
     return [
         offset * normal + ring @ frame[1:]
         for part in parts_of(section, "Polygon")
@@ -250,12 +251,11 @@ def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> li
             continue
         frame = frames_from_normals(normal[i][None])[0]
 
-        def flat(corners: Floats, at: Floats = loop[0], axes: Floats = frame[1:]) -> Floats:
-            return (corners - at) @ axes.T
-
-        shape = shapely.Polygon(flat(loop))
-        for j in facing[i]:
-            shape = shapely.difference(shape, shapely.Polygon(flat(loops[j])).buffer(0.0))
+        # a loop may run back over itself
+        flat = [shapely.Polygon((loops[j] - loop[0]) @ frame[1:].T) for j in (i, *facing[i])]
+        shape, *covers = valid(np.array(flat, dtype=object))
+        for cover in covers:
+            shape = overlay(shapely.difference, shape, cover)
         # narrower than the tolerance: rounding
         core = shape.buffer(-near, join_style="mitre").buffer(near, join_style="mitre")
         if core.is_empty:

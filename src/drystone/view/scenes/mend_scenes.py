@@ -33,8 +33,8 @@ def diagnosis_scene(found: Diagnosis, source: str = "") -> Scene:
     Examples
     --------
     >>> from drystone.design import diagnose
-    >>> from drystone.models import shelf
-    >>> scene = diagnosis_scene(diagnose(shelf(), friction=0.9))
+    >>> from drystone.models import h_model
+    >>> scene = diagnosis_scene(diagnose(h_model(), friction=0.9))
     >>> [layer.key for layer in scene.stages[0].layers if layer.kind is LayerKind.ARROWS]
     ['help']
     """
