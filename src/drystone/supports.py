@@ -10,6 +10,7 @@ import numpy as np
 
 from drystone.assembly import Assembly
 from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.display import named
 from drystone.base.errors import InputError, counted, meant
 from drystone.base.units import length
 
@@ -211,8 +212,7 @@ def require_supports(
 
 def _list(assembly: Assembly, mask: Bools) -> str:
     names = [assembly.names[i] for i in np.flatnonzero(mask).tolist()]
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return f"{counted(len(names), 'block')} ({', '.join(names[:NAMED])}{more})"
+    return f"{counted(len(names), 'block')} ({named(names, NAMED)})"
 
 
 def _level(assembly: Assembly, bottom: Floats, up: Sequence[float]) -> Bools:

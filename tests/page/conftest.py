@@ -17,7 +17,8 @@ from tests.unit.live.live_client import served_arch
 def chromium() -> Iterator[Browser]:
     """One for all; it ends with the tests of this folder, whatever else the process tests then."""
     program = executable()
-    assert program is not None
+    if program is None:
+        pytest.skip("no Chromium on this machine")
     with running(program) as made:
         yield made
 

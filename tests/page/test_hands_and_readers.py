@@ -9,9 +9,7 @@ import pytest
 
 import drystone
 from drystone.models import tower
-from tests.page.browser import Tab, executable
-
-pytestmark = [pytest.mark.skipif(executable() is None, reason="no Chromium on this machine")]
+from tests.page.browser import Tab
 
 STACK = drystone.Model.of(tower(3), friction=0.5)
 ASKED = ("button", "checkbox", "combobox", "slider", "searchbox", "textbox", "DisclosureTriangle")

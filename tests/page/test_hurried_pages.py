@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-
 from benchmarks.page import COUNT, standing_wall
 from drystone.view import page_text, scene_of
-from tests.page.browser import executable
-
-pytestmark = [pytest.mark.skipif(executable() is None, reason="no Chromium on this machine")]
 
 SLOW = """
 const kind = WebGL2RenderingContext.prototype;

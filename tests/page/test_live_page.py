@@ -11,16 +11,12 @@ import drystone
 from drystone import io
 from drystone.live.serving import Live
 from drystone.models import box, tower
-from tests.page.browser import Browser, Tab, executable
+from tests.page.browser import Browser, Tab
 from tests.page.live_steps import choose, leave, verdict
 
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
 PROPPED = "voussoir-09"
 """A voussoir with which the arch stands at 9 degrees if it is a support."""
-
-pytestmark = [
-    pytest.mark.skipif(executable() is None, reason="no Chromium on this machine"),
-]
 
 
 @pytest.fixture

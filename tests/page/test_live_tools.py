@@ -16,11 +16,9 @@ import drystone
 from drystone import io
 from drystone.live.serving import Live
 from drystone.models import leaning_column
-from tests.page.browser import Browser, Tab, executable
+from tests.page.browser import Browser, Tab
 from tests.page.live_steps import choose, leave, says, verdict
 from tests.unit.live.live_client import overhang
-
-pytestmark = [pytest.mark.skipif(executable() is None, reason="no Chromium on this machine")]
 
 
 @pytest.fixture

@@ -13,14 +13,9 @@ from drystone.detection import find_contacts
 from drystone.models import arch, box, shelf, tower
 from drystone.results import Result
 from drystone.view import save_inspection
-from tests.page.browser import Tab, executable
+from tests.page.browser import Tab
 
-PROGRAM = executable()
 EVIL = "</script><img src=x onerror=\"alert('x')\"><b>&amp;"
-
-pytestmark = [
-    pytest.mark.skipif(PROGRAM is None, reason="no Chromium on this machine"),
-]
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,9 @@ import drystone
 from drystone.models import arch
 from drystone.view import interact
 from drystone.view.web import widget
-from tests.page.browser import Browser, Tab, executable
+from tests.page.browser import Browser, Tab
 
 pytest.importorskip("anywidget", reason="no anywidget, the extra 'notebook'")
-pytestmark = [pytest.mark.skipif(executable() is None, reason="no Chromium on this machine")]
-
 MODEL = drystone.Model.of(arch(0.2, 8), friction=0.7)
 SYNCED = ("page", "height", "sliders", "values", "names", "picked", "picked_joint", "trouble")
 

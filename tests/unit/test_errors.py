@@ -2,7 +2,15 @@
 
 import pickle
 
-from drystone.base.errors import DefectKind, FormatError, InputError
+import pytest
+
+from drystone.base.errors import (
+    DefectKind,
+    FormatError,
+    InputError,
+    one_line_errors,
+    printable,
+)
 
 
 def test_errors_come_back_from_another_process_whole() -> None:
@@ -15,3 +23,28 @@ def test_errors_come_back_from_another_process_whole() -> None:
 def test_a_fault_is_located_without_losing_its_kind() -> None:
     error = InputError("is open", remedy="close it", kind=DefectKind.OPEN).located("block 'a'")
     assert (str(error), error.kind) == ("block 'a': is open; close it", DefectKind.OPEN)
+
+
+def fail(what: str) -> None:
+    with one_line_errors():
+        raise FormatError(what, where="model.json", remedy="mend it")
+
+
+def test_errors_that_quote_a_file_keep_to_one_short_line() -> None:
+    with pytest.raises(FormatError) as caught:
+        fail("block 'a\nb\x1b' is " + "very " * 1000 + "bad")
+    assert "\n" not in str(caught.value)
+    assert "\x1b" not in str(caught.value)
+    assert len(str(caught.value)) < 400
+    assert str(caught.value).startswith("model.json: block 'a?b?' is very")
+    assert str(caught.value).endswith("bad; mend it")
+
+
+def test_clear_errors_pass_as_they_are() -> None:
+    with pytest.raises(FormatError, match=r"model\.json: it is bad; mend it") as caught:
+        fail("it is bad")
+    assert caught.value.__cause__ is None
+
+
+def test_short_text_is_left_alone() -> None:
+    assert printable("Größe 壁") == "Größe 壁"

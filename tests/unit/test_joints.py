@@ -11,7 +11,6 @@ from tests.oracle import touching_faces
 
 TOWER = tower(2)
 SQUARE = touching_faces(TOWER, 0.5)
-WEIGHT = 2400.0 * 9.81
 
 
 def answer(force: np.ndarray, contacts: Contacts = SQUARE, assembly: Assembly = TOWER) -> Result:

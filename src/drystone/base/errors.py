@@ -15,8 +15,12 @@ from __future__ import annotations
 
 import enum
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
+
+LONGEST = 300
+"""Characters of one part of an error that quotes a file. Chosen: enough for a path and a name."""
 
 
 def counted(number: int, one: str, many: str = "") -> str:
@@ -47,6 +51,26 @@ def meant(given: str, known: Iterable[str], otherwise: str = "") -> str:
     if close:
         return f"did you mean {', '.join(close)}?"
     return otherwise or f"names are like {', '.join(names[:3])}"
+
+
+def clean(text: str) -> str:
+    """Text without line ends and control characters."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
+
+
+def printable(text: str, limit: int = LONGEST) -> str:
+    r"""Text without line ends and control characters, cut in the middle when it is too long.
+
+    Examples
+    --------
+    >>> printable("red\x1b[31m\nblue")
+    'red?[31m?blue'
+    """
+    shown = clean(text)
+    if len(shown) <= limit:
+        return shown
+    half = limit // 2 - 2
+    return f"{shown[:half]}...{shown[-half:]}"
 
 
 class DefectKind(enum.StrEnum):
@@ -136,3 +160,17 @@ class MissingDependency(DrystoneError, ImportError):
 
 class SolverError(DrystoneError, RuntimeError):
     """A numerical back end cannot process its input."""
+
+
+@contextmanager
+def one_line_errors() -> Iterator[None]:
+    """Convert errors that quote a file to one printable line."""
+    try:
+        yield
+    except InputError as error:
+        parts = (error.what, error.where, error.remedy)
+        shown = tuple(printable(part) for part in parts)
+        if shown == parts:
+            raise
+        what, where, remedy = shown
+        raise type(error)(what, where=where, remedy=remedy, kind=error.kind) from error

@@ -12,13 +12,13 @@ import numpy as np
 
 from drystone.assembly import Assembly, Block, replace_block
 from drystone.base.arrays import Floats, frozen_floats
-from drystone.base.errors import DefectKind, FormatError, InputError, counted
+from drystone.base.display import named
+from drystone.base.errors import DefectKind, FormatError, InputError, counted, printable
 from drystone.base.units import UNITS, mass, scale_of
 from drystone.geometry.body import polyhedron, selfcontact
 from drystone.geometry.mend import coincidence
 from drystone.geometry.mend.parts import separate_parts
 from drystone.io.draft import Contents, Draft, DraftBlock
-from drystone.io.wording import printable
 
 LARGEST_COORDINATE = 1e9
 """[m], chosen: far above any structure, far below where products of coordinates overflow."""
@@ -288,12 +288,12 @@ def _self_contact_defects(blocks: list[Block], path: Path) -> tuple[list[InputEr
     found = selfcontact.self_contacts([b.vertices for b in blocks], [b.faces for b in blocks])
     return [
         FormatError(
-            f"its surface {fault.what}",
-            where=f"{path}, block '{blocks[fault.body].name}'",
+            f"its surface {what}",
+            where=f"{path}, block '{blocks[body].name}'",
             remedy="separate the parts there, or split it into two blocks",
         )
-        for fault in found
-    ], [fault.body for fault in found]
+        for body, what in found
+    ], [body for body, _ in found]
 
 
 def _duplicate_defects(blocks: list[Block], path: Path) -> tuple[list[InputError], list[int]]:
@@ -319,9 +319,8 @@ def _repair_notes(blocks: list[Block]) -> list[str]:
             names[repair].append(f"'{block.name}'")
     notes = []
     for repair, repaired in names.items():
-        shown = ", ".join(repaired[:MANY])
-        more = f" and {len(repaired) - MANY} more" if len(repaired) > MANY else ""
-        notes.append(f"{'block' if len(repaired) == 1 else 'blocks'} {shown}{more}: {repair}")
+        many = "block" if len(repaired) == 1 else "blocks"
+        notes.append(f"{many} {named(repaired, MANY)}: {repair}")
     return notes
 
 

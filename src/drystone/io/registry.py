@@ -9,7 +9,7 @@ from pathlib import Path
 from drystone.assembly import Assembly
 from drystone.base.arrays import number, of_type
 from drystone.base.display import OneLine
-from drystone.base.errors import FormatError, InputError
+from drystone.base.errors import FormatError, InputError, one_line_errors
 from drystone.base.files import PathLike, as_path, read_bytes
 from drystone.base.units import scale_of
 from drystone.io import jsontext
@@ -20,7 +20,6 @@ from drystone.io.draft import Contents, Draft
 from drystone.io.mesh import glb, glb_write, obj, ply, stl
 from drystone.io.own import brick_list, drystone_json, drystone_json_write
 from drystone.io.simulators import write_mjcf, write_urdf
-from drystone.io.wording import one_line_errors
 from drystone.model import Model
 from drystone.results import Result
 

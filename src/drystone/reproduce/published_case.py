@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.display import OneLine
@@ -40,13 +40,7 @@ class Line(OneLine):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
-        return {
-            "what": self.what,
-            "published": self.published,
-            "found": self.found,
-            "agrees": self.agrees,
-            "note": self.note,
-        }
+        return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)

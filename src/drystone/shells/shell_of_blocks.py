@@ -16,6 +16,7 @@ from drystone.base.errors import InputError, counted
 from drystone.base.progress import Progress
 from drystone.base.ragged import Ragged
 from drystone.contacts import DEFAULT_FRICTION, Contacts
+from drystone.geometry.body.polyhedron import loop_edges
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
 from drystone.model import Model
@@ -36,7 +37,7 @@ from drystone.shells.blocks.springers import add_ground, springers
 from drystone.shells.bond.courses import lay_courses
 from drystone.shells.bond.head_joints import lay_bond
 from drystone.shells.bond.pattern import lay_pattern
-from drystone.shells.bond.tessellation import Tessellation, directed
+from drystone.shells.bond.tessellation import Tessellation
 from drystone.shells.bond.weld import weld
 from drystone.shells.shell_options import Ground, Layout, ShellBody
 from drystone.shells.surface.lengths import refuse_unless_positive
@@ -208,7 +209,7 @@ def build_shell(
             partial=plan.partial,
         )
         bond = lay_bond(courses, blocks=plan.blocks, width=plan.width, staggered=plan.staggered)
-        patterns.append(lay_pattern(bond.courses, bond.joints, wedge=plan.wedge))
+        patterns.append(lay_pattern(*bond, wedge=plan.wedge))
     mesh, moved = fit_cells(weld(shape, patterns), shape)
     given = body.thickness if body.thickness is not None else shape.default_thickness
     thickness = vertex_thickness(mesh, given)
@@ -258,7 +259,7 @@ def _finish(
         remedy = special_remedy(shape, body)
         if remedy is None:
             raise
-        raise InputError(error.what, where=error.where, remedy=remedy) from error
+        raise error.located(error.where, remedy) from error
     return Shell(
         shape=shape,
         assembly=assembly,
@@ -302,7 +303,7 @@ def _around_openings(mesh: Tessellation) -> set[int]:
     """Cells around an eye: a closed border without supports."""
     cell_of = {
         edge: c for c, cell in enumerate(mesh.cells) if mesh.of_patch[c] >= 0
-        for edge in directed(cell)
+        for edge in loop_edges(cell)
     }  # fmt: skip
     after = {b: a for a, b in cell_of if (b, a) not in cell_of}  # the border, opening left
     supported = set(mesh.supported)

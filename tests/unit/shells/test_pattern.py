@@ -11,7 +11,7 @@ from drystone.shells.bond.pattern import lay_pattern
 def pattern_of(patch, *, courses=4, blocks=4, wedge=0.0, partial=0):
     laid = lay_courses(patch, count=courses, partial=partial)
     bond = lay_bond(laid, blocks=blocks)
-    return lay_pattern(bond.courses, bond.joints, wedge=wedge)
+    return lay_pattern(*bond, wedge=wedge)
 
 
 def areas(pattern):
@@ -141,7 +141,7 @@ def test_no_bed_of_a_changing_bond_is_steeper_than_in_a_regular_one():
     def steepest(blocks):
         courses = lay_courses(barrel_vault(6.0, 6.0).patches[0], count=12)
         bond = lay_bond(courses, blocks=blocks)
-        pattern = lay_pattern(bond.courses, bond.joints, wedge=0.2)
+        pattern = lay_pattern(*bond, wedge=0.2)
         edges = [
             pair
             for cell in pattern.cells

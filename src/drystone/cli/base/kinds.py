@@ -43,7 +43,7 @@ class OptionKind(click.ParamType):  # type: ignore[type-arg]  # generic since cl
             return self.read(value)
         except InputError as error:
             where = error.where or named(param)
-            raise InputError(error.what, where=where, remedy=error.remedy) from error
+            raise error.located(where) from error
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:  # noqa: ARG002
         """What stands for the value in help."""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from drystone.base.display import named
-from drystone.base.errors import InputError, MissingDependency
+from drystone.base.errors import InputError, MissingDependency, clean
 
 BAD_INPUT, MISSING, FAULT = 2, 3, 70
 """Exit codes of errors."""
@@ -89,11 +89,6 @@ def grouped(rows: Sequence[Sequence[str]]) -> list[list[str]]:
 def say(text: str) -> None:
     """Print plain text."""
     print(text)
-
-
-def clean(text: str) -> str:
-    """Text without control characters."""
-    return "".join(c if c.isprintable() else "?" for c in text)
 
 
 def emit(data: dict[str, Any]) -> None:

@@ -11,7 +11,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drystone.cli.base.output import clean
+from drystone.base.errors import clean
 
 if TYPE_CHECKING:
     from rich.progress import Progress

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from drystone.base.errors import InputError
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
+from drystone.cli.design.shell_pattern import ShellPattern
 
 if TYPE_CHECKING:
     from drystone.design import Buildable
@@ -17,36 +18,17 @@ SIZES = (1.0, 0.75, 1.25)
 """Courses and widths that are tried, by those that are used otherwise. Chosen."""
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What was asked for on the command line.
-
-    Attributes
-    ----------
-    wedge
-        The shallowest wedge, if one is given.
-    any_courses, any_width
-        Whether the courses, and the width of blocks, are searched.
-    straight
-    """
-
-    wedge: tuple[float, ...] | None
-    any_courses: bool
-    any_width: bool
-    straight: bool
-
-
-def layouts_to_try(layout: Layout, asked: Asked) -> list[Layout]:
+def layouts_to_try(layout: Layout, pattern: ShellPattern) -> list[Layout]:
     """The layout as it is, others of other sizes, and the first one without stagger."""
-    courses = SIZES if asked.any_courses else (1.0,)
-    widths = SIZES if asked.any_width else (1.0,)
+    courses = SIZES if pattern.any_courses else (1.0,)
+    widths = SIZES if pattern.any_width else (1.0,)
     found = []
     for share in courses:
         for width in widths:
             one = layout
-            if asked.any_courses and layout.courses is not None:
+            if pattern.any_courses and layout.courses is not None:
                 one = replace(one, courses=round(share * layout.courses))
-            if asked.any_width and layout.width is not None:
+            if pattern.any_width and layout.width is not None:
                 one = replace(one, width=width * layout.width)
             found.append(one)
     return [*found, replace(layout, staggered=False)]
@@ -56,7 +38,7 @@ def find_buildable(
     shape: Shape,
     layout: Layout,
     body: ShellBody,
-    asked: Asked,
+    pattern: ShellPattern,
     friction: float | None,
     waiting: Waiting,
     time_limit: float | None,
@@ -68,13 +50,13 @@ def find_buildable(
     InputError
         Options contradict each other, or no layout can be built.
     """
-    if asked.straight:
+    if pattern.straight:
         raise InputError(
             "ask for different wedges",
             where="--buildable and --straight",
             remedy="give one of them",
         )
-    if asked.wedge is not None and len(asked.wedge) > 1:
+    if pattern.wedge is not None and len(pattern.wedge) > 1:
         raise InputError(
             "searches a wedge for each course", where="--buildable",
             remedy="give --wedge one value, the shallowest",
@@ -82,7 +64,7 @@ def find_buildable(
     from drystone import design  # work is imported when there is some
     from drystone.design.building.buildable import WEDGES
 
-    least = WEDGES[0] if asked.wedge is None else asked.wedge[0]
+    least = WEDGES[0] if pattern.wedge is None else pattern.wedge[0]
     sign = -1.0 if least < 0.0 else 1.0
     wedges = (least, *(sign * one for one in WEDGES if one > abs(least)))
     given: dict[str, Any] = {} if friction is None else {"friction": friction}
@@ -91,7 +73,7 @@ def find_buildable(
         try:
             return design.make_buildable(
                 shape,
-                layouts_to_try(layout, asked),
+                layouts_to_try(layout, pattern),
                 body,
                 options=design.BuildableOptions(wedges=wedges, **given),
                 **common,

@@ -14,7 +14,7 @@ from drystone.cli.base.command import OUTPUT, Experts, Option, command
 from drystone.cli.base.output import Screen
 from drystone.cli.base.waiting import Waiting
 from drystone.cli.base.written import Pictures, apart
-from drystone.cli.design.buildable_answer import Asked, find_buildable, show_buildable
+from drystone.cli.design.buildable_answer import find_buildable, show_buildable
 from drystone.cli.design.parameter_search import SearchRequest, parameter_range, show_front
 from drystone.cli.design.shell_pattern import ShellPattern, shell_on, varied_shell, with_values
 from drystone.cli.inputs import families, options
@@ -104,9 +104,8 @@ def shell(
     base = surface_of(wanted)
     told = None
     if buildable:
-        asked = Asked(pattern.wedge, pattern.any_courses, pattern.any_width, pattern.straight)
         layout, body = pattern.layout(base.width), pattern.body(wanted.thickness)
-        told = find_buildable(base.shape, layout, body, asked, friction, waiting, time_limit)
+        told = find_buildable(base.shape, layout, body, pattern, friction, waiting, time_limit)
         made = told.shell
     else:
         made = shell_on(base, wanted, pattern, waiting)

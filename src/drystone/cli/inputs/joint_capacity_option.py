@@ -57,14 +57,14 @@ def _of_words(model: Model, text: str) -> JointCapacity:
         try:
             found[name] = units.measured(value, known[name == "moment"], what=name)
         except InputError as error:
-            raise InputError(error.what, where=WHERE, remedy=error.remedy) from error
+            raise error.located(WHERE) from error
         stress[name] = value.endswith("Pa")
     area = model.contacts.area
     forces = {name: value * area if stress[name] else value for name, value in found.items()}
     try:
         return JointCapacity.of(model.contacts, **forces)
     except InputError as error:
-        raise InputError(error.what, where=WHERE, remedy=error.remedy) from error
+        raise error.located(WHERE) from error
 
 
 def _of_table(model: Model, path: str) -> JointCapacity:
@@ -108,4 +108,4 @@ def _of_table(model: Model, path: str) -> JointCapacity:
     try:
         return JointCapacity(**values)
     except InputError as error:
-        raise InputError(error.what, where=path, remedy=error.remedy) from error
+        raise error.located(path) from error

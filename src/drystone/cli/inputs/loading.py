@@ -86,7 +86,7 @@ def parsed_load(
             return LoadCase.extra_mass(assembly, block, mass, at, direction=down)
         raise InputError(f"'{what}' is not a load", remedy=f"write {EXAMPLE}")
     except InputError as error:
-        raise InputError(error.what, where=error.where or where, remedy=error.remedy) from error
+        raise error.located(error.where or where) from error
 
 
 def _components(text: str, known: dict[str, float], example: str) -> list[float]:
@@ -121,7 +121,7 @@ def parsed_move(text: str, assembly: Assembly) -> LoadCase:
     try:
         return LoadCase.settlement(assembly, block, values)
     except InputError as error:
-        raise InputError(error.what, where="--move", remedy=error.remedy) from error
+        raise error.located("--move") from error
 
 
 def parsed_seismic(text: str, assembly: Assembly) -> LoadCase:

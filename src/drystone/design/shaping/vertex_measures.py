@@ -105,10 +105,12 @@ class BlockVertices:
                         remedy="allow smaller moves",
                     )
                 moved.append(blocks[i])
-        for fault in self_contacts([one.vertices for one in moved], [one.faces for one in moved]):
+        for body, what in self_contacts(
+            [one.vertices for one in moved], [one.faces for one in moved]
+        ):
             raise InputError(
-                f"its surface {fault.what}",
-                where=f"block '{moved[fault.body].name}'",
+                f"its surface {what}",
+                where=f"block '{moved[body].name}'",
                 remedy="allow smaller moves",
             )
         return Assembly(tuple(blocks), self.assembly.fixed)

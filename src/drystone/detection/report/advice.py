@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from drystone.base.display import named
 from drystone.base.errors import counted
 from drystone.detection.detection_options import LARGEST, DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.block_overlaps import Overlap
-from drystone.detection.report.reasons import Missed, Reason, listed
+from drystone.detection.report.reasons import SHOWN, Missed, Reason
 
 Pair = tuple[int, int]
 """Two blocks by their positions."""
@@ -56,7 +57,7 @@ def suggestions(
     explained |= {i for miss in apart for i in (miss.block_a, miss.block_b)}
     lost = [names[i] for i in isolated if i not in explained]
     if lost and len(names) > 1:
-        said.append(f"nothing is near {listed(lost)}: is a block missing, or in other units?")
+        said.append(f"nothing is near {named(lost, SHOWN)}: is a block missing, or in other units?")
     return tuple(said)
 
 

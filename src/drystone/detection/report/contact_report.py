@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats, Ints
-from drystone.base.display import Card
+from drystone.base.display import Card, named
 from drystone.base.errors import counted
 from drystone.base.table import Table
 from drystone.detection.detection_options import DetectionOptions
 from drystone.detection.freeform.shortfall import Shortfall
 from drystone.detection.report.advice import suggestions
 from drystone.detection.report.block_overlaps import Overlap, overlap_lines, require_apart
-from drystone.detection.report.reasons import SHOWN, Missed, Reason, listed, millimetres
+from drystone.detection.report.reasons import SHOWN, Missed, Reason, millimetres
 
 KINDS = {3: "area", 2: "line", 1: "point"}
 """Names of the kinds of interfaces."""
@@ -95,7 +95,7 @@ class ContactReport(Card):
         ends = [self.gap.min(), self.gap.max()] if len(self.gap) else []
         return self._summary(), {
             "gaps [mm]": " to ".join(millimetres(gap) for gap in ends),
-            "touch nothing": listed([self.names[i] for i in self.isolated]),
+            "touch nothing": named([self.names[i] for i in self.isolated], SHOWN),
             "suggestions": "; ".join(self.suggestions()),
         }
 
@@ -161,19 +161,19 @@ class ContactReport(Card):
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.undirected]
             lines.append(
                 f"{counted(len(shown), 'pair')} not joined, edge meets edge or corner meets corner"
-                f" and the contact has no defined normal: {listed(shown)}"
+                f" and the contact has no defined normal: {named(shown, SHOWN)}"
             )
         if self.near_undirected:
             shown = [f"{self.names[a]}-{self.names[b]}" for a, b in self.near_undirected]
             lines.append(
                 f"{counted(len(shown), 'pair')} not joined, edge near edge or corner near corner:"
-                f" {listed(shown)}"
+                f" {named(shown, SHOWN)}"
             )
         if self.isolated:
             lines.append(
                 f"{counted(len(self.isolated), 'block')}"
                 f" {'touches' if len(self.isolated) == 1 else 'touch'} nothing:"
-                f" {listed([self.names[i] for i in self.isolated])}"
+                f" {named([self.names[i] for i in self.isolated], SHOWN)}"
             )
         lines += overlap_lines(self.names, self.overlaps)
         lines += _first(
@@ -212,7 +212,9 @@ class ContactReport(Card):
                 f"{self.names[a]}-{self.names[b]}{_by_how_much(miss)}"
                 for (a, b), miss in sorted(pairs.items(), key=lambda item: item[0])
             ]
-            lines.append(f"{counted(len(pairs), 'pair')} not joined, {reason}: {listed(shown)}")
+            lines.append(
+                f"{counted(len(pairs), 'pair')} not joined, {reason}: {named(shown, SHOWN)}"
+            )
         beside = Counter(str(miss.reason) for miss in self.missed if miss.joined)
         lines += [
             f"{counted(count, 'overlap')} dropped between blocks that touch elsewhere, {reason}"

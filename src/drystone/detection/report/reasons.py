@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -62,12 +61,6 @@ class Missed(OneLine):
     needed: float
     polygon: Floats
     joined: bool
-
-
-def listed(items: Sequence[str]) -> str:
-    """The first of several names, and the number of others."""
-    more = f" and {len(items) - SHOWN} more" if len(items) > SHOWN else ""
-    return ", ".join(items[:SHOWN]) + more
 
 
 def millimetres(length: float) -> str:

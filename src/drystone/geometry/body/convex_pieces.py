@@ -9,7 +9,7 @@ import manifold3d
 import numpy as np
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Loop
 from drystone.geometry.plane.triangulate import triangulate
@@ -145,9 +145,7 @@ def _cut(part: manifold3d.Manifold) -> Sequence[manifold3d.Manifold]:
 
 def _normals(corner: Floats) -> tuple[Floats, Floats]:
     """Unit normals (t, 3) and twice the areas (t,) of triangles (t, 3, 3)."""
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    size = np.linalg.norm(normal, axis=1)
-    return normal / np.where(size > 0.0, size, 1.0)[:, None], size
+    return unit(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
 
 
 def _concave_edges(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints, cross
+from drystone.base.arrays import Bools, Floats, Ints, cross, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.polygon import area_vectors
@@ -107,9 +107,7 @@ def warp_and_view(corners: Floats, start: Ints) -> tuple[Floats, Bools]:
         Every triangle of the fan about the mean has the orientation of the polygon.
     """
     loops = Ragged(start)
-    area = area_vectors(corners, start)
-    length = np.linalg.norm(area, axis=1)
-    normal = (area / np.where(length > 0.0, length, 1.0)[:, None])[loops.owner]
+    normal = loops.spread(unit(area_vectors(corners, start))[0])
     local = corners - loops.spread(loops.mean(corners))
     turn = (cross(local, local[loops.following]) * normal).sum(axis=1)
     height: Floats = loops.max(np.abs((local * normal).sum(axis=1)))

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, unit
 from drystone.base.errors import InputError
 from drystone.geometry.body.halved import halved
-from drystone.geometry.body.polyhedron import Loop, edge_defects
+from drystone.geometry.body.polyhedron import Loop, edge_defects, loop_edges
 from drystone.geometry.body.split import (
     Piece,
     half_plane,
@@ -170,7 +170,7 @@ def _lids(loops: Sequence[Floats], normal: Floats, offset: float, extent: float)
     open_edges: set[tuple[int, int]] = set()
     for part in np.split(number, ends):
         loop = _simple(part.tolist())
-        for edge in zip(loop, (*loop[1:], *loop[:1]), strict=True):
+        for edge in loop_edges(loop):
             if edge[::-1] in open_edges:
                 open_edges.remove(edge[::-1])
             else:
@@ -225,9 +225,7 @@ def _bodies(loops: Sequence[Floats], extent: float) -> list[Piece]:
 def _uncovered(loops: Sequence[Floats], owner: Sequence[int], near: float) -> list[Floats]:
     """Loops without the area that a face of another piece covers from the other side."""
     start = np.cumsum([0, *(len(loop) for loop in loops)]).astype(np.intp)
-    area = area_vectors(np.concatenate(loops), start)
-    size = np.linalg.norm(area, axis=1)
-    normal = area / np.where(size > 0.0, size, 1.0)[:, None]
+    normal = unit(area_vectors(np.concatenate(loops), start))[0]
     low = np.array([loop.min(axis=0) for loop in loops]) - near
     high = np.array([loop.max(axis=0) for loop in loops]) + near
     owners = np.array(owner)

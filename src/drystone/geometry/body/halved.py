@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from drystone.base.arrays import Floats
-from drystone.geometry.body.polyhedron import Loop
+from drystone.geometry.body.polyhedron import Loop, loop_edges
 from drystone.geometry.body.split import Piece
 
 
@@ -65,7 +65,7 @@ def _parts(
     below: list[int] = []
     above: list[int] = []
     changes, last = 0, 0.0
-    for i, j in zip(face, (*face[1:], face[0]), strict=True):
+    for i, j in loop_edges(face):
         here, then = height[i], height[j]
         if here <= 0.0:
             below.append(i)
@@ -92,7 +92,7 @@ def _parts(
 
 def _lid(faces: Sequence[Loop]) -> Loop | None:
     """The face that closes a body with one opening; ``None`` where it has another number."""
-    edges = {edge for face in faces for edge in zip(face, (*face[1:], face[0]), strict=True)}
+    edges = {edge for face in faces for edge in loop_edges(face)}
     after: dict[int, int] = {}
     for i, j in edges:
         if (j, i) not in edges:

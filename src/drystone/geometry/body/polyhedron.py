@@ -188,13 +188,20 @@ def _six_volumes(a: Floats, b: Floats, c: Floats) -> Floats:
     return a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0)
 
 
+def loop_edges(loop: Sequence[int]) -> list[Edge]:
+    """The edges of a loop, each from a vertex to the next.
+
+    Examples
+    --------
+    >>> loop_edges([4, 7, 5])
+    [(4, 7), (7, 5), (5, 4)]
+    """
+    return list(zip(loop, (*loop[1:], *loop[:1]), strict=True))
+
+
 def edges_of(faces: Sequence[Loop]) -> Ints:
     """Edges (e, 2) of some faces: each once, lower vertex first, in ascending order."""
-    pairs = {
-        (min(i, j), max(i, j))
-        for face in faces
-        for i, j in zip(face, (*face[1:], face[0]), strict=True)
-    }
+    pairs = {(min(i, j), max(i, j)) for face in faces for i, j in loop_edges(face)}
     return np.array(sorted(pairs), dtype=np.intp)
 
 
@@ -241,7 +248,7 @@ def orient(faces: Sequence[Loop]) -> tuple[list[Loop], list[int]]:
     """
     users: dict[Edge, list[tuple[int, bool]]] = defaultdict(list)
     for f, loop in enumerate(faces):
-        for a, b in zip(loop, (*loop[1:], loop[0]), strict=True):
+        for a, b in loop_edges(loop):
             users[min(a, b), max(a, b)].append((f, a < b))
     neighbours: dict[int, list[tuple[int, bool]]] = defaultdict(list)
     for pair in users.values():
@@ -269,7 +276,7 @@ def open_faces(faces: Sequence[Loop]) -> list[int]:
     """Faces with an edge that no other face uses."""
     users: dict[Edge, list[int]] = defaultdict(list)
     for f, loop in enumerate(faces):
-        for a, b in zip(loop, (*loop[1:], *loop[:1]), strict=True):
+        for a, b in loop_edges(loop):
             users[min(a, b), max(a, b)].append(f)
     return sorted({used[0] for used in users.values() if len(used) == 1})
 

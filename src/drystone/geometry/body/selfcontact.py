@@ -31,22 +31,6 @@ Finding = tuple[int, str]
 
 
 @dataclass(frozen=True)
-class SelfContact:
-    """A place where the surface of one body touches or crosses itself.
-
-    Attributes
-    ----------
-    body
-        Position of the polyhedron.
-    what
-        A verb and its object, such as "touches itself: vertex 3 lies on face 7".
-    """
-
-    body: int
-    what: str
-
-
-@dataclass(frozen=True)
 class _Surface:
     """Bodies scaled to size 1 and moved apart, so that only parts of one body are near each other.
 
@@ -79,7 +63,7 @@ class _Surface:
         return np.asarray(shapely.points(flat))
 
 
-def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> list[SelfContact]:
+def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> list[Finding]:
     """The first self-contact of each closed polyhedron that has one.
 
     Parameters
@@ -88,6 +72,11 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
         Per body (v, 3) [m].
     faces
         Per body its loops: a closed 2-manifold, oriented outwards.
+
+    Returns
+    -------
+    Position of the body, and what is wrong: a verb and its object, such as "touches itself: vertex
+    3 lies on face 7".
 
     Notes
     -----
@@ -109,7 +98,7 @@ def self_contacts(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -
     for search in searches:
         for body, what in search(surface):
             found.setdefault(body, what)
-    return [SelfContact(concave[body], what) for body, what in sorted(found.items())]
+    return [(concave[body], what) for body, what in sorted(found.items())]
 
 
 def _surface(vertices: Sequence[Floats], faces: Sequence[Sequence[Loop]]) -> _Surface:

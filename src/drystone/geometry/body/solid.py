@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, cross
+from drystone.base.arrays import Bools, Floats, cross, dot
 
 BATCH = 1_000_000
 """Pairs of a point and a triangle in one batch. Chosen: bounds the memory to some 200 MB."""
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    dot: Floats = (a * b).sum(axis=-1)
-    return dot
 
 
 def solid_angles(points: Floats, triangles: Floats) -> Floats:
@@ -31,9 +26,9 @@ def solid_angles(points: Floats, triangles: Floats) -> Floats:
     [1.0, 0.0]
     """
     a, b, c = (triangles[..., j, :] - points for j in range(3))
-    x, y, z = (np.sqrt(_dot(v, v)) for v in (a, b, c))
-    volume = _dot(a, cross(b, c))
-    rest = x * y * z + _dot(a, b) * z + _dot(b, c) * x + _dot(c, a) * y
+    x, y, z = (np.sqrt(dot(v, v)) for v in (a, b, c))
+    volume = dot(a, cross(b, c))
+    rest = x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y
     angle: Floats = 2.0 * np.arctan2(volume, rest)
     return angle
 
@@ -88,22 +83,22 @@ def squared_distance(points: Floats, triangles: Floats) -> Floats:
         np.minimum(_from_segment(points, b, c), _from_segment(points, c, a)),
     )
     normal = cross(b - a, c - a)
-    square = _dot(normal, normal)
+    square = dot(normal, normal)
     safe = np.where(square > 0.0, square, 1.0)
     over = square > 0.0
     for start, end in ((a, b), (b, c), (c, a)):
-        over = over & (_dot(cross(end - start, points - start), normal) >= 0.0)
-    height = _dot(points - a, normal) ** 2 / safe
+        over = over & (dot(cross(end - start, points - start), normal) >= 0.0)
+    height = dot(points - a, normal) ** 2 / safe
     squared: Floats = np.where(over, height, best)
     return squared
 
 
 def _from_segment(points: Floats, start: Floats, end: Floats) -> Floats:
     along = end - start
-    square = _dot(along, along)
-    share = _dot(points - start, along) / np.where(square > 0.0, square, 1.0)
+    square = dot(along, along)
+    share = dot(points - start, along) / np.where(square > 0.0, square, 1.0)
     offset = points - start - np.clip(share, 0.0, 1.0)[..., None] * along
-    return _dot(offset, offset)
+    return dot(offset, offset)
 
 
 def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Bools, Floats]:
@@ -123,12 +118,12 @@ def crossings(start: Floats, end: Floats, triangles: Floats) -> tuple[Bools, Flo
     one, two = triangles[..., 1, :] - corner, triangles[..., 2, :] - corner
     off = start - corner
     side = cross(*np.broadcast_arrays(ray, two))
-    volume = _dot(side, one)
-    flat = np.abs(volume) <= 1e-14 * np.sqrt(_dot(ray, ray) * _dot(one, one) * _dot(two, two))
+    volume = dot(side, one)
+    flat = np.abs(volume) <= 1e-14 * np.sqrt(dot(ray, ray) * dot(one, one) * dot(two, two))
     safe = np.where(flat, 1.0, volume)
-    u = _dot(side, off) / safe
+    u = dot(side, off) / safe
     turned = cross(*np.broadcast_arrays(off, one))
-    v = _dot(turned, ray) / safe
-    share: Floats = _dot(turned, two) / safe
+    v = dot(turned, ray) / safe
+    share: Floats = dot(turned, two) / safe
     hit: Bools = ~flat & (u >= 0) & (v >= 0) & (u + v <= 1) & (share >= 0) & (share <= 1)
     return hit, share

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from drystone.base.arrays import Floats
+from drystone.base.display import named
 from drystone.base.errors import DefectKind, InputError, counted
 from drystone.geometry.body import polyhedron
 from drystone.geometry.body.polyhedron import Edge, Fan, Loop
@@ -16,6 +17,8 @@ SHARED_FACES = 64
 body share their face list. A longer list belongs to a scan or a freeform body and does not occur
 twice."""
 SHARED_LISTS = 1024
+SHOWN = 4
+"""Edges or faces named in an error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +92,9 @@ def _surface(faces: tuple[Loop, ...], count: int) -> SurfaceTopology:
     if open_edges:
         shown = _edges_text(open_edges, used)
         at = polyhedron.open_faces(faces)
-        more = f" and {len(at) - 4} more" if len(at) > 4 else ""
         raise InputError(
             f"open mesh: {len(open_edges)} edges have one face only ({shown}), of"
-            f" {'face' if len(at) == 1 else 'faces'} {', '.join(map(str, at[:4]))}{more}",
+            f" {'face' if len(at) == 1 else 'faces'} {named([*map(str, at)], SHOWN)}",
             remedy="close the holes or merge coincident vertices",
             kind=DefectKind.OPEN,
         )
@@ -144,5 +146,4 @@ def _check_loops(loops: Sequence[Loop], count: int) -> None:
 
 def _edges_text(edges: list[Edge], number: Sequence[int]) -> str:
     """The first edges, with the caller's vertex numbers."""
-    shown = ", ".join(f"{number[a]}-{number[b]}" for a, b in edges[:4])
-    return shown + (f" and {len(edges) - 4} more" if len(edges) > 4 else "")
+    return named([f"{number[a]}-{number[b]}" for a, b in edges], SHOWN)

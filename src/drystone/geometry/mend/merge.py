@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drystone.base.arrays import Floats, Ints
+from drystone.base.arrays import Floats, Ints, unit
 from drystone.base.ragged import sum_by_owner
 from drystone.geometry.body.halfedge import half_edges, joined_faces, outlines, turn_angles
 from drystone.geometry.body.polyhedron import Loop, stack_faces
@@ -47,8 +47,7 @@ def merge_coplanar(
         return []
     stacked = stack_faces(vertices, faces)
     vectors = stacked.area_vectors
-    length = np.linalg.norm(vectors, axis=1)
-    normal = vectors / np.where(length > 0.0, length, 1.0)[:, None]
+    normal, length = unit(vectors)
     edges = half_edges(stacked)
     flat = (edges.twin >= 0) & (np.abs(turn_angles(stacked, edges, normal)) < TURN)
     flat &= (length > 0.0)[edges.face] & (length > 0.0)[edges.face[edges.twin]]
@@ -81,9 +80,7 @@ def _deviation(corner: Floats, corner_group: Ints, group: Ints, vectors: Floats)
     total = int(group.max(initial=-1)) + 1
     share = np.maximum(np.bincount(corner_group, minlength=total), 1)
     middle = sum_by_owner(corner, corner_group, total) / share[:, None]
-    normal = sum_by_owner(vectors, group, total)
-    length = np.linalg.norm(normal, axis=1)
-    normal = normal / np.where(length > 0.0, length, 1.0)[:, None]
+    normal = unit(sum_by_owner(vectors, group, total))[0]
     height = np.abs(((corner - middle[corner_group]) * normal[corner_group]).sum(axis=1))
     worst: Floats = np.zeros(total)
     np.maximum.at(worst, corner_group, height)

@@ -8,12 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.polyhedron import (
     Faces,
     Loop,
     fan_triangles,
+    loop_edges,
     mass_properties,
 )
 from drystone.geometry.body.solid import winding_number
@@ -110,7 +111,7 @@ def without_slivers(
 def _subdivided(loop: Loop, between: dict[tuple[int, int], set[int]], vertices: Floats) -> Loop:
     """The loop with the vertices that lie on its edges."""
     out: list[int] = []
-    edges = list(zip(loop, (*loop[1:], loop[0]), strict=True))[::-1]
+    edges = loop_edges(loop)[::-1]
     while edges:
         a, b = edges.pop()
         middle = between.get((min(a, b), max(a, b)), set()) - {*loop, *out}
@@ -166,9 +167,7 @@ def _sector_pairs(
     """
     forward = tail[half] < head[half]
     low, high = np.minimum(tail, head)[half], np.maximum(tail, head)[half]
-    along = faces.point[high] - faces.point[low]
-    length = np.linalg.norm(along, axis=1)
-    along = along / np.where(length > 0.0, length, 1.0)[:, None]
+    along = unit(faces.point[high] - faces.point[low])[0]
     frame = frames_from_normals(along)
     normal = faces.area_vectors[face[half]]
     inwards = np.cross(normal, np.where(forward[:, None], along, -along))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from drystone.base.arrays import Bools, Floats, Ints
+from drystone.base.arrays import Bools, Floats, Ints, unit
 from drystone.base.ragged import Ragged
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane.polygon import area_vectors
@@ -65,11 +65,8 @@ def triangulate(corners: Floats, start: Ints) -> tuple[Ints, Ints]:
 
 def _flattened(corners: Floats, start: Ints) -> Floats:
     """Corners (l, 2) seen along each polygon's area vector: counter-clockwise."""
-    area = area_vectors(corners, start)
-    length = np.linalg.norm(area, axis=1)
-    normal = np.where(
-        length[:, None] > 0.0, area / np.where(length > 0.0, length, 1.0)[:, None], [0.0, 0.0, 1.0]
-    )
+    normal, length = unit(area_vectors(corners, start))
+    normal[length == 0.0] = (0.0, 0.0, 1.0)
     frame = frames_from_normals(normal)
     loops = Ragged(start)
     local = corners - loops.spread(loops.mean(corners))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drystone.base.arrays import Floats
+from drystone.base.arrays import Floats, unit
 from drystone.base.errors import FormatError
 from drystone.base.files import decode, lines_of, write_bytes
 from drystone.geometry.body.fans import fan_warped
@@ -125,9 +125,7 @@ def write(model: Contents, path: Path) -> None:
     faces = fan_warped(model.assembly.faces, EXACT)
     triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
     corner = faces.point[faces.loop[triangle]]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    length = np.linalg.norm(normal, axis=1)
-    normal = normal / np.where(length > 0.0, length, 1.0)[:, None]
+    normal = unit(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))[0]
     begin = np.searchsorted(faces.owner[polygon], np.arange(len(model.assembly) + 1)).tolist()
     lines: list[str] = []
     for i, block in enumerate(model.assembly.blocks):

@@ -15,10 +15,11 @@ from drystone.base.display import OneLine
 from drystone.base.errors import InputError
 from drystone.base.ragged import Ragged
 from drystone.geometry.body.fans import warp_and_view
+from drystone.geometry.body.polyhedron import loop_edges
 from drystone.geometry.frames import frames_from_normals
 from drystone.geometry.plane import polygon
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
+from drystone.shells.bond.tessellation import Tessellation
 
 LEAST_COSINE = 0.5
 """Least cosine between the normal of a vertex and the flat cells around it. Chosen: beyond 60
@@ -174,7 +175,7 @@ def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
     return Pins(grown, pins.start)
 
 
-def side_polygons(mesh: Tessellation, pins: Pins, edge: DirectedEdge) -> list[tuple[int, ...]]:
+def side_polygons(mesh: Tessellation, pins: Pins, edge: tuple[int, int]) -> list[tuple[int, ...]]:
     """Side faces of the cell on the left of an edge, outwards: one, or four at a joggle."""
     a, b = pins.of(edge[0]), pins.of(edge[1])
     head = (min(edge), max(edge)) in mesh.heads
@@ -188,7 +189,7 @@ def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
     seen: set[frozenset[int]] = set()
     polygons = []
     for cell in mesh.cells:
-        for edge in directed(cell):
+        for edge in loop_edges(cell):
             key = frozenset(edge)
             if key not in seen:
                 seen.add(key)
@@ -202,7 +203,7 @@ def cell_faces(
     """Intrados, extrados and side faces of one cell, all outwards."""
     low = tuple(int(pins.start[v]) for v in reversed(cell))
     high = tuple(int(pins.start[v + 1]) - 1 for v in cell)
-    edges = directed(cell)
+    edges = loop_edges(cell)
     return low, high, [face for edge in edges for face in side_polygons(mesh, pins, edge)]
 
 

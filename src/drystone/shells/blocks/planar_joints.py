@@ -9,6 +9,7 @@ import numpy as np
 from drystone.base.arrays import Floats
 from drystone.base.errors import InputError
 from drystone.base.progress import Progress
+from drystone.geometry.body.polyhedron import loop_edges
 from drystone.shells.blocks.materialise import (
     Pins,
     add_joggle,
@@ -18,7 +19,7 @@ from drystone.shells.blocks.materialise import (
     raise_pins,
 )
 from drystone.shells.blocks.planarise import PlanarReport, planarise
-from drystone.shells.bond.tessellation import Tessellation, directed
+from drystone.shells.bond.tessellation import Tessellation
 from drystone.shells.shell_options import Intrados, ShellBody
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Shape
@@ -154,7 +155,7 @@ def hook_notes(mesh: Tessellation, body: ShellBody) -> tuple[str, ...]:
         return ()
     largest, worst = 1.0, -1
     for number, cell in enumerate(mesh.cells):
-        edges = directed(cell)
+        edges = loop_edges(cell)
         for (a, b), (_, c) in zip(edges, (*edges[1:], *edges[:1]), strict=True):
             beds = mesh.inner[[a, b, c]].all() and not mesh.heads & {
                 (min(pair), max(pair)) for pair in ((a, b), (b, c))

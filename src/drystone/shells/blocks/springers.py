@@ -7,14 +7,15 @@ from dataclasses import replace
 import numpy as np
 
 from drystone.base.arrays import Bools, Floats
+from drystone.geometry.body.polyhedron import loop_edges
 from drystone.shells.blocks.materialise import Pins
-from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
+from drystone.shells.bond.tessellation import Tessellation
 
 
 def springers(mesh: Tessellation) -> Bools:
     """Which cells (c,) stand on a support."""
     supported = set(mesh.supported)
-    return np.array([any(edge in supported for edge in directed(cell)) for cell in mesh.cells])
+    return np.array([any(edge in supported for edge in loop_edges(cell)) for cell in mesh.cells])
 
 
 def add_ground(mesh: Tessellation, pins: Pins, depth: float) -> tuple[Tessellation, Pins, Bools]:
@@ -74,9 +75,9 @@ def _outwards(mesh: Tessellation) -> dict[int, Floats]:
     return moves
 
 
-def _chains(cell: tuple[int, ...], supported: set[DirectedEdge]) -> list[list[int]]:
+def _chains(cell: tuple[int, ...], supported: set[tuple[int, int]]) -> list[list[int]]:
     """Runs of supported edges of one cell, as vertices in its order."""
-    edges = directed(cell)
+    edges = loop_edges(cell)
     on = [edge in supported for edge in edges]
     if not any(on):
         return []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,31 +25,13 @@ MOST_BLOCKS = 10_000
 minutes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Bond:
-    """Courses with their head joints.
-
-    Attributes
-    ----------
-    courses
-        Tips of partial courses are moved away from head joints.
-    joints
-        Per course the positions along v of its head joints, ascending. For an open course the first
-        and last value are its ends. A closed course with n blocks has n + 1 values; the last is the
-        first plus 1.
-    """
-
-    courses: Courses
-    joints: tuple[Floats, ...]
-
-
 def lay_bond(
     courses: Courses,
     *,
     blocks: int | Sequence[int] | None = None,
     width: float | None = None,
     staggered: bool = True,
-) -> Bond:
+) -> tuple[Courses, tuple[Floats, ...]]:
     """Place the head joints of every course.
 
     Parameters
@@ -62,6 +44,15 @@ def lay_bond(
         Or: the target width of a block.
     staggered
         Whether every other course starts with a half block.
+
+    Returns
+    -------
+    courses
+        Tips of partial courses are moved away from head joints.
+    joints
+        Per course the positions along v of its head joints, ascending. For an open course the first
+        and last value are its ends. A closed course with n blocks has n + 1 values; the last is the
+        first plus 1.
 
     Raises
     ------
@@ -104,7 +95,7 @@ def lay_bond(
         joints.append(np.concatenate([chosen, chosen[:1] + 1.0]) if closed else chosen)
         outside = (below < courses.start[course]) | (below > courses.end[course])
         below = np.sort(np.concatenate([chosen, below[outside]]))
-    return Bond(courses, tuple(joints))
+    return courses, tuple(joints)
 
 
 def _tips_apart(courses: Courses, course: int, below: Floats) -> Courses:

@@ -2,24 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.display import OneLine
-
-DirectedEdge = tuple[int, int]
-
-
-def directed(loop: Sequence[int]) -> list[DirectedEdge]:
-    """The edges of a loop, each from a vertex to the next.
-
-    Examples
-    --------
-    >>> directed([4, 7, 5])
-    [(4, 7), (7, 5), (5, 4)]
-    """
-    return list(zip(loop, (*loop[1:], *loop[:1]), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +41,8 @@ class Tessellation(OneLine):
     position: Ints
     of_patch: Ints
     crest: Floats
-    heads: frozenset[DirectedEdge]
-    supported: tuple[DirectedEdge, ...]
+    heads: frozenset[tuple[int, int]]
+    supported: tuple[tuple[int, int], ...]
 
     def name_at(self, vertex: int) -> str:
         """Name of the first cell that has a vertex."""

@@ -10,8 +10,9 @@ import numpy as np
 
 from drystone.base.arrays import Floats, Ints
 from drystone.base.errors import InputError
+from drystone.geometry.body.polyhedron import loop_edges
 from drystone.shells.bond.pattern import Pattern
-from drystone.shells.bond.tessellation import DirectedEdge, Tessellation, directed
+from drystone.shells.bond.tessellation import Tessellation
 from drystone.shells.surface.patch import Side
 from drystone.shells.surface.shape import Edge, Seam, Shape
 
@@ -40,7 +41,7 @@ class _Weld:
             for side, (on, along) in p.borders.items()
         }
         self.parent = list(range(int(self.offset[-1])))
-        self.cell_of = {edge: c for c, cell in enumerate(self.cells) for edge in directed(cell)}
+        self.cell_of = {edge: c for c, cell in enumerate(self.cells) for edge in loop_edges(cell)}
 
     def root(self, i: int) -> int:
         """The vertex with which vertex ``i`` was merged."""
@@ -235,7 +236,7 @@ def _assemble(state: _Weld, patterns: Sequence[Pattern]) -> Tessellation:
 
 def _edges_on(
     state: _Weld, renumber: Ints, edges: Sequence[Edge], cells: Sequence[Sequence[int]]
-) -> tuple[DirectedEdge, ...]:
+) -> tuple[tuple[int, int], ...]:
     """Edges of cells along stretches of border, directed as in their cells."""
     wanted: set[frozenset[int]] = set()
     for edge in edges:
@@ -243,7 +244,7 @@ def _edges_on(
         if state.shape.patches[edge.patch].closed and edge.high - edge.low >= 1.0:
             run.append(run[0])
         wanted |= {frozenset(pair) for pair in itertools.pairwise(run)}
-    return tuple(e for cell in cells for e in directed(cell) if frozenset(e) in wanted)
+    return tuple(e for cell in cells for e in loop_edges(cell) if frozenset(e) in wanted)
 
 
 def _with_keystone(state: _Weld, renumber: Ints, mesh: Tessellation) -> Tessellation:

@@ -13,8 +13,8 @@ from scipy.sparse.linalg import spsolve
 from drystone.base.arrays import Floats, dot, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
+from drystone.geometry.body.polyhedron import loop_edges
 from drystone.geometry.mend.coincidence import first_coincident
-from drystone.shells.bond.tessellation import directed
 from drystone.shells.surface.patch import Patch, check_patch
 
 DEGREE = 3
@@ -126,7 +126,7 @@ def patch_from_mesh(
     try:
         check_patch(patch)
     except InputError as error:
-        raise InputError(error.what, where=f"mesh '{name}'", remedy=REMEDY) from error
+        raise error.located(f"mesh '{name}'", REMEDY) from error
     return MeshFit(
         patch,
         farthest,
@@ -158,7 +158,7 @@ def _welded(
 def _border(loops: list[list[int]], name: str) -> list[int]:
     """The border's vertices in order, the mesh on their left."""
     after: dict[int, int] = {}
-    runs = [edge for loop in loops for edge in directed(loop)]
+    runs = [edge for loop in loops for edge in loop_edges(loop)]
     edges = set(runs)
     if len(edges) < len(runs):
         raise InputError(
@@ -233,7 +233,7 @@ def _layout(
         step = np.linalg.norm(np.diff(points[side], axis=0), axis=1)
         share = np.concatenate([[0.0], np.cumsum(step)]) / step.sum()
         uv[side] = square[k] + share[:, None] * (square[(k + 1) % 4] - square[k])
-    pairs = np.array([pair for loop in loops for pair in directed(loop)])
+    pairs = np.array([pair for loop in loops for pair in loop_edges(loop)])
     ends = np.unique(np.sort(pairs, axis=1), axis=0)
     weight = 1.0 / np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
     shape = (len(points), len(points))
@@ -286,7 +286,7 @@ def distances(patch: Patch, at: Floats, loops: Sequence[Sequence[int]]) -> Float
     ``at`` (p, 5) holds u, v and the position of every vertex. A few Gauss-Newton steps correct the
     parameters to those of the nearest point of the patch.
     """
-    pairs = np.array([pair for loop in loops for pair in directed(loop)])
+    pairs = np.array([pair for loop in loops for pair in loop_edges(loop)])
     ends = np.unique(np.sort(pairs, axis=1), axis=0)
     middles = np.array([at[list(loop)].mean(axis=0) for loop in loops])
     sample = np.concatenate([at, 0.5 * (at[ends[:, 0]] + at[ends[:, 1]]), middles])

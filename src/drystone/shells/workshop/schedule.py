@@ -13,9 +13,9 @@ from drystone.base.arrays import Floats, cross, dot
 from drystone.base.display import OneLine
 from drystone.base.files import PathLike, write_bytes
 from drystone.base.ragged import Ragged
+from drystone.geometry.body.polyhedron import loop_edges
 from drystone.geometry.plane import polygon
 from drystone.shells.blocks.materialise import cell_faces
-from drystone.shells.bond.tessellation import directed
 from drystone.shells.shell_of_blocks import Shell
 
 
@@ -158,7 +158,7 @@ def _angles(shell: Shell, block: int, out: Floats) -> tuple[tuple[float, ...], t
 
 def _shared_edges(sides: Sequence[Sequence[int]]) -> list[tuple[int, int, int, int]]:
     """Edges between two side faces: both faces, the ends in the direction of the first."""
-    face_of = {edge: f for f, face in enumerate(sides) for edge in directed(face)}
+    face_of = {edge: f for f, face in enumerate(sides) for edge in loop_edges(face)}
     shared = [
         (f, face_of[b, a], a, b) for (a, b), f in face_of.items() if a < b and (b, a) in face_of
     ]

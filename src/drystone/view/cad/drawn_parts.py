@@ -5,13 +5,11 @@ Lines, arrows and marks are small solids, because lines in these programs have n
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints
-from drystone.base.display import OneLine
 from drystone.geometry.frames import frames_from_normals, rotation_about
 from drystone.view.scenes.scene import Layer, MarkerShape, Scene, SceneStage
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State
@@ -168,30 +166,16 @@ def matrix_of(motion: Floats, centroid: Floats) -> Floats:
     return matrix
 
 
-@dataclass(frozen=True, eq=False)
-class BlockGroup(OneLine):
-    """Blocks that share a layer and a material.
-
-    Attributes
-    ----------
-    name
-    colour
-        ``#rrggbb``.
-    member : (b,)
-    """
-
-    name: str
-    colour: str
-    member: Ints
-
-
 def stage_of_scene(scene: Scene, stage: int | None) -> SceneStage:
     """A stage by its number; when left out, the one that a figure shows."""
     return scene.stages[scene.still if stage is None else stage]
 
 
-def block_groups(stage: SceneStage) -> tuple[BlockGroup, ...]:
-    """The blocks in place, by their state; free blocks that need help are a group of their own."""
+def block_groups(stage: SceneStage) -> list[tuple[str, str, list[int]]]:
+    """The blocks in place, by their state: name, colour ``#rrggbb``, and blocks of each group.
+
+    They share a layer and a material. Free blocks that need help are a group of their own.
+    """
     state = stage.state
     needy = np.zeros(len(state), dtype=bool)
     if stage.prop is not None:
@@ -201,9 +185,8 @@ def block_groups(stage: SceneStage) -> tuple[BlockGroup, ...]:
         member = np.flatnonzero((state == one) & ~needy)
         if one is not State.ABSENT and len(member):
             name = NAMES.get(one, STATE_LABEL[one])
-            groups.append(BlockGroup(name, STATE_COLOUR["light"][one], member))
+            groups.append((name, STATE_COLOUR["light"][one], member.tolist()))
     if needy.any():
-        groups.append(
-            BlockGroup("blocks that need help", ROLE_COLOUR["light"]["help"], np.flatnonzero(needy))
-        )
-    return tuple(groups)
+        help_colour = ROLE_COLOUR["light"]["help"]
+        groups.append(("blocks that need help", help_colour, np.flatnonzero(needy).tolist()))
+    return groups

@@ -125,10 +125,10 @@ class _Glb:
         triangle, polygon = triangulate(faces.point[faces.loop], faces.start)
         corners, owner = faces.loop[triangle], faces.owner[polygon]
         begin = np.searchsorted(owner, np.arange(len(assembly) + 1))
-        for group in block_groups(self.stage):
-            material = self.material(group.name, group.colour, self.opacity)
+        for name, colour, blocks in block_groups(self.stage):
+            material = self.material(name, colour, self.opacity)
             children = []
-            for i in group.member.tolist():
+            for i in blocks:
                 loops = corners[begin[i] : begin[i + 1]]
                 used, index = np.unique(loops, return_inverse=True)
                 points = faces.point[used] - assembly.centroid[i]
@@ -142,7 +142,7 @@ class _Glb:
                 }
                 self.node_of[i] = self.add("nodes", node)
                 children.append(int(self.node_of[i]))
-            self.roots.append(self.add("nodes", {"name": group.name, "children": children}))
+            self.roots.append(self.add("nodes", {"name": name, "children": children}))
 
     def layer(self, layer: Layer) -> None:
         """A node with the content of a layer."""

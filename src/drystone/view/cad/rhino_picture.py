@@ -70,9 +70,9 @@ def _bytes(colour: Floats) -> tuple[int, int, int, int]:
 
 def _blocks(file: Any, scene: Scene, stage: SceneStage, path: Path) -> None:
     assembly = scene.assembly
-    for group in block_groups(stage):
-        layer = _layer(file, group.name, group.colour)
-        for i in group.member.tolist():
+    for name, colour, blocks in block_groups(stage):
+        layer = _layer(file, name, colour)
+        for i in blocks:
             block = assembly.blocks[i]
             attributes = attributes_of(block, bool(assembly.fixed[i]), layer, path)
             if scene.number is not None and scene.number[i] > 0:
