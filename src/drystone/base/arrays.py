@@ -192,8 +192,8 @@ def dot(a: Floats, b: Floats) -> Floats:
 
 
 def lengths(vectors: Floats) -> Floats:
-    """Lengths (...,) of rows, twice as fast as numpy's norm on few of them."""
-    length: Floats = np.sqrt((vectors * vectors).sum(axis=-1))
+    """Lengths (...,) of rows, several times as fast as numpy's norm on short ones."""
+    length: Floats = np.sqrt(dot(vectors, vectors))
     return length
 
 

@@ -28,6 +28,7 @@ from drystone.stability.attempts import (
     MUCH,
     Attempts,
     Candidate,
+    Record,
 )
 from drystone.stability.check_answers import NOT_REACHED, SENSITIVE, Answers
 from drystone.stability.check_options import CheckOptions
@@ -87,6 +88,8 @@ class Cascade:
         Their motion is told where there is none.
     nearest
         The mechanism nearest to free fall, where it is known already.
+    rest
+        The rest state of uniform stiffness, where it is known already.
 
     Attributes
     ----------
@@ -106,6 +109,7 @@ class Cascade:
         robust: bool = False,
         witness: bool = True,
         nearest: NearestMechanism | None = None,
+        rest: Candidate | None = None,
     ) -> None:
         self.problem = problem
         self.options = options
@@ -116,10 +120,13 @@ class Cascade:
         self.robust = robust
         self.witness = witness
         self.nearest = nearest
+        self.rest = rest
         self.rests: dict[int, Floats] = {}
         self.pool = WorkerPool(None)
         self.answers = Answers(problem, options, progress, clock)
         self.attempts = self.answers.attempts
+        if rest is not None:
+            self.attempts.add(Record([rest], tried=1))
         self.settlement: Settlement | None = None
 
     def run(self) -> Result:
@@ -138,6 +145,7 @@ class Cascade:
                 self.executor,
                 self.known,
                 nearest=self.nearest,
+                rest=self.rest,
             )
             found = once.run()
             self.attempts, self.rests = once.attempts, once.rests

@@ -15,6 +15,7 @@ from drystone.io.opening import Given, How, supported_model
 from drystone.model import Model
 from drystone.results import Result, Verdict
 from drystone.solvers.threads import one_blas_thread
+from drystone.stability.attempts import Candidate
 from drystone.stability.cascade import Cascade
 from drystone.stability.check_options import CheckOptions
 from drystone.stability.problem import Problem
@@ -76,6 +77,7 @@ def check_near(
     *,
     options: CheckOptions,
     within: tuple[Ints, int] | None = None,
+    rest: Candidate | None = None,
     executor: Workers | None = None,
     progress: Progress | None = None,
     stop: Stop | None = None,
@@ -98,6 +100,8 @@ def check_near(
         the structure that a free block takes part in, and how many these are. An interface then has
         the same random stiffness in every part, so a rest state of one part is near that of the
         next.
+    rest
+        The rest state of this model with uniform stiffness, where it is known already.
 
     Returns
     -------
@@ -109,7 +113,7 @@ def check_near(
     problem = Problem.of(given)
     if within is not None:
         within = within[0][problem.model.active], within[1]
-    cascade = Cascade(problem, options, progress, clock, executor, known, within)
+    cascade = Cascade(problem, options, progress, clock, executor, known, within, rest=rest)
     return cascade.run(), cascade.rests
 
 

@@ -13,7 +13,6 @@ from drystone.base.progress import Clock
 from drystone.checks import check_several
 from drystone.formulations.rest import compliance
 from drystone.formulations.rest.compliance import Compliance
-from drystone.formulations.rest.friction import SlipLength
 from drystone.formulations.rest.nearby import find_rests_nearby
 from drystone.formulations.rest.rest_state import start_from
 from drystone.solvers.threads import one_blas_thread
@@ -52,7 +51,7 @@ def samples_to_try(
     known: Mapping[int, Floats],
     within: tuple[Ints, int] | None,
 ) -> list[StiffnessSample]:
-    """The samples of the stiffness; smooth ones near known rest states are tried here, at once.
+    """The samples of the stiffness; those near known rest states are tried here, at once.
 
     Parameters
     ----------
@@ -78,11 +77,7 @@ def samples_to_try(
             )
         # a start is scaled as if forces were in proportion to the motion
         out.append(StiffnessSample(sample, rests if statics.dry else [], missed))
-    first = [
-        i
-        for i, one in enumerate(out)
-        if len(one.rests) > 1 and isinstance(one.springs.friction, SlipLength)
-    ]
+    first = [i for i, one in enumerate(out) if len(one.rests) > 1]
     if len(first) > 1:
         starts = [out[i].rests[0].displacement for i in first]
         found = several_nearby(attempts, [out[i].springs for i in first], starts)
@@ -94,7 +89,7 @@ def samples_to_try(
 def several_nearby(
     attempts: Attempts, springs: Sequence[Compliance], displacements: Sequence[Floats]
 ) -> list[Candidate | None]:
-    """As :meth:`Attempts.nearby` of springs with one kind of friction law, as one calculation.
+    """As :meth:`Attempts.nearby` of several springs, as one calculation.
 
     What is found is not counted.
     """

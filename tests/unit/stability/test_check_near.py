@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drystone.base.progress import Clock
-from drystone.formulations.rest.compliance import samples
+from drystone.formulations.rest.compliance import samples, uniform
 from drystone.model import Model
 from drystone.models import bridge, leaning_column
 from drystone.sequence.stage.stage_checks import BOTH
@@ -114,8 +114,8 @@ def test_a_stiffness_is_looked_for_again_where_following_the_blocks_does_not_dec
 def test_several_stiffnesses_at_once_are_those_one_by_one():
     problem = Problem.build(LEANING)
     rests = known(LEANING)
-    springs = list(samples(problem.statics, 4, 0, tangential=0.2))[1:]
-    near = [*(1.01 * rests[i] for i in (2, 3)), np.ones_like(rests[0])]
+    springs = list(samples(problem.statics, 4, 0, tangential=0.2))
+    near = [*(1.01 * rests[i] for i in (1, 2, 3)), np.ones_like(rests[0])]
     tries = Attempts(problem, Clock(np.inf))
     together = several_nearby(tries, springs, near)
     alone = [
@@ -123,12 +123,26 @@ def test_several_stiffnesses_at_once_are_those_one_by_one():
         for one, motion in zip(springs, near, strict=True)
     ]
     assert [one is None for one in together] == [one is None for one in alone]
-    assert 0 < sum(one is not None for one in together) < 3
+    assert 0 < sum(one is not None for one in together) < 4
     for one, other in zip(together, alone, strict=True):
         if one is not None and other is not None:
             scale = np.abs(other.force).max()
             np.testing.assert_allclose(one.force, other.force, atol=1e-8 * scale)
             assert one.residuals.largest < 1e-8
+
+
+def test_a_rest_state_that_is_known_is_not_looked_for_again():
+    near, problem = known(LEANING), Problem.build(LEANING)
+    tries = Attempts(problem, Clock(np.inf))
+    springs = uniform(problem.statics)
+    rest = tries.nearby(springs, tries.start(springs, 1.01 * near[0]))
+    found, rests = check_near(problem, {}, options=BOTH, rest=rest)
+    without, _ = check_near(problem, {}, options=BOTH)
+    assert rest is not None
+    assert rests[0] is rest.displacement
+    assert found.stable
+    assert found.samples == without.samples
+    assert found.iterations < without.iterations
 
 
 def test_a_problem_may_be_given_in_place_of_its_model():

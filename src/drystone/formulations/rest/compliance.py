@@ -4,11 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
 from drystone.base.arrays import Floats, Ints, lengths
-from drystone.formulations.rest.friction import FrictionBound, FrictionLaw, SlipLength, StickSlip
+from drystone.formulations.rest.friction import (
+    FrictionBound,
+    FrictionLaw,
+    SideBySide,
+    SlipLength,
+    StickSlip,
+)
 from drystone.statics import Statics
 
 COHESIVE_FRICTION = 0.1
@@ -50,20 +57,24 @@ class Compliance:
 
     @classmethod
     def stacked(cls, several: Sequence[Compliance]) -> Compliance:
-        """Springs of one model with laws of one kind, side by side: arrays (s, k)."""
+        """Springs of one model side by side: arrays (s, k)."""
         first, normal = several[0], np.stack([one.normal for one in several])
-        laws = [one.friction for one in several]
-        law: FrictionLaw = laws[0]
-        if isinstance(law, SlipLength):
-            slips = [one.slip for one in laws if isinstance(one, SlipLength)]
-            law = SlipLength(law.bound, np.stack(slips))
-        else:
-            tangential = [one.stiffness for one in laws if isinstance(one, StickSlip)]
-            law = StickSlip(law.bound, np.stack(tangential))
+        alike = [list(some) for _, some in groupby((one.friction for one in several), type)]
+        laws = tuple((_stacked(some), len(some)) for some in alike)
+        law = laws[0][0] if len(laws) == 1 else SideBySide(laws)
         return replace(first, normal=normal, friction=law)
 
 
 _NOTHING = np.zeros(1)
+
+
+def _stacked(laws: Sequence[FrictionLaw]) -> SlipLength | StickSlip:
+    """Laws of one kind as one, for states (s, k)."""
+    smooth = [one for one in laws if isinstance(one, SlipLength)]
+    if smooth:
+        return SlipLength(smooth[0].bound, np.stack([one.slip for one in smooth]))
+    sharp = [one for one in laws if isinstance(one, StickSlip)]
+    return StickSlip(sharp[0].bound, np.stack([one.stiffness for one in sharp]))
 
 
 def uniform(

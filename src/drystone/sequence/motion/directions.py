@@ -64,7 +64,8 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
     if not len(normals):
         axes = np.eye(3)
         return Freedom(np.concatenate([axes, -axes]), up)
-    distinct = np.unique(np.round(normals / (0.1 * tolerance)), axis=0) * (0.1 * tolerance)
+    rounded = np.round(normals / (0.1 * tolerance))
+    distinct = np.array(sorted({tuple(one) for one in rounded.tolist()})) * (0.1 * tolerance)
     squared, axes = np.linalg.eigh(distinct.T @ distinct)
     rank = int((squared > tolerance**2 * len(distinct)).sum())
     lineality = axes[:, : 3 - rank].T
@@ -80,9 +81,12 @@ def freedom(normals: Floats, up: Floats, tolerance: float = TOLERANCE) -> Freedo
         candidates = np.concatenate([across, -across])
     rays = np.concatenate([lineality, -lineality, _unit(candidates)])
     free = rays[(rays @ distinct.T >= -tolerance).all(axis=1)]
-    free = free[np.sort(np.unique(np.round(free, 6), axis=0, return_index=True)[1])]
     if not len(free):
         return Freedom(free, None)
+    alike: dict[tuple[float, ...], int] = {}
+    for number, one in enumerate(np.round(free, 6).tolist()):
+        alike.setdefault(tuple(one), number)
+    free = free[list(alike.values())]
     if (distinct @ up >= -tolerance).all():
         return Freedom(free, up)
     share, _ = nnls(free.T, up)

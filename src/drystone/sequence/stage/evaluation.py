@@ -23,6 +23,7 @@ from drystone.sequence.stage.stage_checks import Check
 from drystone.sequence.stage.stages import Stage, StageAnswer, members
 from drystone.sequence.stage.structure import Structure
 from drystone.stability import PATIENT
+from drystone.stability.attempts import Candidate
 from drystone.stability.cascade import FOLLOWED, SETTLES_ALIKE
 from drystone.stability.stiffness_samples import NONE_FOUND
 
@@ -243,6 +244,13 @@ class Evaluator(OneLine):
                         out[number] = NONE_FOUND
         return out
 
+    def _screened(self, part: Stage) -> Candidate | None:
+        """The rest state of a part with uniform stiffness that its screening found."""
+        if part.screening is not None:
+            return None
+        found = self._find(part)
+        return None if found is None else found.uniform
+
     def _has(self, part: Stage, forces: bool, checked: bool) -> bool:
         known = self._known.get(part._replace(near=None)) if checked else self._find(part)
         return known is not None and not (forces and known.stands and not len(known.corner))
@@ -258,7 +266,7 @@ class Evaluator(OneLine):
             except LOST_WORKER as error:
                 self._revive(error)
         for part in left:
-            yield part, self.model.solve(part, self._rests_near(part))
+            yield part, self.model.solve(part, self._rests_near(part), self._screened(part))
 
     def _start(self) -> Executor | None:
         if self._executor is None and self._factory is not None:
@@ -274,7 +282,8 @@ class Evaluator(OneLine):
         executor = self._start()
         if executor is None:
             raise BrokenExecutor("no workers are left")
-        return executor.submit(solve_remote, self._payload, part, self._rests_near(part))
+        known, rest = self._rests_near(part), self._screened(part)
+        return executor.submit(solve_remote, self._payload, part, known, rest)
 
     def _revive(self, error: BaseException) -> None:
         """After the failure of a worker: start new ones if possible, else continue without."""
@@ -287,9 +296,11 @@ class Evaluator(OneLine):
             self._factory = None
 
 
-def solve_remote(payload: bytes, part: Stage, known: Mapping[int, Floats]) -> StageAnswer:
+def solve_remote(
+    payload: bytes, part: Stage, known: Mapping[int, Floats], rest: Candidate | None
+) -> StageAnswer:
     """The verdict on one part, computed in a worker that unpacks the model once."""
-    return _unpacked(payload).solve(Stage(*part), known)
+    return _unpacked(payload).solve(Stage(*part), known, rest)
 
 
 @functools.lru_cache(maxsize=2)

@@ -17,6 +17,7 @@ from drystone.stability import (
     check_near,
     solve_rbe,
 )
+from drystone.stability.attempts import Candidate
 from drystone.stability.problem import Problem
 
 Check: TypeAlias = Callable[[Model], Result]
@@ -45,15 +46,18 @@ def check_both(model: Model) -> Result:
 
 
 def check_both_near(
-    given: Model | Problem, known: Mapping[int, Floats], within: tuple[Ints, int] | None = None
+    given: Model | Problem,
+    known: Mapping[int, Floats],
+    within: tuple[Ints, int] | None = None,
+    rest: Candidate | None = None,
 ) -> tuple[Result, Mapping[int, Floats]]:
     """As :func:`check_both`, begun at known rest states; see :func:`drystone.stability.check_near`.
 
     A stage with one block more or less has almost the same rest states, if its joints have the same
     stiffness: ``within`` has the number (m,) of each interface in the complete structure, and how
-    many that has.
+    many that has. ``rest`` is the rest state with uniform stiffness, where it is known already.
     """
-    return check_near(given, known, options=BOTH, within=within)
+    return check_near(given, known, options=BOTH, within=within, rest=rest)
 
 
 def check_thoroughly(model: Model) -> Result:

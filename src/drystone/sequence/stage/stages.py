@@ -16,6 +16,7 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.display import OneLine
 from drystone.results import Verdict
 from drystone.stability import Screening
+from drystone.stability.attempts import Candidate
 
 
 class Stage(NamedTuple):
@@ -88,6 +89,8 @@ class StageAnswer(OneLine):
         Rest states of a part, as starts for similar stages: displacements of its moving blocks,
         ascending, by the number of the contact stiffness, 0 for the uniform one. May be empty. An
         empty one: none was found.
+    uniform
+        The rest state of a part with uniform stiffness, where a screening found it.
     """
 
     verdict: Verdict
@@ -99,6 +102,7 @@ class StageAnswer(OneLine):
     force: Floats = field(default_factory=lambda: np.zeros((0, 3)))
     rests: Mapping[int, Floats] = field(default_factory=dict)
     settled: str = ""
+    uniform: Candidate | None = None
 
     @property
     def stands(self) -> bool:

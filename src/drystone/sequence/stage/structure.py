@@ -22,10 +22,11 @@ from drystone.checks import unbalanced_wrench
 from drystone.contacts import Contacts
 from drystone.loads import LoadCase
 from drystone.model import Model, OfModel
-from drystone.results import Verdict
+from drystone.results import Result, Verdict
 from drystone.sequence.stage.stage_checks import Check, check_both, check_both_near
 from drystone.sequence.stage.stages import Stage, StageAnswer, mask_of, members
 from drystone.stability import Screening, try_rest
+from drystone.stability.attempts import Candidate
 from drystone.stability.cascade import SETTLES_ALIKE
 from drystone.stability.problem import Problem
 
@@ -172,7 +173,12 @@ class Structure(OfModel, OneLine):
         """Free blocks that touch a support."""
         return mask_of(b for b in self.assembly.free.tolist() if self.grounds[b])
 
-    def solve(self, part: Stage, known: Mapping[int, Floats] | None = None) -> StageAnswer:
+    def solve(
+        self,
+        part: Stage,
+        known: Mapping[int, Floats] | None = None,
+        rest: Candidate | None = None,
+    ) -> StageAnswer:
         """The answer of one connected part. Stages are checked and screened only here.
 
         Parameters
@@ -181,6 +187,8 @@ class Structure(OfModel, OneLine):
         known : (n, 6) [m, rad] each
             Displacements of all blocks in rest states to start from, by the number of the contact
             stiffness; empty where none was found.
+        rest
+            The rest state with uniform stiffness that a screening of this part found.
         """
         found = self._part(part.placed, part.held)
         if found is None:
@@ -190,11 +198,14 @@ class Structure(OfModel, OneLine):
         some, contacts, held = stage.assembly, stage.contacts, list(members(part.held))
         near = {n: motion[blocks] if len(motion) else motion for n, motion in (known or {}).items()}
         rests: Mapping[int, Floats] = {}
+        uniform = None
         if part.screening is not None:
             result = try_rest(found.problem, screening=part.screening, start=near.get(0))
+            if part.screening.slip_lengths == (None,):
+                uniform = _rest_of(result)
         elif self.check is check_both:
             within = self.joints[chosen], int(self.joints[-1]) + 1
-            result, rests = check_both_near(found.problem, near, within)
+            result, rests = check_both_near(found.problem, near, within, rest)
         else:
             result = self.check(stage)
         if not rests and result.displacement is not None:
@@ -217,7 +228,16 @@ class Structure(OfModel, OneLine):
         force = np.array(result.force)
         moved = {n: motion[~some.fixed] if len(motion) else motion for n, motion in rests.items()}
         return StageAnswer(
-            result.verdict, result.message, (), reaction, used, corner, force, moved, settled
+            result.verdict,
+            result.message,
+            (),
+            reaction,
+            used,
+            corner,
+            force,
+            moved,
+            settled,
+            uniform,
         )
 
     @cached_property
@@ -300,6 +320,14 @@ class Structure(OfModel, OneLine):
             np.concatenate([np.zeros((0, 3)), *(one.force for one in found)]),
             settled="; ".join(one.settled for one in found if one.settled),
         )
+
+
+def _rest_of(result: Result) -> Candidate | None:
+    """The rest state of a result that stands."""
+    force, displacement, residuals = result.force, result.displacement, result.residuals
+    if not result.stable or force is None or displacement is None or residuals is None:
+        return None
+    return Candidate(force, displacement, residuals)
 
 
 def _friction_used(contacts: Contacts, force: Floats) -> float:
