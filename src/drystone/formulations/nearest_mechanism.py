@@ -258,10 +258,7 @@ class _Iteration:
         scaled = self.scale[:, :, None] * tangent * self.scale[:, None, :]
         solves: list[Callable[[Floats], Floats]] = []
         for system, block, corner in zip(self.systems, self.of_block, self.of_corner, strict=True):
-            try:
-                solves.append(system.factorise(scaled[corner], self.mass[block]))
-            except SolverError:
-                solves.append(_no_solution)
+            solves.append(_solution(system, scaled[corner], self.mass[block]))
         gap = self.corners.sum((self.force * self.slack).sum(axis=1))
 
         def direction(aim: Floats) -> tuple[Floats, Floats, Floats]:
@@ -309,6 +306,16 @@ def _of_corners(system: TangentSystem, speed: Floats) -> Floats:
     of_block = np.append(speed, 0.0)  # a fixed block has the number -1
     statics = system.statics
     return np.maximum(of_block[statics.block_a], of_block[statics.block_b])
+
+
+def _solution(system: TangentSystem, tangent: Floats, mass: Floats) -> Callable[[Floats], Floats]:
+    """The factorised tangent; near the end rounding may leave it not positive definite."""
+    for symmetric in (True, False):
+        try:
+            return system.factorise(tangent, mass, symmetric=symmetric)
+        except SolverError:
+            continue
+    return _no_solution
 
 
 def _no_solution(right: Floats) -> Floats:

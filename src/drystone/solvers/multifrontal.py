@@ -11,20 +11,23 @@ Sources: George 1973 (nested dissection); Duff and Reid 1983 (multifrontal metho
 from __future__ import annotations
 
 import weakref
-from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from scipy.linalg.blas import dgemm, dtrsm, sgemm, strsm
-from scipy.linalg.lapack import dgetrf, dgetrs, dlaswp, sgetrf, sgetrs
 
 from drystone.base.arrays import Bools, Floats, Ints
 from drystone.base.errors import SolverError
-
-Precision = type[np.float64] | type[np.float32]
-"""Of the numbers in a factorisation."""
+from drystone.solvers.front_factors import (
+    ROUTINES,
+    BlockFactor,
+    Front,
+    Precision,
+    Run,
+    SymmetricFactor,
+    eliminated,
+    eliminated_symmetric,
+)
 
 MOST_RUNS = 16
 """Runs up to which a front is added to the next one run by run, by slices."""
@@ -37,55 +40,6 @@ the system and taken again."""
 LEAF = 20
 """Nodes that are not divided further. Chosen by timing: smaller fronts cost more in bookkeeping
 than they save in arithmetic."""
-
-
-class _Routines(NamedTuple):
-    """BLAS and LAPACK for one type of number."""
-
-    gemm: Callable[..., Any]
-    trsm: Callable[..., Any]
-    getrf: Callable[..., Any]
-    getrs: Callable[..., Any]
-
-
-ROUTINES: dict[Precision, _Routines] = {
-    np.float64: _Routines(dgemm, dtrsm, dgetrf, dgetrs),
-    np.float32: _Routines(sgemm, strsm, sgetrf, sgetrs),
-}
-
-
-class _Run(NamedTuple):
-    """Nodes that follow each other both in the boundary of a front and in the next front.
-
-    Attributes
-    ----------
-    inner
-        Whether they are eliminated in the next front.
-    here, there
-        Place in the boundary, and among the pivots or in the boundary of the next front. Places
-        are those of matrix rows: slices, or indices where the nodes are scattered.
-    """
-
-    inner: bool
-    here: slice
-    there: slice | Ints
-
-
-@dataclass(frozen=True, eq=False)
-class _Front:
-    """One dense step of the elimination.
-
-    Attributes
-    ----------
-    pivots, boundary
-        Nodes eliminated here, and later nodes that they are coupled with.
-    children
-        Earlier fronts, with the place of their boundary in this front.
-    """
-
-    pivots: Ints
-    boundary: Ints
-    children: tuple[tuple[int, tuple[_Run, ...]], ...]
 
 
 class BlockOrdering:
@@ -115,20 +69,22 @@ class BlockOrdering:
         """What travels to another process: without memory that is kept for the next factors."""
         return self.__dict__ | {"_free": {one: [] for one in ROUTINES}}
 
-    def factorise(self, blocks: Floats, precision: Precision = np.float64) -> BlockFactor:
+    def factorise(
+        self, blocks: Floats, precision: Precision = np.float64, *, symmetric: bool = False
+    ) -> BlockFactor | SymmetricFactor:
         """Factors of the matrix with the given blocks (e, w, w), in the order of row and column.
 
-        Single precision takes about half of the time and memory.
+        Single precision takes about half of the time and memory. A matrix that is ``symmetric``
+        and positive definite is factorised by Cholesky's method, in double precision.
 
         Raises
         ------
         SolverError
-            A front is exactly singular.
+            A front is exactly singular, or not positive definite where it is said to be symmetric.
         """
         w = self.width
         schur: dict[int, Floats] = {}
         factors = []
-        routine = ROUTINES[precision]
         parts = self._zeros(precision)
         parts[self.entry] = blocks
         at = 0
@@ -136,26 +92,33 @@ class BlockOrdering:
             p, b = len(front.pivots), len(front.boundary)
             first, right, below = _parts(parts, at, p * w, b * w)
             at += (p + 2 * b) * p * w * w
-            rest = np.zeros((b * w, b * w), precision)
+            rest: Any = np.zeros((b * w, b * w), precision)
             quarter = ((rest, right), (below, first))
             for child, runs in front.children:
-                update = schur.pop(child).T
-                for of in runs:
-                    for by in runs:
+                update = schur.pop(child)
+                for turn, of in enumerate(runs):
+                    # of a symmetric matrix, the half above the diagonal: runs are in its order
+                    for by in runs[turn if symmetric else 0 :]:
                         target = quarter[of.inner][by.inner]
                         if isinstance(of.there, slice) or isinstance(by.there, slice):
                             target[of.there, by.there] += update[of.here, by.here]
                         else:
                             target[of.there[:, None], by.there] += update[of.here, by.here]
-            lu, pivots, info = routine.getrf(first.T, overwrite_a=True)
-            if info != 0:
-                raise SolverError(f"front {number} of the elimination is singular")
-            multiple = below.T
+            try:
+                if symmetric:
+                    done, left = eliminated_symmetric(first, below, rest)
+                else:
+                    done, left = eliminated(first, right, below, rest)
+            except SolverError as error:
+                raise SolverError(f"front {number} of the elimination is {error}") from None
+            factors.append(done)
             if b:
-                multiple = _from_right(routine, lu, pivots, multiple)
-                schur[number] = routine.gemm(-1.0, multiple, right.T, 1.0, rest.T, overwrite_c=True)
-            factors.append((lu, pivots, multiple, right.T))
-        factor = BlockFactor(self, factors, precision)
+                schur[number] = left
+        factor = (
+            SymmetricFactor(self.fronts, factors)
+            if symmetric
+            else BlockFactor(self.fronts, factors, precision)
+        )
         if self.size <= KEPT:
             weakref.finalize(factor, self._free[precision].append, parts).atexit = False
         return factor
@@ -168,37 +131,6 @@ class BlockOrdering:
             return np.zeros(self.size, precision)
         parts.fill(0.0)
         return parts
-
-
-class BlockFactor:
-    """The numerical factorisation of one matrix."""
-
-    def __init__(
-        self,
-        ordering: BlockOrdering,
-        factors: list[tuple[Floats, Ints, Floats, Floats]],
-        precision: Precision,
-    ) -> None:
-        self.ordering = ordering
-        self.factors = factors
-        self.precision = precision
-
-    def solve(self, right: Floats) -> Floats:
-        """X (n, w) with ``matrix @ x = right``."""
-        ordering, getrs = self.ordering, ROUTINES[self.precision].getrs
-        x: Any = right.astype(self.precision).reshape(ordering.count, ordering.width)
-        fronts = ordering.fronts
-        for front, (_, _, multiple, _) in zip(fronts, self.factors, strict=True):
-            if len(front.boundary):
-                x[front.boundary] -= (multiple @ x[front.pivots].ravel()).reshape(-1, x.shape[1])
-        for front, (lu, pivots, _, right) in zip(fronts[::-1], self.factors[::-1], strict=True):
-            part = x[front.pivots].ravel()
-            if len(front.boundary):
-                part -= right @ x[front.boundary].ravel()
-            part, _ = getrs(lu, pivots, part, overwrite_b=True)
-            x[front.pivots] = part.reshape(-1, x.shape[1])
-        solved: Floats = x.astype(np.float64, copy=False)
-        return solved
 
 
 def _parts(parts: Floats, at: int, p: int, b: int) -> tuple[Floats, Floats, Floats]:
@@ -214,23 +146,11 @@ def _parts(parts: Floats, at: int, p: int, b: int) -> tuple[Floats, Floats, Floa
     )
 
 
-def _from_right(routine: _Routines, lu: Floats, pivots: Ints, rows: Floats) -> Floats:
-    """``rows @ inverse(a)`` for a factorised matrix a; ``rows`` is overwritten.
-
-    Faster than the solution with a on the left, which swaps rows across the memory.
-    """
-    solved = routine.trsm(1.0, lu, rows, side=1, overwrite_b=True)
-    solved = routine.trsm(1.0, lu, solved, side=1, lower=1, diag=1, overwrite_b=True)
-    swapped = dlaswp(np.arange(float(len(pivots)))[:, None], pivots)[:, 0].astype(np.intp)
-    solved.T[swapped] = solved.T.copy()
-    return solved
-
-
-def _one_front(count: int) -> list[_Front]:
+def _one_front(count: int) -> list[Front]:
     """A matrix of few nodes as one front."""
     if not count:
         return []
-    return [_Front(np.arange(count), np.zeros(0, dtype=np.intp), ())]
+    return [Front(np.arange(count), np.zeros(0, dtype=np.intp), ())]
 
 
 def _adjacency(count: int, row: Ints, column: Ints) -> tuple[Ints, Ints]:
@@ -295,7 +215,7 @@ def _dissect(position: Floats, neighbours: tuple[Ints, Ints]) -> list[tuple[Ints
 
 def _fronts(
     tree: list[tuple[Ints, list[int]]], neighbours: tuple[Ints, Ints], count: int, width: int
-) -> list[_Front]:
+) -> list[Front]:
     start, other = neighbours
     front_of = np.empty(count, dtype=np.intp)
     for number, (nodes, _) in enumerate(tree):
@@ -319,12 +239,12 @@ def _fronts(
             for c in children
             if len(boundaries[c])
         )
-        fronts.append(_Front(pivots, boundary, moved))
+        fronts.append(Front(pivots, boundary, moved))
     return fronts
 
 
 def _places(
-    fronts: list[_Front], count: int, row: Ints, column: Ints, width: int
+    fronts: list[Front], count: int, row: Ints, column: Ints, width: int
 ) -> tuple[Ints, int]:
     """The place (e, w, w) of the matrix blocks in the parts of all fronts, and their size."""
     front_of = np.empty(count, dtype=np.intp)
@@ -365,7 +285,7 @@ def _ranks(front_of: Ints, neighbours: tuple[Ints, Ints]) -> Ints:
     return rank
 
 
-def _runs(place: Ints, inner: Bools, width: int) -> tuple[_Run, ...]:
+def _runs(place: Ints, inner: Bools, width: int) -> tuple[Run, ...]:
     """The runs of the boundary of a front, with its places in the next front."""
     breaks = (np.diff(place) != 1) | (inner[1:] != inner[:-1])
     ends = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(place)]
@@ -375,10 +295,10 @@ def _runs(place: Ints, inner: Bools, width: int) -> tuple[_Run, ...]:
         for low, high in ((0, split), (split, len(place))):
             if high > low:
                 index = width * place[low:high, None] + np.arange(width)
-                runs.append(_Run(low < split, slice(low * width, high * width), index.ravel()))
+                runs.append(Run(low < split, slice(low * width, high * width), index.ravel()))
         return tuple(runs)
     for low, high in pairwise(ends):
         at = int(place[low])
         there = slice(at * width, (at + high - low) * width)
-        runs.append(_Run(bool(inner[low]), slice(low * width, high * width), there))
+        runs.append(Run(bool(inner[low]), slice(low * width, high * width), there))
     return tuple(runs)

@@ -116,3 +116,22 @@ def test_a_long_grid_is_cut_across_its_few_nodes_however_far_apart_they_are():
     ordering = BlockOrdering(position, row, column, 6)
     # two cuts of 4 nodes enclose a part in the middle
     assert max(len(front.boundary) for front in ordering.fronts) == 8
+
+
+@pytest.mark.parametrize(
+    ("count", "reach"), [(1, 1.0), (7, 0.8), (60, 0.3), (300, 0.15), (400, 0.3), (90, 0.0)]
+)
+def test_a_symmetric_matrix_is_solved_from_its_upper_half(count, reach):
+    rng = np.random.default_rng(count)
+    position, row, column, blocks, dense = random_system(count, 3, rng, max(reach, 1e-9))
+    ordering = BlockOrdering(position, row, column, 3)
+    mirrored = {pair: number for number, pair in enumerate(zip(row, column, strict=True))}
+    other = [mirrored[pair] for pair in zip(column, row, strict=True)]
+    blocks = blocks + np.swapaxes(blocks[other], 1, 2)
+    right = rng.normal(size=(count, 3))
+    x = ordering.factorise(blocks, symmetric=True).solve(right)
+    np.testing.assert_allclose((dense + dense.T) @ x.ravel(), right.ravel(), atol=1e-9)
+    np.testing.assert_allclose(x, ordering.factorise(blocks).solve(right), atol=1e-12)
+    blocks[(row == column) & (row == count // 2)] *= -1.0
+    with pytest.raises(SolverError, match="not positive definite"):
+        ordering.factorise(blocks, symmetric=True)

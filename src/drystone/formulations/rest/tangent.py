@@ -17,7 +17,8 @@ from drystone.base.arrays import Floats, Ints
 from drystone.base.ragged import runs_by_length
 from drystone.geometry.frames import skew
 from drystone.solvers.dense_factor import inverse
-from drystone.solvers.multifrontal import BlockOrdering, Precision
+from drystone.solvers.front_factors import Precision
+from drystone.solvers.multifrontal import BlockOrdering
 from drystone.statics import Statics
 
 FULL = 60
@@ -49,11 +50,17 @@ class TangentSystem:
         return few and self.statics.full_transposed is not None
 
     def factorise(
-        self, tangent: Floats, weight: Floats, precision: Precision = np.float64
+        self,
+        tangent: Floats,
+        weight: Floats,
+        precision: Precision = np.float64,
+        *,
+        symmetric: bool = False,
     ) -> Callable[[Floats], Floats]:
         """From wrenches to motions (n, 6): the inverse of ``A D A' + diag(weight)``.
 
-        A full matrix is always inverted in double precision.
+        A full matrix is always inverted in double precision. ``symmetric`` takes half of the
+        arithmetic where D is symmetric and positive definite.
 
         Raises
         ------
@@ -63,7 +70,7 @@ class TangentSystem:
         few, size = self.statics.full_transposed, 6 * self.statics.free_count
         if few is None or not self.small:
             blocks = self.sparse.blocks(tangent, weight)
-            return self.sparse.ordering.factorise(blocks, precision).solve
+            return self.sparse.ordering.factorise(blocks, precision, symmetric=symmetric).solve
         matrix = few.T @ (tangent @ few.reshape(-1, 3, size)).reshape(-1, size)
         matrix.reshape(-1)[:: size + 1] += weight.ravel()
         return inverse(matrix)

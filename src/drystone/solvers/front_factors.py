@@ -1,0 +1,176 @@
+"""Elimination of one dense front, and the factors of all fronts.
+
+Fronts are C-ordered arrays of the transposed matrix: column by column in memory, as LAPACK takes
+them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg.blas import dgemm, dsyrk, dtrsm, dtrsv, sgemm, strsm
+from scipy.linalg.lapack import dgetrf, dgetrs, dlaswp, dpotrf, sgetrf, sgetrs
+
+from drystone.base.arrays import Floats, Ints
+from drystone.base.errors import SolverError
+
+Precision = type[np.float64] | type[np.float32]
+"""Of the numbers in a factorisation."""
+
+
+class Routines(NamedTuple):
+    """BLAS and LAPACK for one type of number."""
+
+    gemm: Callable[..., Any]
+    trsm: Callable[..., Any]
+    getrf: Callable[..., Any]
+    getrs: Callable[..., Any]
+
+
+ROUTINES: dict[Precision, Routines] = {
+    np.float64: Routines(dgemm, dtrsm, dgetrf, dgetrs),
+    np.float32: Routines(sgemm, strsm, sgetrf, sgetrs),
+}
+
+
+class Run(NamedTuple):
+    """Nodes that follow each other both in the boundary of a front and in the next front.
+
+    Attributes
+    ----------
+    inner
+        Whether they are eliminated in the next front.
+    here, there
+        Place in the boundary, and among the pivots or in the boundary of the next front. Places
+        are those of matrix rows: slices, or indices where the nodes are scattered.
+    """
+
+    inner: bool
+    here: slice
+    there: slice | Ints
+
+
+@dataclass(frozen=True, eq=False)
+class Front:
+    """One dense step of the elimination.
+
+    Attributes
+    ----------
+    pivots, boundary
+        Nodes eliminated here, and later nodes that they are coupled with.
+    children
+        Earlier fronts, with the place of their boundary in this front.
+    """
+
+    pivots: Ints
+    boundary: Ints
+    children: tuple[tuple[int, tuple[Run, ...]], ...]
+
+
+class BlockFactor:
+    """Triangular factors of all fronts of a matrix, as :func:`eliminated` gives them."""
+
+    def __init__(
+        self, fronts: Sequence[Front], factors: list[tuple[Any, ...]], precision: Precision
+    ) -> None:
+        self.fronts = fronts
+        self.factors = factors
+        self.precision = precision
+
+    def solve(self, right: Floats) -> Floats:
+        """X (n, w) with ``matrix @ x = right``."""
+        getrs = ROUTINES[self.precision].getrs
+        x: Any = right.astype(self.precision)
+        for front, (_, _, multiple, _) in zip(self.fronts, self.factors, strict=True):
+            if len(front.boundary):
+                x[front.boundary] -= (multiple @ x[front.pivots].ravel()).reshape(-1, x.shape[1])
+        backwards = zip(self.fronts[::-1], self.factors[::-1], strict=True)
+        for front, (lu, pivots, _, coupling) in backwards:
+            part = x[front.pivots].ravel()
+            if len(front.boundary):
+                part -= coupling @ x[front.boundary].ravel()
+            part, _ = getrs(lu, pivots, part, overwrite_b=True)
+            x[front.pivots] = part.reshape(-1, x.shape[1])
+        solved: Floats = x.astype(np.float64, copy=False)
+        return solved
+
+
+class SymmetricFactor:
+    """Cholesky factors of all fronts of a matrix, as :func:`eliminated_symmetric` gives them."""
+
+    def __init__(self, fronts: Sequence[Front], factors: list[tuple[Any, ...]]) -> None:
+        self.fronts = fronts
+        self.factors = factors
+
+    def solve(self, right: Floats) -> Floats:
+        """X (n, w) with ``matrix @ x = right``."""
+        x = right.astype(np.float64)
+        for front, (root, multiple) in zip(self.fronts, self.factors, strict=True):
+            part = dtrsv(root, x[front.pivots].ravel(), lower=1, overwrite_x=True)
+            x[front.pivots] = part.reshape(-1, x.shape[1])
+            if len(front.boundary):
+                x[front.boundary] -= (multiple @ part).reshape(-1, x.shape[1])
+        backwards = zip(self.fronts[::-1], self.factors[::-1], strict=True)
+        for front, (root, multiple) in backwards:
+            part = x[front.pivots].ravel()
+            if len(front.boundary):
+                part -= x[front.boundary].ravel() @ multiple
+            part = dtrsv(root, part, lower=1, trans=1, overwrite_x=True)
+            x[front.pivots] = part.reshape(-1, x.shape[1])
+        return x
+
+
+def eliminated(
+    first: Floats, right: Floats, below: Floats, rest: Floats
+) -> tuple[tuple[Any, ...], Floats]:
+    """Factors of a front, and what it adds to later ones; the parts are overwritten.
+
+    Raises
+    ------
+    SolverError
+        The pivots are exactly singular.
+    """
+    routine = ROUTINES[first.dtype.type]
+    lu, pivots, info = routine.getrf(first.T, overwrite_a=True)
+    if info != 0:
+        raise SolverError("singular")
+    multiple = below.T
+    if len(rest):
+        multiple = _from_right(routine, lu, pivots, multiple)
+        rest = routine.gemm(-1.0, multiple, right.T, 1.0, rest.T, overwrite_c=True).T
+    return (lu, pivots, multiple, right.T), rest
+
+
+def eliminated_symmetric(
+    first: Floats, below: Floats, rest: Floats
+) -> tuple[tuple[Any, ...], Floats]:
+    """As :func:`eliminated` of a symmetric front, of which only the upper half is read and changed.
+
+    Raises
+    ------
+    SolverError
+        The pivots are not positive definite.
+    """
+    root, info = dpotrf(first.T, lower=1, clean=0, overwrite_a=True)
+    if info != 0:
+        raise SolverError("not positive definite")
+    multiple = below.T
+    if len(rest):
+        multiple = dtrsm(1.0, root, multiple, side=1, lower=1, trans_a=1, overwrite_b=True)
+        rest = dsyrk(-1.0, multiple, beta=1.0, c=rest.T, lower=1, overwrite_c=True).T
+    return (root, multiple), rest
+
+
+def _from_right(routine: Routines, lu: Floats, pivots: Ints, rows: Floats) -> Floats:
+    """``rows @ inverse(a)`` for a factorised matrix a; ``rows`` is overwritten.
+
+    Faster than the solution with a on the left, which swaps rows across the memory.
+    """
+    solved = routine.trsm(1.0, lu, rows, side=1, overwrite_b=True)
+    solved = routine.trsm(1.0, lu, solved, side=1, lower=1, diag=1, overwrite_b=True)
+    swapped = dlaswp(np.arange(float(len(pivots)))[:, None], pivots)[:, 0].astype(np.intp)
+    solved.T[swapped] = solved.T.copy()
+    return solved
