@@ -60,9 +60,7 @@ class BuildableOptions(Options):
                 remedy="give them of one sign, the shallowest first, each deeper than the last, "
                 f"up to {LARGEST_WEDGE}",
             )
-        for name in ("hands", "deepened"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{name} is {getattr(self, name)}", remedy="give 1 or more")
+        self._refuse_below(1, "hands", "deepened")
 
 
 @dataclass(frozen=True)

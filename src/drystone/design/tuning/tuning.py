@@ -52,12 +52,8 @@ class TuneOptions(Options):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("trials", "batch"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{name} is {getattr(self, name)}", remedy="give 1 or more")
-        for name in ("seed", "props"):
-            if (getattr(self, name) or 0) < 0:
-                raise InputError(f"{name} is {getattr(self, name)}", remedy="give 0 or more")
+        self._refuse_below(1, "trials", "batch")
+        self._refuse_below(0, "seed", "props")
 
 
 @checked_call

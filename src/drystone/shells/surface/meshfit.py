@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 from drystone.base.arrays import Floats, dot, frozen_floats
 from drystone.base.display import OneLine
 from drystone.base.errors import InputError
-from drystone.geometry.body.polyhedron import loop_edges
+from drystone.geometry.body.polyhedron import edges_of, loop_edges
 from drystone.geometry.mend.coincidence import first_coincident
 from drystone.shells.surface.patch import Patch, check_patch
 
@@ -233,8 +233,7 @@ def _layout(
         step = np.linalg.norm(np.diff(points[side], axis=0), axis=1)
         share = np.concatenate([[0.0], np.cumsum(step)]) / step.sum()
         uv[side] = square[k] + share[:, None] * (square[(k + 1) % 4] - square[k])
-    pairs = np.array([pair for loop in loops for pair in loop_edges(loop)])
-    ends = np.unique(np.sort(pairs, axis=1), axis=0)
+    ends = edges_of([tuple(loop) for loop in loops])
     weight = 1.0 / np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
     shape = (len(points), len(points))
     joined = sparse.coo_matrix((weight, (ends[:, 0], ends[:, 1])), shape).tocsr()
@@ -286,8 +285,7 @@ def distances(patch: Patch, at: Floats, loops: Sequence[Sequence[int]]) -> Float
     ``at`` (p, 5) holds u, v and the position of every vertex. A few Gauss-Newton steps correct the
     parameters to those of the nearest point of the patch.
     """
-    pairs = np.array([pair for loop in loops for pair in loop_edges(loop)])
-    ends = np.unique(np.sort(pairs, axis=1), axis=0)
+    ends = edges_of([tuple(loop) for loop in loops])
     middles = np.array([at[list(loop)].mean(axis=0) for loop in loops])
     sample = np.concatenate([at, 0.5 * (at[ends[:, 0]] + at[ends[:, 1]]), middles])
     distance: Floats = np.linalg.norm(patch.point(*sample[:, :2].T) - sample[:, 2:], axis=1)
