@@ -113,10 +113,10 @@ def mend(
             "is for the list of mends", where="--pages", remedy="leave out --diagnose and --auto"
         )
     asked = margins(margin)
-    model = subject.prepared(waiting, finding, seismic)
-    wanted.require_through(model.assembly)
     from drystone import design  # work is imported when there is some
 
+    model = subject.prepared(waiting, finding, seismic)
+    wanted.require_through(model.assembly)
     waiting.stage("diagnose", "diagnosing")
     with waiting.keywords(time_limit) as common:
         if diagnose:

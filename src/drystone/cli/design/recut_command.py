@@ -47,9 +47,9 @@ def recut(
     Exit code 0: every block is free. 1: some need help. 2: bad input.
     130: stopped by Ctrl-C, with the changes so far.
     """
-    model = subject.prepared(waiting, finding)
     from drystone import design, sequence  # work is imported when there is some
 
+    model = subject.prepared(waiting, finding)
     rules = sequence.PlanOptions(rules=sequence.Rules(hands=hands))
     waiting.stage("recut", "changing joints")
     with waiting.keywords(time_limit) as common:

@@ -117,10 +117,10 @@ def shape(
         if move == "joints" and given:
             raise InputError(why, where=option, remedy="leave it out")
     stands_at = margins(changed.margin)
-    model = subject.prepared(waiting, finding)
     from drystone import design  # work is imported when there is some
     from drystone.design.shaping.free_moves import prism_axis
 
+    model = subject.prepared(waiting, finding)
     size = float(model.assembly.size[model.assembly.free].mean())
     farthest = 0.1 * size if most is None else most
     prisms = prism_axis(model, keep) if along is None else along if along != "none" else None

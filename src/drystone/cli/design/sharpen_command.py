@@ -64,9 +64,9 @@ def sharpen(
     given = {"step": step, "most": most, "close": close}
     asked: dict[str, Any] = {name: value for name, value in given.items() if value is not None}
     stands_at = margins(changed.margin)
-    model = subject.prepared(waiting, finding)
     from drystone import design  # work is imported when there is some
 
+    model = subject.prepared(waiting, finding)
     chosen = design.SharpenOptions(margin=stands_at, keep=keep, **asked)
     waiting.stage("sharpen", "sharpening")
     with waiting.keywords(changed.time_limit) as common:
