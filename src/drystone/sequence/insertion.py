@@ -38,6 +38,7 @@ class RemovalTest(OneLine):
     def __init__(self, model: Structure, tolerance: float = TOLERANCE) -> None:
         self.model = model
         self.tolerance = tolerance
+        self._all: dict[int, Joints] = {}
         self._known: dict[tuple[int, int], Freedom] = {}
         self._free: dict[tuple[int, int], bool] = {}
         self._paths: dict[tuple[int, int], RemovalPath | NoPath] = {}
@@ -49,13 +50,13 @@ class RemovalTest(OneLine):
         """Straight directions in which a block can be removed from the blocks in place."""
         key = self._key(block, placed)
         if key not in self._known:
-            normals = self._joints(*key).normal
+            normals = self._normals(*key)
             self._known[key] = freedom(normals, self.model.up, self.tolerance)
         return self._known[key]
 
     def direction(self, block: int, placed: int) -> Floats | None:
         """The free direction (3,) nearest to up; None when blocked."""
-        normals = self._joints(*self._key(block, placed)).normal
+        normals = self._normals(*self._key(block, placed))
         if (normals @ self.model.up >= 0.0).all():
             return self.model.up
         return self.freedom(block, placed).preferred
@@ -64,7 +65,7 @@ class RemovalTest(OneLine):
         """Whether it can be removed, straight or with rotation."""
         key = self._key(block, placed)
         if key not in self._free:
-            normals = self._joints(*key).normal
+            normals = self._normals(*key)
             # most blocks can move straight up or away from all joints; opposite joints have no sum
             away = normals.sum(axis=0)
             length = float(np.linalg.norm(away))
@@ -115,6 +116,13 @@ class RemovalTest(OneLine):
         here = np.array(self.model.assembly.fixed)
         here[list(members(placed))] = True
         return here
+
+    def _normals(self, block: int, placed: int) -> Floats:
+        """Normals (j, 3) into a block of its joints with those in place."""
+        if block not in self._all:
+            self._all[block] = self._joints(block, self.model.everything)
+        joints = self._all[block]
+        return joints.normal[self._here(placed)[joints.other]]
 
     def _joints(self, block: int, placed: int) -> Joints:
         return Joints.of(self.model.contacts, block, self._here(placed))
