@@ -23,7 +23,15 @@ if TYPE_CHECKING:
     from drystone.base.files import Job
     from drystone.cli.base.answer import Files
     from drystone.model import Model
-    from drystone.sequence import ExecutorFactory, Margins, Plan, Robot, Rules, ScaffoldOptions
+    from drystone.sequence import (
+        ExecutorFactory,
+        Margins,
+        Plan,
+        Robot,
+        Rules,
+        Scaffolding,
+        ScaffoldOptions,
+    )
 
 LISTED = 40
 """Rows shown of a table; --json has all."""
@@ -237,13 +245,14 @@ def plan(
     helped = found.counts["propped"] + found.counts["impossible"]
     code = 0 if found.steps and found.stable and not helped else 1
     files = partial(
-        _files, found, measured, html, png, cad, instructions, csv, work, robot, subject.model
+        _files, found, made, measured, html, png, cad, instructions, csv, work, robot, subject.model
     )
     return Answer(data, partial(_show, data, found), code, model.notes, files)
 
 
 def _files(
     plan: Plan,
+    made: Scaffolding | None,
     margins: Margins | None,
     html: Path | None,
     png: Path | None,
@@ -263,9 +272,9 @@ def _files(
         from drystone.view.paper.instructions import save_instructions
 
         if html is not None:
-            jobs.append((html, partial(save_page, plan, source=source)))
+            jobs.append((html, partial(save_page, made or plan, source=source)))
         if png is not None:
-            jobs.append((png, partial(save_figure, plan, source=source)))
+            jobs.append((png, partial(save_figure, made or plan, source=source)))
         if steps is not None:
             jobs.append((steps, partial(save_instructions, plan)))
     if work is not None:

@@ -35,6 +35,7 @@ class Scaffolding(OneLine):
 
     Attributes
     ----------
+    plan
     support
     stages
         Table, a row per stage that is held: ``step``, ``blocks`` that are held, ``verdict``,
@@ -56,6 +57,7 @@ class Scaffolding(OneLine):
         Why later stages were not checked; empty otherwise.
     """
 
+    plan: Plan
     support: Support
     stages: Table
     metre_stages: float
@@ -165,7 +167,7 @@ def scaffolding(
     cost = chosen.stage_cost * total + chosen.move_cost * moves
     items = tuple(item for prop in plan.props for item in stages.items(prop.block))
     return Scaffolding(
-        stages.support, table, total, peak, moves, cost, items, tuple(sorted(failed)), stopped
+        plan, stages.support, table, total, peak, moves, cost, items, tuple(sorted(failed)), stopped
     )
 
 

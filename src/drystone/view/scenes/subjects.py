@@ -13,12 +13,13 @@ from drystone.fall import Film
 from drystone.limits import Limit, TiltSweep
 from drystone.model import Model
 from drystone.results import Result
-from drystone.sequence import Plan
+from drystone.sequence import Plan, Scaffolding
 from drystone.settlement import LargeDisplacement, Settlement, SupportResponse
 from drystone.view.scenes.large_scenes import film_scene, large_scene
 from drystone.view.scenes.limit_scenes import limit_scene, sweep_scene
 from drystone.view.scenes.mend_scenes import diagnosis_scene
 from drystone.view.scenes.plan_scenes import plan_scene
+from drystone.view.scenes.scaffold_scenes import scaffold_scene
 from drystone.view.scenes.scene import Scene
 from drystone.view.scenes.settlement_scenes import followed_scene, settlement_scene
 from drystone.view.scenes.staging import bare_scene, result_scene
@@ -30,6 +31,7 @@ Subject: TypeAlias = (
     | Limit
     | TiltSweep
     | Plan
+    | Scaffolding
     | SupportResponse
     | Settlement
     | LargeDisplacement
@@ -76,6 +78,8 @@ def scene_of(subject: Subject, contacts: Contacts | None = None, source: str = "
             return sweep_scene(subject, source)
         case Plan():
             return plan_scene(subject, source)
+        case Scaffolding():
+            return scaffold_scene(subject, source)
         case SupportResponse():
             return settlement_scene(subject, source)
         case LargeDisplacement():

@@ -1,0 +1,56 @@
+"""Scaffolding is drawn at the stages at which it is set up, and what fails with it is said."""
+
+import numpy as np
+import pytest
+
+from drystone.models import arch
+from drystone.results import Verdict
+from drystone.sequence import Plan, PlanOptions, Rules, ScaffoldOptions, plan, scaffolding
+from drystone.view.scenes.plan_scenes import plan_scene
+from drystone.view.scenes.scaffold_scenes import scaffold_scene
+
+
+@pytest.fixture(scope="module")
+def found() -> Plan:
+    return plan(arch(0.3, 5), friction=0.6, options=PlanOptions(rules=Rules(hands=1)))
+
+
+def test_struts_are_drawn_from_their_feet_to_the_blocks_that_they_prop(found: Plan) -> None:
+    made = scaffolding(found, "strut")
+    scene = scaffold_scene(made)
+    for step, stage in zip(found.steps, scene.stages, strict=False):
+        drawn = [layer for layer in stage.layers if layer.key == "scaffold"]
+        held = [found.model.assembly.names[block] for block in step.props]
+        items = [one for one in made.items if one.block in held]
+        assert sum(layer.count for layer in drawn) == len(items)
+        for layer in drawn:
+            np.testing.assert_allclose(layer.position, [one.foot for one in items])
+            np.testing.assert_allclose(layer.position + layer.vector, [one.head for one in items])
+
+
+def test_a_stage_that_struts_do_not_hold_is_not_shown_to_stand(found: Plan) -> None:
+    made, ideal = scaffolding(found, "strut"), plan_scene(found)
+    scene = scaffold_scene(made)
+    assert made.failed == (2, 3)
+    fails = [stage.verdict is not Verdict.STABLE for stage in scene.stages]
+    assert fails == [i in made.failed for i in range(len(found.steps))] + [True]
+    assert scene.stages[2].headline == "Block 3 of 5: does not stand with struts"
+    assert scene.stages[-1].headline.startswith("Not every stage stands with struts")
+    assert all(stage.verdict is Verdict.STABLE for stage in ideal.stages)
+
+
+@pytest.mark.parametrize(("kind", "mark"), [("clamp", "1 clamp"), ("centring", "1 centring")])
+def test_clamps_and_centring_are_drawn_and_every_stage_stands(
+    found: Plan, kind: str, mark: str
+) -> None:
+    scene = scaffold_scene(scaffolding(found, kind))
+    labels = [layer.label for stage in scene.stages for layer in stage.layers]
+    assert mark in labels
+    assert all(stage.verdict is Verdict.STABLE for stage in scene.stages)
+
+
+def test_a_strut_that_carries_too_much_is_named(found: Plan) -> None:
+    made = scaffolding(found, "clamp", options=ScaffoldOptions(limit=1.0))
+    headlines = [stage.headline for stage in scaffold_scene(made).stages]
+    assert any("clamp" in one for one in headlines[:-1])
+    assert headlines[-1].startswith("Not every stage stands with clamps")
