@@ -46,6 +46,18 @@ def test_each_piece_of_the_shelf_is_supported_or_one_of_its_joints_is_changed(
     assert [one.cost for one in found] == sorted(one.cost for one in found)
 
 
+def test_a_block_that_falls_only_once_another_one_is_held_is_in_the_way_of_no_mend(
+    tmp_path: Path,
+) -> None:
+    # at 0.6 no forces balance block 10; block 9 is balanced, and falls as well
+    (one,) = find_mends(shelf(2), friction=0.6, options=MendOptions(kinds=("prop",))).mends
+    assert (one.blocks, one.held) == (("block-10",), ("block-9",))
+    fixed = one.model.assembly.indices(["block-9"]).tolist()
+    fixed += np.flatnonzero(one.model.assembly.fixed).tolist()
+    assert again(one.model.with_supports(fixed), tmp_path).stable
+    assert "block-9" in drystone.check(one.model).falling_names
+
+
 def test_every_mend_of_the_shelf_stands_when_it_is_read_from_its_file(
     fallen: Mends, tmp_path: Path
 ) -> None:

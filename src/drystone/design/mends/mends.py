@@ -249,6 +249,7 @@ def find_mends(
     tried: list[tuple[tuple[str, ...], Tried]] = []
     mended = 0
     others = set(found.others).union(*(region.blocks for region in found.regions))
+    others |= _falls_besides(found.model, others, clock.late)
     with WorkerPool(executor) as pool:
         for number, region in enumerate(found.regions):
             names = tuple(model.assembly.names[i] for i in region.blocks)
@@ -272,6 +273,22 @@ def find_mends(
             mended += bool(own)
             mends += sorted(own, key=_rank)
     return Mends(found, tuple(mends), tuple(tried))
+
+
+def _falls_besides(model: Model, falling: set[int], stop: Stop) -> set[int]:
+    """The blocks that fall even where those that fall now are held.
+
+    Where no forces balance the loads, only the blocks that lack them are known to fall.
+    """
+    names, fixed = model.assembly.names, set(np.flatnonzero(model.assembly.fixed).tolist())
+    more: set[int] = set()
+    while len(fixed | falling | more) < len(model):
+        held = model.with_supports([names[i] for i in sorted(fixed | falling | more)])
+        new = set(check(held, options=QUICK, stop=stop).falling) - falling - more
+        if not new:
+            break
+        more |= new
+    return more
 
 
 def _rank(one: Mend) -> tuple[float, int, float]:
