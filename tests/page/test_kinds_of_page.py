@@ -17,6 +17,7 @@ from drystone.fall import Film
 from drystone.limits import limit_thickness, tilt_sweep
 from drystone.loads import LoadCase
 from drystone.models import arch, shelf, tower
+from drystone.sequence import PlanOptions, Rules, scaffolding
 from drystone.settlement import move_supports, push, support_response
 from drystone.view import Frame, mended_scene, save_inspection, save_report
 from drystone.view.paper.instructions import save_instructions
@@ -25,6 +26,7 @@ from tests.page.browser import Tab
 
 STACK = drystone.Model.of(tower(3), friction=0.5)
 ARCH = drystone.Model.of(arch(0.2, 6), friction=0.7)
+PROPPED = drystone.plan(arch(0.3, 5), friction=0.6, options=PlanOptions(rules=Rules(hands=1)))
 SINKING = {"springer-right": (0.0, 0.0, -0.01)}
 
 
@@ -63,6 +65,7 @@ KINDS: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "sweep of tilts": (lambda: tilt_sweep(tower(2), 4, friction=0.3), "Stands up to 16."),
     "plan": (lambda: drystone.plan(STACK), "Can be assembled without help"),
+    "plan with scaffolding": (lambda: scaffolding(PROPPED, "strut"), "Not every stage stands"),
     "settlement of supports": (lambda: support_response(ARCH, SINKING), "Settled"),
     "supports that move far": (
         lambda: move_supports(ARCH, SINKING, to=0.02), "Stands with its supports moved by 20 mm"

@@ -184,7 +184,7 @@ def test_scaffolding_is_compared_and_planned_with(tmp_path, capsys):
     assert data["scaffolding"]["cost"] == pytest.approx(rows[0]["cost"])
     assert main(["plan", *given, "--scaffold", "strut", "--scaffold-foot", "nowhere"]) == 2
     assert "no block is called 'nowhere'" in capsys.readouterr().err
-    _, data = answer(capsys, *given, "--scaffold", "strut")
+    _, data = answer(capsys, "plan", *given, "--scaffold", "strut")
     strut = data["scaffolding"]["items"][0]
     assert strut["block"] == data["props"][0]["block"]
     assert strut["limit"] is None
@@ -196,7 +196,7 @@ def test_a_plan_says_which_step_needs_help_and_why(tmp_path, capsys):
     io.write(arch(0.3, 5), path)
     assert main(["plan", str(path), "--hands", "1", "--friction", "0.6"]) == 1
     told = " ".join(capsys.readouterr().out.split())
-    _, data = answer(capsys, str(path), "--hands", "1", "--friction", "0.6")
+    _, data = answer(capsys, "plan", str(path), "--hands", "1", "--friction", "0.6")
     why = [step["why"] for step in data["steps"] if step["why"]]
     assert why
     for one in why[:3]:

@@ -15,8 +15,8 @@ from drystone.base.errors import InputError
 from drystone.models import tower
 from drystone.view import save_figure, scene_of
 from drystone.view.paper.figure import draw, quantity
-from drystone.view.scenes.exploded import taken_apart
 from drystone.view.style.presets import first_preset
+from drystone.view.transforms.exploded import taken_apart
 from tests.unit.view.pictures import falling_tower, notched, pulled_tower
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -180,7 +180,9 @@ def see(ctx: click.Context | None) -> str:
 
 
 def _section(text: str) -> str:
-    from drystone.view.scenes.section import read_section  # pictures are imported when asked for
+    from drystone.view.transforms.section import (
+        read_section,  # pictures are imported when asked for
+    )
 
     read_section(text)
     return text

@@ -278,7 +278,7 @@ def find_mends(
 def _falls_besides(model: Model, falling: set[int], stop: Stop) -> set[int]:
     """The blocks that fall even where those that fall now are held.
 
-    Where no forces balance the loads, only the blocks that lack them are known to fall.
+    Where no forces balance the loads, only the blocks without balancing forces are known to fall.
     """
     names, fixed = model.assembly.names, set(np.flatnonzero(model.assembly.fixed).tolist())
     more: set[int] = set()

@@ -17,13 +17,13 @@ from drystone.results import Verdict
 from drystone.view.paper.ink import Sheet, draw_blocks, draw_layer, draw_motion, draw_shadow
 from drystone.view.paper.labels import draw_labels
 from drystone.view.paper.plot_file import save_plot
-from drystone.view.scenes.exploded import taken_apart
 from drystone.view.scenes.header import asked_line
 from drystone.view.scenes.scene import Layer, LayerKind, MarkerShape, Scene, SceneStage
-from drystone.view.scenes.section import behind, cut_at
 from drystone.view.scenes.subjects import Subject, scene_of
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, STATE_LABEL, State, ramp_colours
 from drystone.view.style.presets import PRESETS, first_preset, is_shown
+from drystone.view.transforms.exploded import taken_apart
+from drystone.view.transforms.section import behind, cut_at
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

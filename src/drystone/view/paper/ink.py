@@ -17,9 +17,9 @@ from drystone.geometry.frames import rotation_about
 from drystone.geometry.plane.triangulate import triangulate
 from drystone.view.paper.depth import SortedPolygons, ordered_patches
 from drystone.view.scenes.scene import UP, Layer, LayerKind, MarkerShape, Scene, SceneStage
-from drystone.view.scenes.section import Plane, plane_of
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
 from drystone.view.style.palette import ROLE_COLOUR, STATE_COLOUR, State, ramp_colours, rgb
+from drystone.view.transforms.section import Plane, plane_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

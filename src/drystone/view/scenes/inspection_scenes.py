@@ -17,9 +17,9 @@ from drystone.base.ragged import Ragged
 from drystone.detection import ContactReport, Detection, GapSweep
 from drystone.view.scenes.header import facts_of
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
-from drystone.view.scenes.section import cut_at
 from drystone.view.scenes.staging import interface_layers
 from drystone.view.style.palette import State
+from drystone.view.transforms.section import cut_at
 from drystone.view.web.page import page_text
 
 WIDTH, HEIGHT = 280.0, 150.0

@@ -51,7 +51,6 @@ from drystone.contacts import Contacts
 from drystone.geometry.body.polyhedron import Faces
 from drystone.geometry.plane.kern import kern
 from drystone.geometry.plane.triangulate import triangulate
-from drystone.view.scenes.exploded import ways_apart
 from drystone.view.scenes.header import asked_line
 from drystone.view.scenes.scene import Layer, LayerKind, Scene, SceneStage
 from drystone.view.style.drawn_mesh import face_normals, sharp_edges
@@ -63,6 +62,7 @@ from drystone.view.style.palette import (
     hexadecimal,
 )
 from drystone.view.style.presets import KNOWN, PRESETS, first_preset
+from drystone.view.transforms.exploded import ways_apart
 from drystone.virtual import local_corners
 
 FORMAT = "drystone-page"

@@ -10,8 +10,8 @@ from os import PathLike
 from drystone.base.files import write_bytes
 from drystone.contacts import Contacts
 from drystone.view.scenes.scene import Scene
-from drystone.view.scenes.section import cut_at
 from drystone.view.scenes.subjects import Subject, scene_of
+from drystone.view.transforms.section import cut_at
 from drystone.view.web.encode import encode, to_text
 
 SCRIPTS = (

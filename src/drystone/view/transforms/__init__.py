@@ -1,0 +1,1 @@
+"""A scene that is cut by a plane, or taken apart."""
