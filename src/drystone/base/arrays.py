@@ -181,7 +181,9 @@ def cross(a: Floats, b: Floats) -> Floats:
     """Cross products (..., 3) of rows, several times faster than numpy's on many short ones."""
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    product: Floats = np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
+    first = y * w - z * v
+    product: Floats = np.empty((*first.shape, 3), dtype=first.dtype)
+    product[..., 0], product[..., 1], product[..., 2] = first, z * u - x * w, x * v - y * u
     return product
 
 

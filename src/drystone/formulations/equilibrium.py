@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import lsmr
 
 from drystone.base.arrays import Floats
 from drystone.base.settings import Options
@@ -27,11 +26,6 @@ from drystone.formulations.corner_forces import (
 from drystone.solvers.conic import ConicOptions, ConicSolution, ConicStatus
 from drystone.solvers.program import ConicProgram, ProgramBuilder
 from drystone.statics import Statics
-
-STILL = 1e-4
-"""A corner that opens or slides by less than this share of the fastest one counts as fixed, if the
-result is a mechanism. Chosen: on 11 tilted shelves all values from 1e-5 to 3e-2 give a
-mechanism."""
 
 
 class Objective(enum.Enum):
@@ -300,21 +294,6 @@ def project_on_mechanisms(
     return EquilibriumSolution(force, tension, motion, raw)
 
 
-def held_still(statics: Statics, solution: EquilibriumSolution) -> EquilibriumSolution:
-    """The nearest velocity at which nearly fixed corners are fixed.
-
-    The solution of an interior-point method lies strictly inside the cone of mechanisms. For blocks
-    between parallel faces this cone has no interior. There the solver leaves small motions at
-    corners that do not move.
-    """
-    moved = np.abs(statics.displacement(solution.multiplier)).max(axis=1)
-    still = np.flatnonzero(moved < STILL * moved.max(initial=0.0))
-    rows = statics.matrix_transposed[(3 * still[:, None] + np.arange(3)).ravel()]
-    motion = solution.multiplier.ravel()
-    change = lsmr(rows, rows @ motion, atol=1e-15, btol=1e-15, conlim=1e12, maxiter=2000)[0]
-    return replace(solution, multiplier=(motion - change).reshape(-1, 6))
-
-
 def solved(
     program: ConicProgram,
     options: ConicOptions | None = None,
@@ -342,7 +321,6 @@ __all__ = [
     "Weights",
     "build_equilibrium",
     "build_load_factor",
-    "held_still",
     "project_on_mechanisms",
     "solve_equilibrium",
     "solve_extreme_force",

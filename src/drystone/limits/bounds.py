@@ -16,9 +16,9 @@ from drystone.base.progress import Stop, Stopped
 from drystone.formulations.equilibrium import (
     FactorSolution,
     FrictionCone,
-    held_still,
     solve_load_factor,
 )
+from drystone.formulations.held_still import held_still
 from drystone.limits.brackets import Bracket
 from drystone.limits.limit_families import Family, LoadFactor, Tilt
 from drystone.limits.search import VerdictSearch
