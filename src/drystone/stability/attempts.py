@@ -302,7 +302,7 @@ class Attempts(Record):
             ways: list[tuple[RestOptions, Start | None]] = [(from_other, last)]
             if not briefly:  # what Newton's method did not reach from the same stiffnesses is far
                 path = rests[-1].path
-                ways.insert(0 if rests[-1].same or path else 1, (STRAIGHT, None))
+                ways.insert(0 if path else 1, (STRAIGHT, None))
                 if path:
                     ways.insert(0, (_on_path(path, rests[-1].same), path))
             for options, begin in ways:

@@ -25,6 +25,7 @@ USED = {
     "cross": {"--span"},
     "pavilion": {"--span", "--eye", "--keystone"},
     "dome": {"--span", "--eye", "--keystone"},
+    "tri-dome": {"--span"},
     "free-edge": {"--span", "--length", "--rise"},
     "three-vaults": {"--span", "--rise"},
     None: {"--supports", "--units"},
@@ -40,8 +41,8 @@ class SurfaceRequest:
         str,
         Argument(
             "SURFACE",
-            "barrel, cross, pavilion or dome; free-edge or three-vaults, whose form is found; or "
-            "an open mesh file.",
+            "barrel, cross, pavilion, dome or tri-dome; free-edge or three-vaults, whose form is "
+            "found; or an open mesh file.",
         ),
     ]
     span: Annotated[
