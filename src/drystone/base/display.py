@@ -64,11 +64,11 @@ class Card(OneLine):
             '<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">'
             f'<div style="max-width:28em"><b>{type(self).__name__}</b>'
             f"<div>{html.escape(sentence)}</div><table>{rows}</table></div>"
-            f"{picture_of(self)}</div>"
+            f"{_picture_of(self)}</div>"
         )
 
 
-def picture_of(value: object) -> str:
+def _picture_of(value: object) -> str:
     """A small picture of a value as HTML; empty if no function was set."""
     return "".join(draw(value) for draw in _DRAWN_BY)
 

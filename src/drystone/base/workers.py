@@ -53,14 +53,14 @@ class LocalWorkers:
         """Start the workers."""
         # spawned, not forked: a fork does not copy the threads of numerical libraries
         context = multiprocessing.get_context("spawn")
-        executor = ProcessPoolExecutor(self.count, mp_context=context, initializer=end_with_parent)
+        executor = ProcessPoolExecutor(self.count, mp_context=context, initializer=_end_with_parent)
         with _interrupts_ignored():
             for _ in range(self.count):
                 executor.submit(int)  # starts a process
         return executor
 
 
-def end_with_parent() -> None:
+def _end_with_parent() -> None:
     """End this worker process when the process that started it is killed."""
     parent = multiprocessing.parent_process()
     if parent is not None:

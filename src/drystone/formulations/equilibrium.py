@@ -165,7 +165,7 @@ def solve_equilibrium(
     return solved(program, options, stop=stop)
 
 
-def build_load_factor(statics: Statics, live: Floats, *, cone: FrictionCone) -> ConicProgram:
+def _build_load_factor(statics: Statics, live: Floats, *, cone: FrictionCone) -> ConicProgram:
     """The program of :func:`solve_load_factor` in scaled numbers."""
     program = ProgramBuilder()
     unknowns = add_corner_forces(program, statics)
@@ -208,7 +208,7 @@ def solve_load_factor(
     The multiplier is a collapse mechanism on which the live load does unit work: the kinematic
     theorem. Source: Livesley 1978; Ferris and Tin-Loi 2001, the associative bound.
     """
-    program = build_load_factor(statics, live, cone=cone)
+    program = _build_load_factor(statics, live, cone=cone)
     state = solved(program, options, stop=stop)
     raw = state.raw
     factor = {
@@ -320,7 +320,6 @@ __all__ = [
     "Objective",
     "Weights",
     "build_equilibrium",
-    "build_load_factor",
     "project_on_mechanisms",
     "solve_equilibrium",
     "solve_extreme_force",

@@ -53,7 +53,7 @@ def _options(cone: FrictionCone) -> RBEOptions:
     return replace(options, conic=replace(options.conic, iteration_limit=STEPS))
 
 
-def falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Result | None:
+def _falls_by(model: Model, cone: FrictionCone, solution: FactorSolution) -> Result | None:
     """UNSTABLE where the mechanism of the largest load factor is one under this load as well.
 
     At the limit the loads do no work on it, and beyond the limit they do (the kinematic theorem).
@@ -139,10 +139,10 @@ def tilt_bound(
 def _largest(model: Model, live: LoadCase, cone: FrictionCone, stop: Stop | None) -> FactorSolution:
     """The largest factor of a live load; the scales are those of the model without it."""
     statics = build_statics(model.with_contacts(model.contacts.select(model.active)))
-    return solve_load_factor(statics, scaled_wrench(statics, live), cone=cone, stop=stop)
+    return solve_load_factor(statics, _scaled_wrench(statics, live), cone=cone, stop=stop)
 
 
-def scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
+def _scaled_wrench(statics: Statics, load: LoadCase) -> Floats:
     """Wrenches (n, 6) of the free blocks in the units of a dimensionless problem."""
     wrench = load.wrench[statics.free] / statics.force_unit
     return np.concatenate([wrench[:, :3], wrench[:, 3:] / statics.length[:, None]], axis=1)
@@ -169,7 +169,7 @@ def _confirmed(
             widest = max(width, WIDEST * (abs(value) + width))
             low = _nearest(search, value, -0.5 * width, widest, start, True)
             beyond = min(end, value + 0.5 * width)
-            known = None if solution is None else falls_by(family(beyond), cone, solution)
+            known = None if solution is None else _falls_by(family(beyond), cone, solution)
             if known is not None:
                 search.results[beyond] = known
             high = _nearest(search, value, 0.5 * width, widest, end, False)
@@ -192,4 +192,4 @@ def _nearest(
     return None
 
 
-__all__ = ["bisected_bound", "falls_by", "load_factor_bound", "rbe", "scaled_wrench", "tilt_bound"]
+__all__ = ["bisected_bound", "load_factor_bound", "rbe", "tilt_bound"]

@@ -95,7 +95,7 @@ class Live:
     def _bound(self, port: int, largest: int) -> WebServer:
         for number in [0] if port == 0 else range(port, port + PORTS):
             try:
-                return WebServer(number, self.desk, self.calls, largest, page_of)
+                return WebServer(number, self.desk, self.calls, largest, _page_of)
             except OSError as error:
                 if error.errno not in (errno.EADDRINUSE, errno.EACCES):
                     raise
@@ -214,7 +214,7 @@ class Watch:
         return found.st_mtime_ns, found.st_size, found.st_ino
 
 
-def page_of(desk: Desk) -> str:
+def _page_of(desk: Desk) -> str:
     """The page of the model of the file as it was read last."""
     static = resources.files("drystone.live").joinpath("static")
 

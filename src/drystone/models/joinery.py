@@ -145,7 +145,7 @@ STICKS: dict[str, tuple[int, int]] = {
 """Sticks of the burr: the axis of each, and on which side of the middle it is."""
 
 
-def stick_cells(axis: int, side: int, length: int = 6) -> set[tuple[int, int, int]]:
+def _stick_cells(axis: int, side: int, length: int = 6) -> set[tuple[int, int, int]]:
     """Unit cells, by their lowest corner, of a stick 2 x 2 x ``length`` before notches are cut.
 
     The two sticks along x are stacked in z, those along y in x, and those along z in y.
@@ -203,7 +203,7 @@ def burr(cell: float = 0.1) -> Assembly:
     require(cell > 0.0, f"a cell of {cell} m", "above zero")
     blocks = []
     for name, (axis, side) in STICKS.items():
-        cells = stick_cells(axis, side) - set(NOTCHES.get(name, ()))
+        cells = _stick_cells(axis, side) - set(NOTCHES.get(name, ()))
         blocks.append(welded(_surface(cells, cell), name))
     return Assembly(tuple(blocks))
 

@@ -143,7 +143,7 @@ def margins(
     """
     of_type(plan, Plan, "the plan", "give what drystone.plan answers")
     chosen = MarginOptions.of(options)
-    task = partial(margin_of, plan.model, options=chosen)
+    task = partial(_margin_of, plan.model, options=chosen)
     stages = [Stage(step.placed, mask_of(step.props)) for step in plan.steps]
     clock = Clock(time_limit_s, stop)
     found = list(in_turn(task, stages, "margins", executor, progress, clock))
@@ -167,7 +167,7 @@ def in_turn(
                 progress(name, number, len(values))
 
 
-def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> Margin:
+def _margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> Margin:
     """Margins of one stage."""
     stage = Stage(*stage)
     fixed = np.flatnonzero(structure.assembly.fixed).tolist()
@@ -192,4 +192,4 @@ def margin_of(structure: Structure, stage: Stage, *, options: MarginOptions) -> 
     return Margin(np.inf if least.stands is None else float(least.stands), float(tilt))
 
 
-__all__ = ["Margin", "MarginOptions", "Margins", "in_turn", "margin_of", "margins"]
+__all__ = ["Margin", "MarginOptions", "Margins", "in_turn", "margins"]

@@ -261,7 +261,7 @@ class Plan(Card):
     @property
     def drop(self) -> float:
         """[m], sum of the descents from one placement to the next."""
-        return drop_of(self.model, [b for step in self.steps for b in step.blocks])
+        return _drop_of(self.model, [b for step in self.steps for b in step.blocks])
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values: counts, order, steps, blocks, props."""
@@ -344,7 +344,7 @@ class Plan(Card):
         return Table("assembly plan", columns, {"prop_force": "N"})
 
 
-def drop_of(model: Structure, order: Sequence[int]) -> float:
+def _drop_of(model: Structure, order: Sequence[int]) -> float:
     """[m], sum of the descents from one placement to the next in an order."""
     height = model.height[list(order)]
     return float(np.maximum(0.0, -np.diff(height)).sum()) if len(height) > 1 else 0.0
@@ -361,4 +361,4 @@ def _size(wrench: Floats) -> float:
     return float(np.linalg.norm(wrench[:3]))
 
 
-__all__ = ["Plan", "Prop", "Status", "Step", "drop_of", "members", "placed_before"]
+__all__ = ["Plan", "Prop", "Status", "Step", "members", "placed_before"]

@@ -100,7 +100,7 @@ def build_bodies(
     # relative to a point of the model, so a distant origin costs no digits
     origin = assembly.centroid[free].mean(axis=0)
     centroid = (assembly.centroid - origin) / length
-    radius = gyration_radii(assembly) / length
+    radius = _gyration_radii(assembly) / length
     wrench = model.load.wrench[free]
     load = np.concatenate([wrench[:, :3], wrench[:, 3:] / (length * radius[free, None])], axis=1)
     strength = np.linalg.norm(load[:, :3], axis=1) + np.linalg.norm(load[:, 3:], axis=1)
@@ -149,7 +149,7 @@ def _weights(area: Floats, interface: Ints) -> Floats:
     return np.maximum(area, LEAST_AREA * mean[interface])
 
 
-def gyration_radii(assembly: Assembly) -> Floats:
+def _gyration_radii(assembly: Assembly) -> Floats:
     """Radius of gyration (n,) [m]: root of the mean moment of inertia divided by mass.
 
     Independent of the axes of the model.
@@ -166,4 +166,4 @@ def gyration_radii(assembly: Assembly) -> Floats:
     return result
 
 
-__all__ = ["Bodies", "build_bodies", "gyration_radii"]
+__all__ = ["Bodies", "build_bodies"]

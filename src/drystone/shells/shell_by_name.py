@@ -188,7 +188,7 @@ SAMPLES: Mapping[str, Mapping[int, Sample]] = MappingProxyType(
 """Kinds, and the approximate number of voussoirs of each size."""
 
 
-def sample_shape(kind: str, thickness: float) -> Shape:
+def _sample_shape(kind: str, thickness: float) -> Shape:
     """The middle surface of a sample."""
     if kind == "barrel":
         return barrel_vault(span=6.0, length=6.0, rise=1.732)
@@ -226,7 +226,7 @@ def sample_shell(kind: str, size: int = 40, *, progress: Progress | None = None)
             remedy=f"kinds are {', '.join(SAMPLES)}; sizes 40, 400, 4000",
         )
     sample = SAMPLES[kind][size]
-    shape = sample_shape(kind, sample.thickness)
+    shape = _sample_shape(kind, sample.thickness)
     return build_shell(
         shape, sample.layout, ShellBody(thickness=sample.thickness), progress=progress
     )

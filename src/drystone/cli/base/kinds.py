@@ -142,7 +142,7 @@ def output_path(text: str, suffixes: Sequence[str]) -> Path:
     return path
 
 
-def folder_path(text: str) -> Path:
+def _folder_path(text: str) -> Path:
     """The path of a folder, which may be made with those above it.
 
     Raises
@@ -189,7 +189,7 @@ def _section(text: str) -> str:
 
 
 TEXT = OptionKind("TEXT", str)
-FOLDER = OptionKind("FOLDER", folder_path)
+FOLDER = OptionKind("FOLDER", _folder_path)
 SECTION = OptionKind("AXIS[=METRES]", _section)
 FILE = OptionKind("FILE", str)
 POSITIVE = number(above=0.0)

@@ -75,7 +75,7 @@ class Waiting:
             if self._bar is not None:
                 self._bar.stop()
         if kind is KeyboardInterrupt:
-            end_workers()
+            _end_workers()
 
     @contextmanager
     def stoppable(self) -> Iterator[Callable[[], bool]]:
@@ -180,7 +180,7 @@ UNDER_WAY: ContextVar[Waiting | None] = ContextVar("UNDER_WAY", default=None)
 """The running work of the command, if it has begun."""
 
 
-def end_workers() -> None:
+def _end_workers() -> None:
     """End the worker processes: their answers are not needed any more."""
     from multiprocessing import active_children  # the commands start fast
 

@@ -18,7 +18,7 @@ SIZES = (1.0, 0.75, 1.25)
 """Courses and widths that are tried, by those that are used otherwise. Chosen."""
 
 
-def layouts_to_try(layout: Layout, pattern: ShellPattern) -> list[Layout]:
+def _layouts_to_try(layout: Layout, pattern: ShellPattern) -> list[Layout]:
     """The layout as it is, others of other sizes, and the first one without stagger."""
     courses = SIZES if pattern.any_courses else (1.0,)
     widths = SIZES if pattern.any_width else (1.0,)
@@ -73,7 +73,7 @@ def find_buildable(
         try:
             return design.make_buildable(
                 shape,
-                layouts_to_try(layout, pattern),
+                _layouts_to_try(layout, pattern),
                 body,
                 options=design.BuildableOptions(wedges=wedges, **given),
                 **common,

@@ -132,7 +132,7 @@ def mend(
             data = {"model": subject.model, **made.to_dict()}
             useless = out is not None and not (made.steps or made.stands)
             files = partial(
-                files_after, model, made.result, made.model, wanted, None if useless else out,
+                _files_after, model, made.result, made.model, wanted, None if useless else out,
                 subject.model, "; ".join(one.description for one in made.steps),
             )  # fmt: skip
             if useless:
@@ -155,7 +155,7 @@ def mend(
         result = check(one.model)
         data |= {"applied": {**one.to_dict(), "verdict": result.verdict.value}}
         files = partial(
-            files_after, model, result, one.model, wanted, out, subject.model, one.description
+            _files_after, model, result, one.model, wanted, out, subject.model, one.description
         )
         code = verdict.exit_code(result, strict=False)
     if pages is not None:
@@ -240,10 +240,10 @@ class Changed(Pictures):
 
     def files(self, found: Shaped | Sharpened, source: str, change: str) -> Files:
         """The changed model, and its pictures with the edges of the model before."""
-        return files_after(found.before, found.result, found.model, self, self.out, source, change)
+        return _files_after(found.before, found.result, found.model, self, self.out, source, change)
 
 
-def files_after(
+def _files_after(
     before: Model,
     result: Result,
     model: Model,

@@ -47,7 +47,7 @@ Moves: TypeAlias = Annotated[
 EXAMPLE = "a force 0,0,-500 or 2kN, a mass 80kg or a moment m=0,0,25"
 
 
-def parsed_load(
+def _parsed_load(
     text: str, assembly: Assembly, where: str = "--load", gravity: Direction | None = None
 ) -> LoadCase:
     """A load case from ``BLOCK:WHAT[@X,Y,Z]``.
@@ -102,7 +102,7 @@ def _components(text: str, known: dict[str, float], example: str) -> list[float]
     return values
 
 
-def parsed_move(text: str, assembly: Assembly) -> LoadCase:
+def _parsed_move(text: str, assembly: Assembly) -> LoadCase:
     """A settlement from ``BLOCK:DX,DY,DZ[,RX,RY,RZ]``.
 
     Raises
@@ -124,7 +124,7 @@ def parsed_move(text: str, assembly: Assembly) -> LoadCase:
         raise error.located("--move") from error
 
 
-def parsed_seismic(text: str, assembly: Assembly) -> LoadCase:
+def _parsed_seismic(text: str, assembly: Assembly) -> LoadCase:
     """A load case from ``KX,KY``."""
     from drystone.loads import LoadCase
 
@@ -145,11 +145,11 @@ def loaded(
     """The base load plus the loads of the options."""
     total = base
     for text in loads or ():
-        total = total + parsed_load(text, assembly, gravity=gravity)
+        total = total + _parsed_load(text, assembly, gravity=gravity)
     if seismic is not None:
-        total = total + parsed_seismic(seismic, assembly)
+        total = total + _parsed_seismic(seismic, assembly)
     for text in moves or ():
-        total = total + parsed_move(text, assembly)
+        total = total + _parsed_move(text, assembly)
     return total
 
 
@@ -194,7 +194,7 @@ def chosen_case(
         if case.name == text:
             return case
     if text.startswith("seismic:"):
-        return parsed_seismic(text.removeprefix("seismic:"), assembly)
+        return _parsed_seismic(text.removeprefix("seismic:"), assembly)
     if ":" not in text:
         names = ", ".join(f"'{case.name}'" for case in known) or "none"
         raise InputError(
@@ -202,7 +202,7 @@ def chosen_case(
             where="CASE",
             remedy=f"the file has {names}; or write seismic:KX,KY or BLOCK:FX,FY,FZ[@X,Y,Z]",
         )
-    return parsed_load(text, assembly, "CASE", gravity)
+    return _parsed_load(text, assembly, "CASE", gravity)
 
 
 def _number(text: str, where: str) -> float:

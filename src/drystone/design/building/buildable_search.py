@@ -194,7 +194,7 @@ class _WedgeSearch:
             now = self.planned(shell, high, high)
             if now is None:
                 break
-            lines = lines_below(shell, helped_courses(shell, now))
+            lines = lines_below(shell, _helped_courses(shell, now))
             if needs_of(now) == NONE or not lines:
                 continue
             # the courses below change with the lines, and count from here on
@@ -219,7 +219,7 @@ class _WedgeSearch:
         ladder = self.options.wedges
         done: set[int] = set()
         while needs_of(made) != NONE and not self.late():
-            lines = [one for one in lines_below(shell, helped_courses(shell, made))
+            lines = [one for one in lines_below(shell, _helped_courses(shell, made))
                      if one not in done]  # fmt: skip
             if not lines:
                 break
@@ -287,7 +287,7 @@ def lines_below(shell: Shell, wanted: Collection[int]) -> list[int]:
     return list(dict.fromkeys(lines))
 
 
-def helped_courses(shell: Shell, made: Plan) -> set[int]:
+def _helped_courses(shell: Shell, made: Plan) -> set[int]:
     """The courses with blocks that are propped, held, or cannot be put in."""
     helped = (Status.PROPPED, Status.HELD, Status.IMPOSSIBLE)
     course = dict(zip(shell.assembly.names, course_of(shell).tolist(), strict=True))

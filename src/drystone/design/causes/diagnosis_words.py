@@ -37,7 +37,7 @@ def newtons(size: float) -> str:
     return f"{size:.3g} N"
 
 
-def force_words(force: Floats) -> str:
+def _force_words(force: Floats) -> str:
     """A force (3,) [N] as text, with its direction.
 
     Examples
@@ -54,7 +54,7 @@ def force_words(force: Floats) -> str:
     return f"a force of {newtons(size)} in the direction ({told})"
 
 
-def rounded_up(value: float, digits: int = 3) -> float:
+def _rounded_up(value: float, digits: int = 3) -> float:
     """A value rounded up to some digits, so that what is told is enough.
 
     Examples
@@ -72,7 +72,7 @@ def glue_words(model: Model, interfaces: Sequence[int], strength: float) -> str:
     """Glue in some joints as text, with its strength [N] rounded up."""
     ends = {(int(model.contacts.block_a[k]), int(model.contacts.block_b[k])) for k in interfaces}
     where = f" between {names_of(model, ends.pop())}" if len(ends) == 1 else ""
-    carried = f"a pull, and a shear, of {newtons(rounded_up(strength))}"
+    carried = f"a pull, and a shear, of {newtons(_rounded_up(strength))}"
     if len(interfaces) == 1:
         return f"glue{where} that carries {carried}"
     return f"glue in {len(interfaces)} joints{where}, each of which carries {carried}"
@@ -213,7 +213,7 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
             f"at {place(needs.support.point)}"
         )
     elif float(np.linalg.norm(needs.force)) > 0.0:
-        missing = f"{force_words(needs.force)} at {place(needs.point)} is missing"
+        missing = f"{_force_words(needs.force)} at {place(needs.point)} is missing"
     if needs.friction is not None:
         ways.append(friction_words("there", needs.friction))
     if needs.ballast is not None:
@@ -221,7 +221,7 @@ def _remedy(model: Model, blocks: tuple[int, ...], needs: Needs) -> str:
         ways.append(f"a weight of {newtons(needs.ballast.force)} on '{name}'")
     if needs.turn is not None:
         name = joint_name(model, blocks, needs.turn.interface)
-        ways.append(f"{name} turned by {rounded_up(needs.turn.angle, 2):g} degrees")
+        ways.append(f"{name} turned by {_rounded_up(needs.turn.angle, 2):g} degrees")
     if needs.glue:
         ways.append(glue_words(model, needs.glue[0].interfaces, needs.glue[0].strength))
     hold = f"{', or '.join(ways)} would hold {them}" if ways else ""

@@ -52,7 +52,7 @@ def with_wrenches(answer: Result, stop: Callable[[], bool], left_s: float = np.i
     model = answer.model
     if model.contacts.dry.all():
         return solve_cra_penalty(model, options=AS_IT_LIES, stop=stop, time_limit_s=left_s)
-    found = least_wrenches(model, stop)
+    found = _least_wrenches(model, stop)
     if found is None:
         return answer
     prop, force = found
@@ -67,7 +67,7 @@ def with_wrenches(answer: Result, stop: Callable[[], bool], left_s: float = np.i
     return replace(answer, prop=prop, force_with_props=force, falling=falling)
 
 
-def least_wrenches(
+def _least_wrenches(
     model: Model, stop: Callable[[], bool] | None = None
 ) -> tuple[Floats, Floats] | None:
     """The least wrenches on free blocks with which joints of any capacity balance the load.

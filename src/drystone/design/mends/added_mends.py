@@ -79,7 +79,7 @@ def prop_mends(bench: Bench) -> Iterator[MendCandidate]:
         held = replace(held, seat=replace(held.seat, block=bench.region.blocks.index(held.block)))
     elif not bench.as_diagnosed:
         held = least_prop(bench.local, bench.own[:MANY], motion, bench.stop)
-    chosen = [held.seat] if held else fewest_props(bench.local, bench.own, motion, bench.stop)
+    chosen = [held.seat] if held else _fewest_props(bench.local, bench.own, motion, bench.stop)
     if not chosen:
         more = ", nor one under each of its blocks" if len(bench.own) <= ALL else ""
         bench.fail("prop", f"no prop on a free face holds it{more}")
@@ -104,7 +104,7 @@ def _with_props(chosen: Sequence[PropSeat], model: Model, blocks: Ints, _: Ints)
     return model
 
 
-def fewest_props(
+def _fewest_props(
     model: Model,
     blocks: Sequence[int],
     motion: Floats,

@@ -96,10 +96,10 @@ def shape(
             f"{chosen.least_edge:.4g} m",
             remedy=f"give a least edge of {shortest:.4g} m or less",
         )
-    return raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
+    return _raise_tilt(search) if chosen.aim is ShapeAim.TILT else search.run()
 
 
-def raise_tilt(search: ShapeSearch) -> Shaped:
+def _raise_tilt(search: ShapeSearch) -> Shaped:
     """Shape a structure to stand at a tilt, then at a larger one, until no larger one is reached.
 
     Each shape starts from the last one that stands. The step is doubled after each success, and

@@ -60,7 +60,7 @@ class Places:
         flat = flattened(vertex, along)
         group = places_of(flat, near)
         point = flat[np.unique(group, return_index=True)[1]]
-        turn = symmetries(mirror, sectors)
+        turn = _symmetries(mirror, sectors)
         return cls(point, group, _images(point, turn, near), turn)
 
     @property
@@ -111,7 +111,7 @@ class Places:
         return np.array(found).reshape(-1, 3)
 
 
-def symmetries(mirror: str | None, sectors: int) -> Floats:
+def _symmetries(mirror: str | None, sectors: int) -> Floats:
     """The rotations and mirrors (s, 3, 3) of a number of sectors about z, and of a mirror axis.
 
     Raises

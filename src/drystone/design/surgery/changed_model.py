@@ -92,7 +92,7 @@ def changed(
     return Model(
         assembly,
         joined_contacts(unchanged, contacts),
-        carried_load(model, assembly, kept),
+        _carried_load(model, assembly, kept),
         notes=model.notes,
     )
 
@@ -220,7 +220,7 @@ def usual_friction(model: Model) -> float:
     return float(np.median(friction)) if len(friction) else 0.6
 
 
-def carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
+def _carried_load(model: Model, assembly: Assembly, kept: Ints) -> LoadCase:
     """The load of a model on its changed blocks; loads other than weight keep their position.
 
     New volume has the acceleration of most blocks.

@@ -131,7 +131,7 @@ def _seen(
     return planar.valid(shapely.polygons(shapely.linearrings(flat, indices=row)))
 
 
-def united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Facet | None:
+def _united(facets: Sequence[Facet], given: Sequence[Facet], size: float) -> Facet | None:
     """One facet that replaces several, ``None`` where no plane polygon has their area.
 
     Parameters
@@ -189,7 +189,7 @@ def join(facets: Sequence[Facet], price: Joining, size: float, *, until: int = 1
         _, i, j = heappop(offers)
         if i not in current or j not in current:
             continue
-        whole = united([current[i], current[j]], given, size)
+        whole = _united([current[i], current[j]], given, size)
         if whole is None:
             continue
         around = (beside.pop(i) | beside.pop(j)) - {i, j}

@@ -30,7 +30,7 @@ def can_hold(
     """
     if len(node.group) < 2 or node.parent is None:
         return True
-    for stage in held_stages(node):
+    for stage in _held_stages(node):
         answer = answer_of(stage)
         if not answer.stands or overloads(answer, node.group, bound.limit, model):
             return False
@@ -61,7 +61,7 @@ def overloads(answer: StageAnswer, group: Sequence[int], limit: Floats, model: S
     return False
 
 
-def held_stages(node: Node) -> list[Stage]:
+def _held_stages(node: Node) -> list[Stage]:
     """Stages within a step, backwards: after the removal of each block except the last."""
     placed = node.placed | mask_of(node.group)
     near = (node.placed, node.props)
@@ -73,4 +73,4 @@ def held_stages(node: Node) -> list[Stage]:
     return out
 
 
-__all__ = ["can_hold", "held_stages", "overloads"]
+__all__ = ["can_hold", "overloads"]

@@ -55,7 +55,7 @@ def trimmed(found: FoundOrder, search: OrderSearch) -> Trimmed:
     before = _cost(path, [node.props for node in path])
     if len(search.levels) > 1:
         path = apart(path, search)
-    props = props_in_time(path, search)
+    props = _props_in_time(path, search)
     cost = _cost(path, props)
     failures = [search.failure(node.placed, held) for node, held in zip(path, props, strict=True)]
     spared = cost < before and search.model.largest[0] <= SPARED
@@ -95,7 +95,7 @@ def apart(path: Sequence[Node], search: OrderSearch) -> list[Node]:
     return out
 
 
-def props_in_time(path: Sequence[Node], search: OrderSearch) -> list[int]:
+def _props_in_time(path: Sequence[Node], search: OrderSearch) -> list[int]:
     """Props at each stage, from the first to the last stage that needs them."""
     needed = [_needed(node, search) for node in path]
     ever = 0
@@ -165,4 +165,4 @@ def _stands(node: Node, search: OrderSearch, *, well: bool) -> bool:
     return answer.stands and search.can_hold(node)
 
 
-__all__ = ["Trimmed", "apart", "props_in_time", "trimmed"]
+__all__ = ["Trimmed", "apart", "trimmed"]

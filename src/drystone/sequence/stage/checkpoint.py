@@ -20,7 +20,7 @@ from drystone.stability import Screening
 FORMAT, VERSION = "drystone-stages", 4
 
 
-def fingerprint(model: Structure) -> str:
+def _fingerprint(model: Structure) -> str:
     """Hash of a model: geometry, contacts, friction, load, and the check."""
     digest = hashlib.sha256()
     contacts, assembly = model.contacts, model.assembly
@@ -45,7 +45,7 @@ def write_checkpoint(path: Path, model: Structure, known: dict[Stage, StageAnswe
     data = {
         "format": FORMAT,
         "version": VERSION,
-        "model": fingerprint(model),
+        "model": _fingerprint(model),
         "parts": [
             {
                 "placed": f"{part.placed:x}",
@@ -76,7 +76,7 @@ def read_checkpoint(path: Path, model: Structure) -> dict[Stage, StageAnswer]:
         data = json.loads(read_bytes(path))
         if data["format"] != FORMAT or data["version"] != VERSION:
             raise FormatError("is no checkpoint of this version", where=str(path))
-        if data["model"] != fingerprint(model):
+        if data["model"] != _fingerprint(model):
             raise FormatError(
                 "the checkpoint belongs to another model",
                 where=str(path),
@@ -111,4 +111,4 @@ def _answer(record: Any) -> StageAnswer:
     )
 
 
-__all__ = ["fingerprint", "read_checkpoint", "write_checkpoint"]
+__all__ = ["read_checkpoint", "write_checkpoint"]

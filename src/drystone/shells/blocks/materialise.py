@@ -92,7 +92,7 @@ def _facet_means(mesh: Tessellation, point: Floats, vector: Floats) -> Floats:
     return _corner_means(loop, across, len(point))
 
 
-def facet_cosine(mesh: Tessellation) -> Floats:
+def _facet_cosine(mesh: Tessellation) -> Floats:
     """(v,) mean cosine between each vertex normal and the flat cells around it.
 
     Pins divided by this factor give blocks the required thickness, measured normal to their faces.
@@ -109,7 +109,7 @@ def raise_pins(mesh: Tessellation, thickness: Floats) -> Pins:
     InputError
         The surface turns by more than 60 degrees across a block.
     """
-    cosine = facet_cosine(mesh)
+    cosine = _facet_cosine(mesh)
     steep = cosine < LEAST_COSINE
     if steep.any():
         raise InputError(
@@ -175,7 +175,7 @@ def keep_thickness(mesh: Tessellation, pins: Pins, thickness: Floats) -> Pins:
     return Pins(grown, pins.start)
 
 
-def side_polygons(mesh: Tessellation, pins: Pins, edge: tuple[int, int]) -> list[tuple[int, ...]]:
+def _side_polygons(mesh: Tessellation, pins: Pins, edge: tuple[int, int]) -> list[tuple[int, ...]]:
     """Side faces of the cell on the left of an edge, outwards: one, or four at a joggle."""
     a, b = pins.of(edge[0]), pins.of(edge[1])
     head = (min(edge), max(edge)) in mesh.heads
@@ -193,7 +193,7 @@ def joint_polygons(mesh: Tessellation, pins: Pins) -> list[tuple[int, ...]]:
             key = frozenset(edge)
             if key not in seen:
                 seen.add(key)
-                polygons += side_polygons(mesh, pins, edge)
+                polygons += _side_polygons(mesh, pins, edge)
     return polygons
 
 
@@ -204,7 +204,7 @@ def cell_faces(
     low = tuple(int(pins.start[v]) for v in reversed(cell))
     high = tuple(int(pins.start[v + 1]) - 1 for v in cell)
     edges = loop_edges(cell)
-    return low, high, [face for edge in edges for face in side_polygons(mesh, pins, edge)]
+    return low, high, [face for edge in edges for face in _side_polygons(mesh, pins, edge)]
 
 
 def make_blocks(

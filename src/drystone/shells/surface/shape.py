@@ -117,7 +117,7 @@ class Shape(OneLine):
             self._check_seam(seam)
 
     def _check_seam(self, seam: Seam) -> None:
-        one, other = (resample(self.points_along(e, 257), 33) for e in (seam.one, seam.other))
+        one, other = (_resample(self.points_along(e, 257), 33) for e in (seam.one, seam.other))
         gap = float(np.linalg.norm(one - other, axis=1).max())
         size = max(self.patches[e.patch].size for e in (seam.one, seam.other))
         if gap > SEAM_GAP * size:
@@ -147,7 +147,7 @@ class Shape(OneLine):
         return replace(self, supports=tuple(supports))
 
 
-def resample(points: Floats, count: int) -> Floats:
+def _resample(points: Floats, count: int) -> Floats:
     """(count, 3) points evenly along a polyline (p, 3)."""
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     at = np.linspace(0.0, length[-1], count)

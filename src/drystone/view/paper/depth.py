@@ -72,7 +72,7 @@ def ordered_patches(
     front = normal @ toward > EDGE_ON
     _, _, drawn = sharp_edges(faces, normal)
     bodies = SeparationData.of(assembly, normal)
-    before, after = block_constraints(bodies, contacts, toward, paper)
+    before, after = _block_constraints(bodies, contacts, toward, paper)
     n = len(assembly)
     graph = coo_array((np.ones(len(before)), (before, after)), shape=(n, n))
     group_count, group = connected_components(graph, directed=True, connection="strong")
@@ -86,7 +86,7 @@ def ordered_patches(
     return _patches(assembly, toward, paper, front, drawn, rank[group], mixed)
 
 
-def block_constraints(
+def _block_constraints(
     bodies: SeparationData, contacts: Contacts, toward: Floats, paper: Floats
 ) -> tuple[Ints, Ints]:
     """Pairs of blocks (before, after), to be drawn in this order; both ways where neither works.

@@ -73,10 +73,10 @@ def save_report(
     InputError
         The result has no forces, or the file cannot be written.
     """
-    write_bytes(path, report_text(result, strength, worst).encode("utf-8"))
+    write_bytes(path, _report_text(result, strength, worst).encode("utf-8"))
 
 
-def report_text(result: Result, strength: float | None, worst: int) -> str:
+def _report_text(result: Result, strength: float | None, worst: int) -> str:
     """The page as text."""
     table = result.joints(strength=strength)
     chosen = worst_joints(table, worst).tolist()

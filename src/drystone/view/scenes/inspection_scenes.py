@@ -110,7 +110,7 @@ def save_inspection(
     """
     panels = [_report_panel(found.report)]
     if sweep is not None:
-        panels.append(sweep_panel(sweep, found.report.options.gap))
+        panels.append(_sweep_panel(sweep, found.report.options.gap))
     scene = replace(inspection_scene(assembly, found, bare, source), panels=tuple(panels))
     text = page_text(scene if section is None else cut_at(scene, section))
     write_bytes(path, text.encode("utf-8"))
@@ -174,7 +174,7 @@ def _edge_layers(found: Detection) -> tuple[Layer, ...]:
     )
 
 
-def sweep_panel(sweep: GapSweep, used: float) -> str:
+def _sweep_panel(sweep: GapSweep, used: float) -> str:
     """HTML with the curve, its plateau shaded, and a line at the gap that was ``used``.
 
     Examples

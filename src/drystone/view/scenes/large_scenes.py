@@ -59,7 +59,7 @@ def large_scene(found: LargeDisplacement, source: str = "") -> Scene:
     facts = facts_of(assembly, contacts, model.load, source)
     title = f"drystone: {headline[0].lower()}{headline[1:]}"
     return Scene(
-        assembly, contacts, (whole,), title, facts, panels=(curve_panel(found),), preset="solid"
+        assembly, contacts, (whole,), title, facts, panels=(_curve_panel(found),), preset="solid"
     )
 
 
@@ -113,7 +113,7 @@ def _marks(found: LargeDisplacement, state: LargeState) -> tuple[Layer, ...]:
     return tuple(made)
 
 
-def curve_panel(found: LargeDisplacement) -> str:
+def _curve_panel(found: LargeDisplacement) -> str:
     """HTML with the curve of load against displacement."""
     far = max(float(found.displacement.max(initial=0.0)), 1e-300)
     low, high = min(float(found.load.min()), 0.0), max(float(found.load.max()), 1e-300)

@@ -99,7 +99,7 @@ def _same_shape(first: Result, second: Result) -> bool:
 
 def _stage(limit: Limit, state: Result, value: float, falls: bool) -> SceneStage:
     """One side of the limit."""
-    told = quantity_text(limit, value, state)
+    told = _quantity_text(limit, value, state)
     headline = f"{'Falls at' if falls else _verb(limit)} {told}"
     facts = facts_of(state.assembly, state.contacts, state.load)
     return replace(
@@ -119,10 +119,10 @@ def _summary(limit: Limit, state: Result) -> str:
     stands = limit.best.stands
     if stands is None:
         return "it does not stand anywhere in the range that was searched"
-    return f"{_verb(limit).lower()} {quantity_text(limit, stands, state)}"
+    return f"{_verb(limit).lower()} {_quantity_text(limit, stands, state)}"
 
 
-def quantity_text(limit: Limit, value: float, state: Result) -> str:
+def _quantity_text(limit: Limit, value: float, state: Result) -> str:
     """The value of a limit with its unit, and for a tilt its direction.
 
     Examples

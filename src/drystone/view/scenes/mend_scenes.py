@@ -76,14 +76,14 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
         if id(block) not in kept
     ]
     stage = stage_of(result, "mended")
-    layers = [*stage.layers, *change_layers(before, result.model)]
+    layers = [*stage.layers, *_change_layers(before, result.model)]
     if lines:
         ends = np.concatenate(lines)
         ghost = Layer(
             "before", "edges before", LayerKind.LINES, "missed", ends[:, 0], ends[:, 1] - ends[:, 0]
         )
         layers.append(ghost)
-    added = added_blocks(before, result.model) & (stage.state != State.FALLING)
+    added = _added_blocks(before, result.model) & (stage.state != State.FALLING)
     state = np.where(added, State.ADDED, stage.state)
     stage = replace(stage, state=state, layers=tuple(layers))
     facts = dict(facts_of(result.assembly, result.contacts, result.model.load, source))
@@ -92,12 +92,12 @@ def mended_scene(before: Model, result: Result, source: str = "", change: str = 
     return Scene(result.assembly, result.contacts, (stage,), "drystone: mended", facts)
 
 
-def added_blocks(before: Model, after: Model) -> Bools:
+def _added_blocks(before: Model, after: Model) -> Bools:
     """The blocks (n,) of the model after whose names the model before has not."""
     return np.array([name not in before.assembly for name in after.assembly.names], dtype=bool)
 
 
-def change_layers(before: Model, after: Model) -> tuple[Layer, ...]:
+def _change_layers(before: Model, after: Model) -> tuple[Layer, ...]:
     """Glued and rougher joints, ties and weights that the model after has, and the other has not.
 
     Joints are compared by the names of their blocks.

@@ -175,7 +175,7 @@ def summary_stage(plan: Plan) -> SceneStage:
     up, gravity = directions(plan.model.assembly, plan.model.model.load)
     return SceneStage(
         f"all blocks, after {counted(len(plan.steps), 'step')}",
-        plan_sentence(plan),
+        _plan_sentence(plan),
         message,
         state,
         verdict,
@@ -185,7 +185,7 @@ def summary_stage(plan: Plan) -> SceneStage:
     )
 
 
-def plan_sentence(plan: Plan) -> str:
+def _plan_sentence(plan: Plan) -> str:
     """The answer of a plan: whether the model can be assembled, and with which help."""
     counts = plan.counts
     if counts["impossible"]:

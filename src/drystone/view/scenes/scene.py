@@ -35,7 +35,7 @@ def now() -> str:
     return f"{day}, drystone {drystone.__version__}"
 
 
-def round_up(value: float) -> float:
+def _round_up(value: float) -> float:
     """The next larger number with two digits."""
     step = 10.0 ** (np.floor(np.log10(value)) - 1.0)
     return float(np.ceil(value / step - 1e-9) * step)
@@ -339,4 +339,4 @@ class Scene(OneLine):
         if len(value) == 0:
             return 0.0
         most, common = float(value.max()), float(np.quantile(value, COMMON))
-        return most if most < 1.5 * common else round_up(common)
+        return most if most < 1.5 * common else _round_up(common)

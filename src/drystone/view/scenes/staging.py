@@ -70,9 +70,9 @@ def stage_of(result: Result, label: str = "result") -> SceneStage:
         result.verdict, prop=needed, up=up, gravity=gravity,
     )  # fmt: skip
     if result.falls:
-        motion = falling_motion(result)
+        motion = _falling_motion(result)
         if motion is not None:
-            layers += fall_layers(result.model, motion)
+            layers += _fall_layers(result.model, motion)
         return replace(stage, motion=motion, plays=True, layers=tuple(layers))
     motion = result.mechanism
     if motion is None and result.displacement is not None:
@@ -92,7 +92,7 @@ def stage_of(result: Result, label: str = "result") -> SceneStage:
     )
 
 
-def falling_motion(result: Result) -> Floats | None:
+def _falling_motion(result: Result) -> Floats | None:
     """The first motion (n, 6) of what falls, as the diagnosis tells it.
 
     The mechanism of a result proves that it falls. It is one of many, and often not the one that
@@ -167,7 +167,7 @@ def help_layer(
     )  # fmt: skip
 
 
-def fall_layers(model: Model, motion: Floats) -> tuple[Layer, ...]:
+def _fall_layers(model: Model, motion: Floats) -> tuple[Layer, ...]:
     """The hinges and the sliding joints of a first motion."""
     hinge, slide, place = moving_joints(model, motion)
     return _marks(place, hinge, "turns about an edge", slide, "slides")

@@ -110,7 +110,7 @@ LEFT_OUT = frozenset({"joint-pressure", "joint-use", "pressure", "resultants"})
 """Layers that such a page does not have."""
 
 
-def lightened(scene: Scene) -> Scene:
+def _lightened(scene: Scene) -> Scene:
     """The scene of a page; with very many blocks without details, and with a note."""
     count = len(scene.assembly)
     if count <= MANY_BLOCKS:
@@ -132,7 +132,7 @@ def lightened(scene: Scene) -> Scene:
 
 def encode(scene: Scene) -> dict[str, Any]:
     """The data of a page that shows ``scene``."""
-    scene = lightened(scene)
+    scene = _lightened(scene)
     blobs = Blobs()
     origin = scene.centre
     contacts = scene.contacts
